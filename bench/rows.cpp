@@ -85,11 +85,11 @@ void Robot::add_derivatives() {
   });
   if (nv > dense) return;
   add("rnea_derivatives", [this](int k) { dyn_rnea_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr); });
-  add("aba_derivatives", [this](int k) { dyn_aba_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr, nullptr); });
+  add("aba_derivatives", [this](int k) { dyn_aba_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr); });
   add("gravity_torque_derivatives", [this](int k) { dyn_gravity_torque_derivatives(m, d, Q(k), nullptr); });
   add("static_torque_derivatives", [this](int k) { dyn_static_torque_derivatives(m, d, Q(k), nullptr, nullptr); });
   add("rnea_second_order_product", [this](int k) {
-    dyn_rnea_second_order_product(m, d, Q(k), V(k), A(k), nullptr, U(k), nullptr, nullptr, nullptr, nullptr);
+    dyn_rnea_second_order_product(m, d, Q(k), V(k), A(k), nullptr, U(k), nullptr);
   });
   if (nv > tensors) return;
   add("frame_kinematic_hessian", [this](int k) {
@@ -99,7 +99,8 @@ void Robot::add_derivatives() {
   add("rnea_second_order_derivatives", [this](int k) {
     const std::ptrdiff_t cube = std::ptrdiff_t(nv) * nv * nv;
     double* t = x.data();
-    dyn_rnea_second_order_derivatives(m, d, Q(k), V(k), A(k), nullptr, t, t + cube, t + 2 * cube, t + 3 * cube);
+    const dynSecondOrderDerivatives out = {sizeof out, t, t + cube, t + 2 * cube, t + 3 * cube};
+    dyn_rnea_second_order_derivatives(m, d, Q(k), V(k), A(k), nullptr, &out);
   });
 }
 
@@ -129,13 +130,13 @@ void Robot::add_constraints() {
       require(dyn_data_set_constraint(m, d, slot++, &c));
     }
   if (!slot) return;
-  add("constrained_dynamics", [this](int k) { dyn_constrained_dynamics(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr, nullptr, nullptr); });
+  add("constrained_dynamics", [this](int k) { dyn_constrained_dynamics(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr); });
   add("constraint_impulse", [this](int k) { dyn_constraint_impulse(m, d, Q(k), V(k), nullptr, nullptr, nullptr, nullptr); });
   add("delassus", [this](int k) { dyn_delassus(m, d, Q(k), nullptr); });
   add("constrained_dynamics_derivatives", [this](int k) {
     dynConstraintDerivatives out{};
     out.struct_size = sizeof out;
-    dyn_constrained_dynamics_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr, &out, nullptr);
+    dyn_constrained_dynamics_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr, &out);
   });
 }
 
@@ -144,7 +145,7 @@ void Robot::add_centroidal() {
   add("centroidal_map_time_variation", [this](int k) { dyn_centroidal_map_time_variation(m, d, Q(k), V(k), nullptr); });
   add("centroidal_momentum", [this](int k) { dyn_centroidal_momentum(m, d, Q(k), V(k), nullptr); });
   add("centroidal_momentum_time_variation", [this](int k) { dyn_centroidal_momentum_time_variation(m, d, Q(k), V(k), A(k), nullptr); });
-  add("centroidal_derivatives", [this](int k) { dyn_centroidal_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr, nullptr); });
+  add("centroidal_derivatives", [this](int k) { dyn_centroidal_derivatives(m, d, Q(k), V(k), A(k), nullptr); });
 }
 
 void Robot::add_regressors() {

@@ -10,12 +10,6 @@ using namespace dyn::capi;
 
 namespace {
 
-dynStatus check_size(const char* function, const dynActuator* a) {
-  if (!a) return fail(DYN_ERROR_ARGUMENT, "%s: actuator is NULL", function);
-  if (a->struct_size >= sizeof *a) return DYN_OK;
-  return fail(DYN_ERROR_SIZE, "%s: dynActuator's struct_size is %u, needs %zu: call dyn_actuator_init", function, a->struct_size, sizeof *a);
-}
-
 template <class F>
 dynStatus with(dynBuilder* builder, F&& f) {
   if (const dynStatus s = check(builder)) return s;
@@ -37,16 +31,21 @@ Force<double> shifted(const Force<double>& f, const Vec3<double>& p) { return {f
 
 }  // namespace
 
+template <>
+dynActuator capi::defaults() {
+  return default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
+}
+
 extern "C" {
 
-void dyn_actuator_init(dynActuator* actuator, dynActuatorType type) {
-  if (actuator) *actuator = default_actuator(type);
-}
+void(dyn_actuator_init)(dynActuator* actuator, uint32_t size, dynActuatorType type) { initialize(actuator, size, default_actuator(type)); }
 
 dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint) {
   if (const dynStatus s = check(builder)) return s;
-  if (const dynStatus s = check_size("dyn_builder_add_actuator", actuator)) return s;
-  return with(builder, [&](Builder& b) { b.actuator(text(name), *actuator, text(joint)); });
+  if (!actuator) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_actuator: actuator is NULL: it is required");
+  const Given<dynActuator> given("dyn_builder_add_actuator", actuator);
+  if (given.status != DYN_OK) return given.status;
+  return with(builder, [&](Builder& b) { b.actuator(text(name), *given, text(joint)); });
 }
 
 dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* body, double share) {
@@ -81,9 +80,9 @@ int dyn_model_actuator_id(const dynModel* model, const char* name) {
 
 dynStatus dyn_model_actuator_info(const dynModel* model, int actuator, dynActuator* out) {
   if (const dynStatus s = check(model)) return s;
-  if (const dynStatus s = check_size("dyn_model_actuator_info", out)) return s;
+  if (const dynStatus s = check_struct("dyn_model_actuator_info", "out", out)) return s;
   if (!exists("dyn_model_actuator_info", *model->m, actuator)) return DYN_ERROR_ARGUMENT;
-  *out = model->m->actuators()[actuator].spec;
+  write_struct(model->m->actuators()[actuator].spec, out);
   return DYN_OK;
 }
 

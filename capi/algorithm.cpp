@@ -58,7 +58,7 @@ bool dyn::capi::no_overflow(Call& call, int level, double bound) {
 }
 
 // The same for what a frame query reads, which another call may have computed without looking.
-bool dyn::capi::moderate_frame(Call& call, int frame, int level, double bound) {
+bool dyn::capi::no_overflow_frame(Call& call, int frame, int level, double bound) {
   const Model& m = call.m();
   const Data<double>& d = call.d();
   for (Index i = m.frames()[frame].body; i != 0; i = m.bodies()[i].parent) {
@@ -133,7 +133,7 @@ dynStatus dyn_frame_placement(const dynModel* model, dynData* data, int frame, d
   if (!call || !call.frame(frame) || !call.required("placement", placement) ||
       !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics"))
     return call.status;
-  if (moderate_frame(call, frame, 0)) frame_placement(call.m(), call.d(), frame, placement);
+  if (no_overflow_frame(call, frame, 0)) frame_placement(call.m(), call.d(), frame, placement);
   return call.status;
 }
 
@@ -152,7 +152,7 @@ dynStatus dyn_frame_velocity(const dynModel* model, dynData* data, int frame, dy
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("velocity", velocity) ||
       !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
     return call.status;
-  if (moderate_frame(call, frame, 1)) frame_velocity(call.m(), call.d(), frame, reference, velocity);
+  if (no_overflow_frame(call, frame, 1)) frame_velocity(call.m(), call.d(), frame, reference, velocity);
   return call.status;
 }
 
@@ -161,7 +161,7 @@ static dynStatus acceleration(const dynModel* model, dynData* data, int frame, d
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("acceleration", out) ||
       !call.fresh(Stage::Acceleration, "the acceleration", "dyn_forward_kinematics with q, v and a"))
     return call.status;
-  if (moderate_frame(call, frame, 2)) frame_acceleration(call.m(), call.d(), frame, reference, classical, out);
+  if (no_overflow_frame(call, frame, 2)) frame_acceleration(call.m(), call.d(), frame, reference, classical, out);
   return call.status;
 }
 
@@ -196,7 +196,7 @@ dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dy
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("J", J, call.m().n.nv) ||
       !call.fresh(Stage::Position, "the Jacobian's configuration", "dyn_forward_kinematics"))
     return call.status;
-  if (moderate_frame(call, frame, 0)) frame_jacobian(call.m(), call.d(), frame, reference, J);
+  if (no_overflow_frame(call, frame, 0)) frame_jacobian(call.m(), call.d(), frame, reference, J);
   return call.status;
 }
 
@@ -205,7 +205,7 @@ dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("dJ", dJ, call.m().n.nv) ||
       !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
     return call.status;
-  if (moderate_frame(call, frame, 1)) frame_jacobian_time_variation(call.m(), call.d(), frame, reference, dJ);
+  if (no_overflow_frame(call, frame, 1)) frame_jacobian_time_variation(call.m(), call.d(), frame, reference, dJ);
   return call.status;
 }
 

@@ -2,6 +2,8 @@
 #include "batch.hpp"
 #include "reflection.hpp"
 
+#include "handles.hpp"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -26,8 +28,8 @@ const char* sentence(const char* error) {
   return std::strncmp(error, "dyn_", 4) == 0 && colon && !std::memchr(error, ' ', std::size_t(colon - error)) ? colon + 2 : error;
 }
 
-// What the state before left can't be used again: where it could, some algorithms take another way, which rounds differently.
-void forget(dynData* data) { data->d.version[input_q] = ++data->counter; }
+// Drops results of the state before. Reusing them would change the rounding of some algorithms.
+void forget(dynData* data) { data->body->d.version[input_q] = ++data->body->counter; }
 
 // Whether it is the numbers of one state that are at fault, rather than what all states share.
 bool of_one_state(dynStatus status) { return status == DYN_ERROR_NONFINITE || status == DYN_ERROR_QUATERNION || status == DYN_ERROR_NUMERIC; }
@@ -138,6 +140,11 @@ dynStatus Batch::first_failure(std::int64_t n, const char* where, const char* wh
               static_cast<long long>(failures), static_cast<long long>(n), what);
 }
 
+template <>
+dynBatchArrays capi::defaults() {
+  return {};
+}
+
 extern "C" {
 
 dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynBatch** batch) {
@@ -148,7 +155,7 @@ dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynB
   return guarded([&] {
     try {
       auto made = std::make_unique<Batch>(model, parts, threads);
-      dynBatch* h = new_batch_handle();
+      dynBatch* h = new_handle<dynBatch>();
       if (!h) return fail(DYN_ERROR_MEMORY, "dyn_batch_new: out of memory");
       h->b = made.release();
       h->magic = live_batch;
@@ -172,19 +179,13 @@ dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects) {
   return batch->b->set_effects(joint, effects);
 }
 
-void dyn_batch_arrays_init(dynBatchArrays* arrays) {
-  if (!arrays) return;
-  *arrays = {};
-  arrays->struct_size = sizeof(dynBatchArrays);
-}
-
-dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays) {
+dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, const dynBatchArrays* given) {
   if (const dynStatus s = check(batch)) return s;
   if (const dynStatus s = check_value(algorithm, "dyn_batch_run", "algorithm")) return s;
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
-  if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: arrays is NULL: it is required");
-  if (arrays->struct_size < sizeof(dynBatchArrays))
-    return fail(DYN_ERROR_SIZE, "dyn_batch_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init", arrays->struct_size, sizeof(dynBatchArrays));
+  if (!given) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: arrays is NULL: it is required");
+  const Given<dynBatchArrays> arrays("dyn_batch_run", given);
+  if (arrays.status != DYN_OK) return arrays.status;
   if (n < 0 || n > max_records) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n), static_cast<long long>(max_records));
   if (n == 0) return DYN_OK;
   if (!arrays->q) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q is NULL: it is required", row.name);
@@ -208,18 +209,15 @@ dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynA
   if (model)
     if (const dynStatus s = check(model)) return s;
   if (const dynStatus s = check_value(algorithm, "dyn_algorithm_info", "algorithm")) return s;
-  if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_algorithm_info: info is NULL");
-  if (info->struct_size < sizeof(dynAlgorithmInfo))
-    return fail(DYN_ERROR_SIZE, "dyn_algorithm_info: struct_size is %u, needs %zu: set it to sizeof(dynAlgorithmInfo)", info->struct_size, sizeof(dynAlgorithmInfo));
+  if (const dynStatus s = check_struct("dyn_algorithm_info", "info", info)) return s;
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
-  const uint32_t size = info->struct_size;
-  *info = {};
-  info->struct_size = size;
-  info->name = row.name, info->inputs = row.inputs, info->outputs = row.output_count();
-  for (int k = 0; k < info->outputs; ++k) {
+  dynAlgorithmInfo out{};
+  out.name = row.name, out.inputs = row.inputs, out.outputs = row.output_count();
+  for (int k = 0; k < out.outputs; ++k) {
     const Extent extent = row.outputs[k].extent(model ? Sizes(*model->m) : Sizes());
-    info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols, info->pages[k] = extent.pages;
+    out.output[k] = row.outputs[k].name, out.rows[k] = extent.rows, out.cols[k] = extent.cols, out.pages[k] = extent.pages;
   }
+  write_struct(out, info);
   return DYN_OK;
 }
 

@@ -12,7 +12,7 @@
 
 namespace dyn::capi {
 
-// Of more states or records than these the address of the last one does not exist: of 4 GiB each, or, where addresses have 32 bits, of a number each.
+// Largest number of states or records: the address of the last one must exist. 64-bit: 4 GiB each. 32-bit: one number each.
 constexpr std::int64_t max_records =
     std::min<std::int64_t>(std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::ptrdiff_t>::max() / std::int64_t(sizeof(double)));
 
@@ -56,7 +56,7 @@ class Batch {
   dynStatus rollout(std::int64_t n, const dynRollout& rollout);
 
  private:
-  // What one thread keeps of a call: its first failure.
+  // The first failure of one thread in a call.
   struct alignas(64) Worker {
     std::int64_t failures, first;
     dynStatus status;

@@ -1,4 +1,4 @@
-// What a batch computes: one row for each value of dynAlgorithm, in its order.
+// Algorithms of batches: one row for each value of dynAlgorithm, in its order.
 #include <cstring>
 
 #include "batch.hpp"
@@ -26,7 +26,7 @@ dynStatus step_one(const dynModel* m, dynData* d, const dynBatchArrays& x) {
   options.integrator = x.integrator, options.dt = x.dt;
   if (status == DYN_OK) status = dyn_data_set_step_options(m, d, &options);
   if (status == DYN_OK) status = dyn_step(m, d);
-  if (status == DYN_OK) copy_out(d->d.q, m->m->n.nq, x.out[0]), copy_out(d->d.v, m->m->n.nv, x.out[1]);
+  if (status == DYN_OK) copy_out(d->body->d.q, m->m->n.nq, x.out[0]), copy_out(d->body->d.v, m->m->n.nv, x.out[1]);
   return status;
 }
 
@@ -84,7 +84,10 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
     {"rnea_derivatives", "q v a fext", {OUT(dtau_dq, NV, NV), OUT(dtau_dv, NV, NV)},
      CALL { return dyn_rnea_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1]); }},
     {"aba_derivatives", "q v tau fext", {OUT(ddq_dq, NV, NV), OUT(ddq_dv, NV, NV), OUT(ddq_dtau, NV, NV)},
-     CALL { return dyn_aba_derivatives(m, d, x.q, x.v, x.tau, x.fext, x.out[0], x.out[1], x.out[2]); }},
+     CALL {
+       const dynAbaDerivatives out = {sizeof out, x.out[0], x.out[1], x.out[2]};
+       return dyn_aba_derivatives(m, d, x.q, x.v, x.tau, x.fext, &out);
+     }},
     {"energy", "q v", {OUT(kinetic, 1, 1), OUT(potential, 1, 1)}, CALL { return dyn_energy(m, d, x.q, x.v, x.out[0], x.out[1]); }},
     {"kinetic_energy", "q v", {OUT(kinetic, 1, 1)}, CALL { return dyn_kinetic_energy(m, d, x.q, x.v, x.out[0]); }},
     {"potential_energy", "q", {OUT(potential, 1, 1)}, CALL { return dyn_potential_energy(m, d, x.q, x.out[0]); }},
@@ -96,7 +99,10 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
     {"centroidal_momentum_time_variation", "q v a", {OUT(dhg, 6, 1)},
      CALL { return dyn_centroidal_momentum_time_variation(m, d, x.q, x.v, x.a, x.out[0]); }},
     {"centroidal_derivatives", "q v a", {OUT(dh_dq, 6, NV), OUT(dhdot_dq, 6, NV), OUT(dhdot_dv, 6, NV), OUT(dhdot_da, 6, NV)},
-     CALL { return dyn_centroidal_derivatives(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+     CALL {
+       const dynCentroidalDerivatives out = {sizeof out, x.out[0], x.out[1], x.out[2], x.out[3]};
+       return dyn_centroidal_derivatives(m, d, x.q, x.v, x.a, &out);
+     }},
     {"joint_torque_regressor", "q v a", {OUT(Y, NV, s.nparameters)},
      CALL { return dyn_joint_torque_regressor(m, d, x.q, x.v, x.a, x.out[0]); }},
     {"static_regressor", "q", {OUT(Y, 3, s.nparameters)}, CALL { return dyn_static_regressor(m, d, x.q, x.out[0]); }},
@@ -121,10 +127,16 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
     {"frame_classical_acceleration_derivatives", "frame reference q v a", {OUT(da_dq, 6, NV), OUT(da_dv, 6, NV), OUT(da_da, 6, NV)},
      AFTER_KINEMATICS(x.q, x.v, x.a, dyn_frame_classical_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]))},
     {"rnea_second_order_product", "b q v a fext", {OUT(dqdq, NV, NV), OUT(dvdv, NV, NV), OUT(dqdv, NV, NV), OUT(dadq, NV, NV)},
-     CALL { return dyn_rnea_second_order_product(m, d, x.q, x.v, x.a, x.fext, x.b, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+     CALL {
+       const dynSecondOrderDerivatives out = {sizeof out, x.out[0], x.out[1], x.out[2], x.out[3]};
+       return dyn_rnea_second_order_product(m, d, x.q, x.v, x.a, x.fext, x.b, &out);
+     }},
     {"rnea_second_order_derivatives", "q v a fext",
      {OUT(d2tau_dqdq, NV, NV, NV), OUT(d2tau_dvdv, NV, NV, NV), OUT(d2tau_dqdv, NV, NV, NV), OUT(d2tau_dadq, NV, NV, NV)},
-     CALL { return dyn_rnea_second_order_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+     CALL {
+       const dynSecondOrderDerivatives out = {sizeof out, x.out[0], x.out[1], x.out[2], x.out[3]};
+       return dyn_rnea_second_order_derivatives(m, d, x.q, x.v, x.a, x.fext, &out);
+     }},
     {"frame_kinematic_hessian", "frame reference q", {OUT(H, 6, NV, NV)},
      AFTER_KINEMATICS(x.q, nullptr, nullptr, dyn_frame_kinematic_hessian(m, d, x.frame, x.reference, x.out[0]))},
     {"difference", "q q1", {OUT(v, NV, 1)}, CALL { return (void)d, dyn_difference(m, x.q, x.q1, x.out[0]); }},

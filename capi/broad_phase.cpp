@@ -6,6 +6,7 @@
 #include <new>
 
 #include "collision.hpp"
+#include "handles.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -64,7 +65,7 @@ dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin
   if (const dynStatus s = check_margin(function, margin)) return s;
   constexpr std::size_t head = (sizeof(BroadPhase) + 63) / 64 * 64;
   void* memory = std::aligned_alloc(64, head + BroadPhase::bytes(capacity, std::ptrdiff_t(pair_capacity)));
-  dynBroadPhase* h = memory ? new_broad_phase_handle() : nullptr;
+  dynBroadPhase* h = memory ? new_handle<dynBroadPhase>() : nullptr;
   if (!h) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
   h->memory = memory;
   h->b = new (memory) BroadPhase(capacity, std::ptrdiff_t(pair_capacity), margin, static_cast<char*>(memory) + head);

@@ -4,21 +4,22 @@
 #include "model/colour.hpp"
 #include "surfaces.hpp"
 #include "reflection.hpp"
+#include "handles.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
 namespace {
 
-void check_size(const dynJointSpec& s) {
-  if (s.struct_size < sizeof(dynJointSpec))
-    throw Error(DYN_ERROR_SIZE, "dynJointSpec: struct_size is " + std::to_string(s.struct_size) + ", needs " + std::to_string(sizeof(dynJointSpec)) +
-                                    ": call dyn_joint_spec_init first");
+// Throws when the caller's struct is refused.
+template <class S>
+const S& sound(const Given<S>& given) {
+  if (given.status != DYN_OK) throw Error(given.status, dyn_last_error());
+  return *given;
 }
 
 // depth bounds composites of composites
-JointSpec read_spec(const dynJointSpec& s, int depth) {
-  check_size(s);
+JointSpec read_spec(const char* function, const dynJointSpec& s, int depth) {
   if (depth > 16) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: composites more than 16 deep");
   require_value(s.type, "dynJointSpec", "type");
   JointSpec out;
@@ -34,13 +35,21 @@ JointSpec read_spec(const dynJointSpec& s, int depth) {
   if (s.type != DYN_JOINT_TYPE_COMPOSITE && (s.parts || s.parts_count))
     throw Error(DYN_ERROR_ARGUMENT, "joint '" + out.name + "': parts are given, but its type is " + joint_type_name(s.type) +
                                         ": use DYN_JOINT_TYPE_COMPOSITE, or leave parts NULL");
-  for (size_t k = 0; k < s.parts_count; ++k) out.parts.push_back(read_spec(s.parts[k], depth + 1));
+  for (size_t k = 0; k < s.parts_count; ++k) {
+    const auto* part = reinterpret_cast<const dynJointSpec*>(reinterpret_cast<const char*>(s.parts) + k * s.parts->struct_size);
+    if (part->struct_size != s.parts->struct_size)
+      throw Error(DYN_ERROR_SIZE, "dynJointSpec: struct_size is " + std::to_string(part->struct_size) + " of part " + std::to_string(k) + " and " +
+                                      std::to_string(s.parts->struct_size) + " of the first: call dyn_joint_spec_init for each");
+    out.parts.push_back(read_spec(function, sound(Given<dynJointSpec>(function, part)), depth + 1));
+  }
   return out;
 }
 
 // With the numbers that only a whole joint has.
-JointSpec read_joint(const dynJointSpec& s) {
-  JointSpec out = read_spec(s, 0);
+JointSpec read_joint(const char* function, const dynJointSpec* spec) {
+  const Given<dynJointSpec> given(function, spec);
+  const dynJointSpec& s = sound(given);
+  JointSpec out = read_spec(function, s, 0);
   const int nq = spec_nq(out), nv = spec_nv(out);
   auto read = [](const double* x, int n) { return x ? std::vector<double>(x, x + n) : std::vector<double>(); };
   out.lower = read(s.lower, nq), out.upper = read(s.upper, nq);
@@ -71,8 +80,14 @@ Placement read_placement(const double* x) {
 
 const char* text(const char* s) { return s ? s : ""; }
 
+// No robot has more.
+dynStatus check_array(const char* function, const char* name, const void* x, std::size_t n) {
+  if (!x && n) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, name);
+  return n <= std::size_t(INT32_MAX) ? DYN_OK : fail(DYN_ERROR_SIZE, "%s: %s has %zu elements: give at most %d", function, name, n, INT32_MAX);
+}
+
 dynStatus make_handle(std::unique_ptr<Builder> b, dynBuilder** out) {
-  dynBuilder* handle = new_builder_handle();
+  dynBuilder* handle = new_handle<dynBuilder>();
   if (!handle) throw std::bad_alloc();
   handle->b = b.release();
   handle->magic = live_builder;
@@ -82,17 +97,27 @@ dynStatus make_handle(std::unique_ptr<Builder> b, dynBuilder** out) {
 
 }  // namespace
 
-extern "C" {
-
-void dyn_joint_spec_init(dynJointSpec* spec) {
-  if (!spec) return;
-  std::memset(spec, 0, sizeof *spec);
-  spec->struct_size = sizeof *spec;
-  spec->type = DYN_JOINT_TYPE_REVOLUTE;
-  spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
-  spec->axis[2] = spec->axis2[0] = 1;
-  spec->gear_ratio = spec->mimic_ratio = 1;
+template <>
+dynJointSpec capi::defaults() {
+  dynJointSpec s{};
+  s.type = DYN_JOINT_TYPE_REVOLUTE;
+  s.placement[0] = s.placement[4] = s.placement[8] = 1;
+  s.axis[2] = s.axis2[0] = 1;
+  s.gear_ratio = s.mimic_ratio = 1;
+  return s;
 }
+
+template <>
+dynShapeSpec capi::defaults() {
+  dynShapeSpec s{};
+  s.type = DYN_SHAPE_TYPE_BOX, s.role = DYN_SHAPE_ROLE_COLLISION;
+  s.contype = s.conaffinity = 1;
+  s.material = shape::default_material();
+  s.placement[0] = s.placement[4] = s.placement[8] = 1;
+  return s;
+}
+
+extern "C" {
 
 dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder) {
   if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_new: builder is NULL");
@@ -119,7 +144,7 @@ dynStatus dyn_builder_set_gravity(dynBuilder* builder, const double gravity[3]) 
 
 dynStatus dyn_builder_add_joint(dynBuilder* builder, const dynJointSpec* s) {
   if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_joint: spec is NULL");
-  return with(builder, [&](Builder& b) { b.joint(read_joint(*s)); });
+  return with(builder, [&](Builder& b) { b.joint(read_joint("dyn_builder_add_joint", s)); });
 }
 
 dynStatus dyn_builder_add_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
@@ -137,20 +162,10 @@ dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const cha
   return with(builder, [&](Builder& b) { b.frame(text(name), {text(parent), 0}, read_placement(placement), type); });
 }
 
-void dyn_shape_spec_init(dynShapeSpec* spec) {
-  if (!spec) return;
-  std::memset(spec, 0, sizeof *spec);
-  spec->struct_size = sizeof *spec;
-  spec->type = DYN_SHAPE_TYPE_BOX, spec->role = DYN_SHAPE_ROLE_COLLISION;
-  spec->contype = spec->conaffinity = 1;
-  spec->material = shape::default_material();
-  spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
-}
-
-dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* s) {
-  if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_shape: spec is NULL");
-  if (s->struct_size < sizeof(dynShapeSpec))
-    return fail(DYN_ERROR_SIZE, "dyn_builder_add_shape: struct_size is %u, needs %zu: call dyn_shape_spec_init", s->struct_size, sizeof(dynShapeSpec));
+dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* spec) {
+  if (!spec) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_shape: spec is NULL");
+  const Given<dynShapeSpec> s("dyn_builder_add_shape", spec);
+  if (s.status != DYN_OK) return s.status;
   if (const dynStatus status = check_value(s->type, "dyn_builder_add_shape", "type")) return status;
   if (const dynStatus status = check_value(s->role, "dyn_builder_add_shape", "role")) return status;
   SurfacePtr surface;
@@ -171,13 +186,13 @@ dynStatus dyn_builder_set_shape_rgba(dynBuilder* builder, const double rgba[4]) 
 }
 
 dynStatus dyn_builder_add_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {
-  if (!q && nq) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_configuration: q is NULL");
+  if (const dynStatus s = check_array("dyn_builder_add_configuration", "q", q, nq)) return s;
   return with(builder, [&](Builder& b) { b.configuration(text(name), std::vector<double>(q, q + nq)); });
 }
 
 dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_t count, const double* q, size_t nq) {
-  if (!joints && count) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_lock: joints is NULL");
-  if (!q && nq) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_lock: q is NULL");
+  if (const dynStatus s = check_array("dyn_builder_lock", "joints", joints, count)) return s;
+  if (const dynStatus s = check_array("dyn_builder_lock", "q", q, nq)) return s;
   for (size_t k = 0; k < count; ++k)
     if (!joints[k]) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_lock: joints[%zu] is NULL", k);
   return with(builder, [&](Builder& b) { b.lock({joints, joints + count}, {q, q + nq}); });
@@ -186,7 +201,7 @@ dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_
 dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const char* prefix, const dynJointSpec* joint) {
   if (const dynStatus s = check(model)) return s;
   return with(builder, [&](Builder& b) {
-    const JointSpec spec = joint ? read_joint(*joint) : JointSpec();
+    const JointSpec spec = joint ? read_joint("dyn_builder_attach", joint) : JointSpec();
     b.attach(*model->m, text(prefix), joint ? &spec : nullptr);
   });
 }

@@ -15,6 +15,11 @@ bool finite_map(Call& call) {
 
 }  // namespace
 
+template <>
+dynCentroidalDerivatives capi::defaults() {
+  return {};
+}
+
 extern "C" {
 
 dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v, double* Ag, double Ig[36], double hg[6]) {
@@ -53,10 +58,10 @@ dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, dynData*
   return DYN_OK;
 }
 
-dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* dh_dq,
-                                     double* dhdot_dq, double* dhdot_dv, double* dhdot_da) {
+dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const dynCentroidalDerivatives* out) {
   Call call(model, data, DYN_PART_CENTROIDAL, "dyn_centroidal_derivatives");
-  if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
+  const Given<dynCentroidalDerivatives> wanted(call.function, out);
+  if (!call || (call.status = wanted.status) || !call.inputs(q, v, a, nullptr)) return call.status;
   Data<double>& d = call.d();
   const Index n = 6 * call.m().n.nv;
   centroidal_derivatives(call.m(), d);
@@ -64,7 +69,8 @@ dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const
   if (!call.numeric(d.dh_dq, n, "dh_dq", Stage::CentroidalDerivatives) || !call.numeric(d.dhdot_dv, n, "dhdot_dv", Stage::CentroidalDerivatives) ||
       !call.numeric(d.dhdot_dq, n, "dhdot_dq", Stage::CentroidalRateDerivative))
     return call.status;
-  copy_out(d.dh_dq, n, dh_dq), copy_out(d.dhdot_dq, n, dhdot_dq), copy_out(d.dhdot_dv, n, dhdot_dv), copy_out(d.Ag, n, dhdot_da);
+  copy_out(d.dh_dq, n, wanted->dh_dq), copy_out(d.dhdot_dq, n, wanted->dhdot_dq);
+  copy_out(d.dhdot_dv, n, wanted->dhdot_dv), copy_out(d.Ag, n, wanted->dhdot_da);
   return DYN_OK;
 }
 

@@ -12,12 +12,12 @@ inline constexpr double most = 1e100, max_to_differentiate = 1e40;
 // inputs of this call are taken back.
 bool no_overflow(Call& call, int level, double bound = most);
 // The same of all that carries a frame; nothing is taken back.
-bool moderate_frame(Call& call, int frame, int level, double bound = most);
+bool no_overflow_frame(Call& call, int frame, int level, double bound = most);
 // The universe's column does not count.
 inline bool check_fext(Call& call, const double* fext) { return call.finite("fext", fext, 6 * call.m().n.joints, 6); }
 // Forward dynamics failed at a joint.
 dynStatus singular(Call& call, Index joint, Stage stage);
-// d.M is finite. Of placements within bounds it is looked at only where the model is not moderate.
+// d.M is finite. With placements within bounds only models that may overflow are checked.
 bool finite_mass(Call& call);
 // Products of the columns d.S to d.Q, as they are in the data, do not overflow. false: they may.
 bool small_columns(const Call& call);

@@ -14,18 +14,20 @@ using namespace dyn::capi;
 
 namespace dyn::capi {
 
-void fill(const collision::Result& r, dynDistance* out) {
-  out->status = dynDistanceStatus(r.status), out->unique = r.unique, out->iterations = r.iterations;
-  out->method = r.from_fallback ? DYN_DISTANCE_METHOD_CCD : DYN_DISTANCE_METHOD_GJK;
-  out->distance = r.distance, out->residual = r.residual;
-  store3(r.normal, out->normal), store3(r.point_a, out->point_a), store3(r.point_b, out->point_b);
+void write(const collision::Result& r, dynDistance* distance) {
+  dynDistance out;
+  out.status = dynDistanceStatus(r.status), out.unique = r.unique, out.iterations = r.iterations;
+  out.method = r.from_fallback ? DYN_DISTANCE_METHOD_CCD : DYN_DISTANCE_METHOD_GJK;
+  out.distance = r.distance, out.residual = r.residual;
+  store3(r.normal, out.normal), store3(r.point_a, out.point_a), store3(r.point_b, out.point_b);
+  write_struct(out, distance);
 }
 
-dynStatus read_geometry(const char* function, const char* name, const dynGeometry* g, PlacedShape& read) {
+dynStatus read_geometry(const char* function, const char* name, const dynGeometry* geometry, PlacedShape& read) {
   shape::Shape& out = read.shape;
-  if (!g) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
-  if (g->struct_size < sizeof(dynGeometry))
-    return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: call dyn_geometry_init", function, name, g->struct_size, sizeof(dynGeometry));
+  if (!geometry) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
+  const Given<dynGeometry> g(function, geometry);
+  if (g.status != DYN_OK) return g.status;
   if (g->type == DYN_SHAPE_TYPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_TYPE_CONVEX or DYN_SHAPE_TYPE_TRIANGLES with a dynMesh", function, name);
   char what[40];
   std::snprintf(what, sizeof what, "%s: type", name);
@@ -103,9 +105,10 @@ dynStatus read_tolerance(const char* function, double tolerance, collision::Opti
   return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: tolerance is %g: give a number between 0 and 1, or 0 for the default", function, tolerance);
 }
 
-dynStatus read_options(const char* function, const dynDistanceOptions& given, collision::Options& out) {
-  if (given.struct_size < sizeof given)
-    return fail(DYN_ERROR_SIZE, "%s: options: struct_size is %u, needs %zu: call dyn_distance_options_init", function, given.struct_size, sizeof given);
+dynStatus read_options(const char* function, const dynDistanceOptions* options, collision::Options& out) {
+  const Given<dynDistanceOptions> read(function, options);
+  if (read.status != DYN_OK) return read.status;
+  const dynDistanceOptions& given = *read;
   if (const dynStatus s = check_value(given.method, function, "method")) return s;
   if (given.method == DYN_DISTANCE_METHOD_CCD && !collision::ccd_available())
     return fail(DYN_ERROR_UNSUPPORTED, "%s: method CCD needs libccd.so.2, which cannot be opened: install it (Debian: libccd2)", function);
@@ -113,42 +116,45 @@ dynStatus read_options(const char* function, const dynDistanceOptions& given, co
   return read_tolerance(function, given.tolerance, out);
 }
 
-dynStatus read_pair(const char* function, const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
-                    PlacedShape& A, PlacedShape& B) {
-  dynStatus s = read_geometry(function, "a", a, A);
-  if (s == DYN_OK) s = read_geometry(function, "b", b, B);
-  if (s == DYN_OK) s = read_placement(function, "placement_a", placement_a, A.X);
-  if (s == DYN_OK) s = read_placement(function, "placement_b", placement_b, B.X);
+dynStatus read_pair(const char* function, const dynGeometryPair& pair, PlacedShape& A, PlacedShape& B) {
+  dynStatus s = read_geometry(function, "a", pair.a, A);
+  if (s == DYN_OK) s = read_geometry(function, "b", pair.b, B);
+  if (s == DYN_OK) s = read_placement(function, "placement_a", pair.placement_a, A.X);
+  if (s == DYN_OK) s = read_placement(function, "placement_b", pair.placement_b, B.X);
   return s;
 }
 
 }  // namespace dyn::capi
 
+template <>
+dynGeometry capi::defaults() {
+  return {0, DYN_SHAPE_TYPE_SPHERE, {}, 0, nullptr};
+}
+
+template <>
+dynGeometryPair capi::defaults() {
+  return {};
+}
+
+template <>
+dynDistanceOptions capi::defaults() {
+  return {0, DYN_DISTANCE_METHOD_GJK, collision::Options().tolerance};
+}
+
 extern "C" {
-
-void dyn_geometry_init(dynGeometry* geometry) {
-  if (!geometry) return;
-  *geometry = {};
-  geometry->struct_size = sizeof(dynGeometry);
-  geometry->type = DYN_SHAPE_TYPE_SPHERE;
-}
-
-void dyn_distance_options_init(dynDistanceOptions* options) {
-  if (options) *options = {sizeof(dynDistanceOptions), DYN_DISTANCE_METHOD_GJK, collision::Options().tolerance};
-}
 
 dynStatus dyn_geometry_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
                              const dynDistanceOptions* options, dynDistance* out) {
   constexpr const char* function = "dyn_geometry_distance";
   PlacedShape A, B;
   collision::Options inner;
-  dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
-  if (s == DYN_OK) s = check_out(function, "dynDistance", out);
-  if (s == DYN_OK && options) s = read_options(function, *options, inner);
+  dynStatus s = read_pair(function, {0, a, b, placement_a, placement_b, nullptr, nullptr}, A, B);
+  if (s == DYN_OK) s = check_struct(function, "out", out);
+  if (s == DYN_OK && options) s = read_options(function, options, inner);
   if (s != DYN_OK) return s;
   inner.fallback = collision::ccd_overlap;
   collision::Workspace workspace;
-  fill(collision::distance(A.shape, A.X, B.shape, B.X, workspace, inner), out);
+  write(collision::distance(A.shape, A.X, B.shape, B.X, workspace, inner), out);
   return DYN_OK;
 }
 
@@ -205,11 +211,11 @@ dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynD
   Call call(model, data, DYN_PART_COLLISION, "dyn_pair_distance");
   if (!call) return call.status;
   if (const dynStatus s = check_pair(call.function, call.m(), pair)) return s;
-  if (const dynStatus s = check_out(call.function, "dynDistance", out)) return s;
+  if (const dynStatus s = check_struct(call.function, "out", out)) return s;
   if (!call.fresh(Stage::Distances, "the distance", "dyn_distances")) return call.status;
   if (call.d().pair_states[pair] != DYN_PAIR_REASON_TESTED)
     return fail(DYN_ERROR_ARGUMENT, "dyn_pair_distance: pair %d is not tested: dyn_data_pair says why, dyn_data_set_pair switches it on", pair);
-  fill(call.d().results[pair], out);
+  write(call.d().results[pair], out);
   return DYN_OK;
 }
 

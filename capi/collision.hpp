@@ -1,4 +1,4 @@
-// What the wrappers of collision queries share.
+// Shared by the wrappers of collision queries.
 #pragma once
 
 #include "checks.hpp"
@@ -7,7 +7,7 @@
 
 namespace dyn::capi {
 
-void fill(const collision::Result& r, dynDistance* out);
+void write(const collision::Result& r, dynDistance* distance);
 // A shape of the caller's, placed, with what it points to.
 struct PlacedShape {
   shape::Shape shape;
@@ -28,23 +28,14 @@ dynStatus check_pair(const char* function, const Model& m, int pair, int first =
 bool listed(Call& call);
 // The placements of q, within the bounds of queries.
 bool placed(Call& call);
-// A margin of a query in metres, room for its answers, a relative tolerance (0: the default).
+// Checks of a query: margin (m), capacity of its results, relative tolerance (0: the default).
 dynStatus check_margin(const char* function, double margin);
 dynStatus check_capacity(const char* function, int capacity);
 dynStatus read_tolerance(const char* function, double tolerance, collision::Options& options);
 
-dynStatus read_pair(const char* function, const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
-                    PlacedShape& A, PlacedShape& B);
+dynStatus read_pair(const char* function, const dynGeometryPair& pair, PlacedShape& A, PlacedShape& B);
 
 // The geom of one of the model's shapes; -1 and an error when it is none. Shapes from first on: -1 stands for all.
 Index geom_of_shape(Call& call, int shape, int first);
-
-// A structure that answers are written into.
-template <class T>
-dynStatus check_out(const char* function, const char* type, const T* out) {
-  if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: out is NULL: it is required", function);
-  if (out->struct_size < sizeof(T)) return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(%s)", function, out->struct_size, sizeof(T), type);
-  return DYN_OK;
-}
 
 }  // namespace dyn::capi

@@ -18,21 +18,25 @@ void clear_rows(Data<double>& d, Index rows, Index room) { std::fill(d.lambda + 
 
 }  // namespace
 
-extern "C" {
-
-void dyn_constraint_options_init(dynConstraintOptions* options) {
-  if (!options) return;
-  const ProximalOptions defaults;
-  *options = {};
-  options->struct_size = sizeof *options;
-  options->max_iterations = defaults.max_iterations, options->regularisation = defaults.regularisation, options->tolerance = defaults.tolerance;
+template <>
+dynConstraintOptions capi::defaults() {
+  const ProximalOptions o;
+  return {0, std::int32_t(o.max_iterations), o.regularisation, o.tolerance};
 }
 
+template <>
+dynConstrainedOutput capi::defaults() {
+  return {};
+}
+
+extern "C" {
+
 dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
-                                   const dynConstraintOptions* options, double* ddq, double* lambda, dynConstraintResult* result) {
+                                   const dynConstraintOptions* options, const dynConstrainedOutput* output) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constrained_dynamics");
+  const Given<dynConstrainedOutput> out(call.function, output);
   ProximalOptions given;
-  if (!call || !good_result(call, result) || !read_options(call, options, given) || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
+  if (!call || !good_output(call, out) || !read_options(call, options, given) || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   d.invalidate(Stage::ConstrainedDdq);  // being written
@@ -46,8 +50,8 @@ dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const d
   clear_rows(d, rows, m.n.constraint_rows);
   copy_out(d.constraint_ddq, m.n.nv, d.constrained_ddq);
   d.mark_fresh(Stage::ConstrainedDdq);
-  copy_out(d.constrained_ddq, m.n.nv, ddq), copy_out(d.lambda, rows, lambda);
-  copy_result(found, result);
+  copy_out(d.constrained_ddq, m.n.nv, out->ddq), copy_out(d.lambda, rows, out->lambda);
+  write_struct(found, out->result);
   return DYN_OK;
 }
 
@@ -66,7 +70,7 @@ dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const dou
   if (finite_count(d.constraint_ddq, m.n.nv) != m.n.nv) return not_finite(call, "v_plus");
   if (finite_count(d.lambda, found.rows) != found.rows) return not_finite(call, "lambda");
   copy_out(d.constraint_ddq, m.n.nv, v_plus), copy_out(d.lambda, found.rows, lambda);
-  copy_result(found, result);
+  write_struct(found, result);
   return DYN_OK;
 }
 

@@ -8,18 +8,22 @@
 using namespace dyn;
 using namespace dyn::capi;
 
+template <>
+dynConstraint capi::defaults() {
+  return default_constraint(DYN_CONSTRAINT_TYPE_NONE);
+}
+
 extern "C" {
 
-void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type) {
-  if (constraint) *constraint = default_constraint(type);
-}
+void(dyn_constraint_init)(dynConstraint* constraint, uint32_t size, dynConstraintType type) { initialize(constraint, size, default_constraint(type)); }
 
 dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second) {
   if (const dynStatus s = check(builder)) return s;
   if (!constraint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_constraint: constraint is NULL");
-  if (const dynStatus s = sized("dyn_builder_add_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
+  const Given<dynConstraint> given("dyn_builder_add_constraint", constraint);
+  if (given.status != DYN_OK) return given.status;
   return guarded([&] {
-    builder->b->constraint(name ? name : "", *constraint, {first ? first : "", 0}, {second ? second : "", 0});
+    builder->b->constraint(name ? name : "", *given, {first ? first : "", 0}, {second ? second : "", 0});
     return DYN_OK;
   });
 }
@@ -63,23 +67,22 @@ int dyn_model_constraint_id(const dynModel* model, const char* name) {
 
 dynStatus dyn_model_constraint_info(const dynModel* model, int constraint, dynConstraint* out) {
   if (const dynStatus s = check(model)) return s;
-  if (!out) return fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_info: out is NULL");
-  if (const dynStatus s = sized("dyn_model_constraint_info", "dynConstraint", "call dyn_constraint_init first", out)) return s;
+  if (const dynStatus s = check_struct("dyn_model_constraint_info", "out", out)) return s;
   const Model& m = *model->m;
   if (constraint < 0 || constraint >= m.n.constraints)
     return fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_info: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
-  *out = m.constraints()[constraint].spec;
+  write_struct(m.constraints()[constraint].spec, out);
   return DYN_OK;
 }
 
 dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_data_set_constraint");
   if (!call || !valid_slot(call, slot)) return call.status;
-  if (constraint)
-    if (const dynStatus s = sized("dyn_data_set_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
+  const Given<dynConstraint> given(call.function, constraint);
+  if (given.status != DYN_OK) return given.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  const dynConstraint spec = constraint ? *constraint : dynConstraint{};
+  const dynConstraint spec = constraint ? *given : dynConstraint{};
   char message[256];
   if (const dynStatus s = check_constraint(m, spec, message, sizeof message)) return fail(s, "dyn_data_set_constraint: slot %d: %s", slot, message);
   Index rows = constraint_rows(resolve_constraint(m, spec));
@@ -96,9 +99,9 @@ dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot
 
 dynStatus dyn_data_constraint(const dynModel* model, dynData* data, int slot, dynConstraint* constraint) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_data_constraint");
-  if (!call || !valid_slot(call, slot) || !call.required("constraint", constraint)) return call.status;
-  if (const dynStatus s = sized("dyn_data_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
-  *constraint = call.d().constraint_specs[slot];
+  if (!call || !valid_slot(call, slot)) return call.status;
+  if (const dynStatus s = check_struct(call.function, "constraint", constraint)) return s;
+  write_struct(call.d().constraint_specs[slot], constraint);
   return DYN_OK;
 }
 

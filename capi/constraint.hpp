@@ -1,4 +1,4 @@
-// What the wrappers of constraints share.
+// Shared by the wrappers of constraints.
 #pragma once
 
 #include "simulation/workspace.hpp"
@@ -6,13 +6,6 @@
 #include "algorithm/constrained/algorithms.hpp"
 
 namespace dyn::capi {
-
-// A struct that begins with its size.
-template <class S>
-dynStatus sized(const char* function, const char* name, const char* how, const S* s) {
-  if (s->struct_size >= sizeof(S)) return DYN_OK;
-  return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: %s", function, name, s->struct_size, sizeof(S), how);
-}
 
 inline bool valid_slot(Call& call, int slot) {
   if (slot >= 0 && slot < call.m().n.slots) return true;
@@ -34,20 +27,22 @@ inline void forget_mass(Call& call) {
 
 inline bool good_result(Call& call, const dynConstraintResult* result) {
   if (!result) return true;
-  call.status = sized(call.function, "dynConstraintResult", "set it to sizeof(dynConstraintResult)", result);
+  call.status = check_struct(call.function, "result", result);
   return bool(call);
 }
-inline void copy_result(const dynConstraintResult& from, dynConstraintResult* to) {
-  if (!to) return;
-  const std::uint32_t size = to->struct_size;
-  *to = from;
-  to->struct_size = size;
+
+// Output pointers in a struct, `result` among them.
+template <class S>
+bool good_output(Call& call, const Given<S>& out) {
+  call.status = out.status;
+  return call && good_result(call, out->result);
 }
 
 // NULL: the defaults.
-inline bool read_options(Call& call, const dynConstraintOptions* o, ProximalOptions& out) {
-  if (!o) return true;
-  if ((call.status = sized(call.function, "dynConstraintOptions", "call dyn_constraint_options_init first", o))) return false;
+inline bool read_options(Call& call, const dynConstraintOptions* options, ProximalOptions& out) {
+  if (!options) return true;
+  const Given<dynConstraintOptions> o(call.function, options);
+  if ((call.status = o.status)) return false;
   auto refuse = [&](const char* name, double x, const char* what) {
     call.status = fail(DYN_ERROR_ARGUMENT, "%s: %s is %g: give %s", call.function, name, x, what);
     return false;

@@ -9,7 +9,7 @@ using namespace dyn::capi;
 
 namespace {
 
-// What of the results is finite goes to the outputs that are wanted.
+// Copies the results to the requested outputs, if all are finite.
 dynStatus write(Call& call, const dynConstraintDerivatives& out, Index rows, bool by_tau) {
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -34,25 +34,25 @@ dynStatus write(Call& call, const dynConstraintDerivatives& out, Index rows, boo
   return DYN_OK;
 }
 
-bool good_outputs(Call& call, const dynConstraintDerivatives* out) {
-  if (!call.required("out", out)) return false;
-  call.status = sized(call.function, "dynConstraintDerivatives", "set it to sizeof(dynConstraintDerivatives)", out);
-  return bool(call);
-}
-
 void drop_written(Data<double>& d) {
   for (Stage s : {Stage::ConstrainedDdq, Stage::Ddq, Stage::ForwardDerivatives, Stage::Tau, Stage::InverseDerivatives, Stage::Minv, Stage::Mass, Stage::Factor}) d.invalidate(s);
 }
 
 }  // namespace
 
+template <>
+dynConstraintDerivatives capi::defaults() {
+  return {};
+}
+
 extern "C" {
 
 dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
-                                               const dynConstraintOptions* options, const dynConstraintDerivatives* out, dynConstraintResult* result) {
+                                               const dynConstraintOptions* options, const dynConstraintDerivatives* output) {
   Call call(model, data, DYN_PART_CONSTRAINT_DERIVATIVES, "dyn_constrained_dynamics_derivatives");
+  const Given<dynConstraintDerivatives> out(call.function, output);
   ProximalOptions given;
-  if (!call || !good_outputs(call, out) || !good_result(call, result) || !read_options(call, options, given) || !check_fext(call, fext) ||
+  if (!call || !call.required("out", output) || !good_output(call, out) || !read_options(call, options, given) || !check_fext(call, fext) ||
       !call.inputs(q, v, nullptr, tau))
     return call.status;
   const Model& m = call.m();
@@ -63,15 +63,16 @@ dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* d
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (const dynStatus s = write(call, *out, found.rows, true)) return s;
   d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv);  // not checked
-  copy_result(found, result);
+  write_struct(found, out->result);
   return DYN_OK;
 }
 
 dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const dynConstraintOptions* options,
-                                             const dynConstraintDerivatives* out, dynConstraintResult* result) {
+                                             const dynConstraintDerivatives* output) {
   Call call(model, data, DYN_PART_CONSTRAINT_DERIVATIVES, "dyn_constraint_impulse_derivatives");
+  const Given<dynConstraintDerivatives> out(call.function, output);
   ProximalOptions given;
-  if (!call || !good_outputs(call, out) || !good_result(call, result) || !read_options(call, options, given) || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  if (!call || !call.required("out", output) || !good_output(call, out) || !read_options(call, options, given) || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   drop_written(d);
@@ -79,7 +80,7 @@ dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* dat
   if (const Index failed = constraint_impulse_derivatives(m, d, d.v, given, found)) return singular(call, failed, Stage::ConstrainedDdq);
   if (const dynStatus s = write(call, *out, found.rows, false)) return s;
   d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv);
-  copy_result(found, result);
+  write_struct(found, out->result);
   return DYN_OK;
 }
 

@@ -10,12 +10,14 @@ using namespace dyn::capi;
 
 extern "C" {
 
-dynStatus dyn_geometry_contacts(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double margin,
-                             double tolerance, dynContact* contacts, int* count) {
+dynStatus dyn_geometry_contacts(const dynGeometryPair* pair, double margin, double tolerance, dynContact* contacts, int* count) {
   constexpr const char* function = "dyn_geometry_contacts";
+  if (!pair) return fail(DYN_ERROR_ARGUMENT, "%s: pair is NULL: it is required", function);
+  const Given<dynGeometryPair> given(function, pair);
+  if (given.status != DYN_OK) return given.status;
   PlacedShape A, B;
   collision::Options options;
-  dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
+  dynStatus s = read_pair(function, *given, A, B);
   if (s == DYN_OK) s = check_margin(function, margin);
   if (s == DYN_OK) s = read_tolerance(function, tolerance, options);
   if (s != DYN_OK) return s;

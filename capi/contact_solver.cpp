@@ -9,6 +9,7 @@
 #include "deadline.hpp"
 #include "solver/list.hpp"
 #include "solver/qp.hpp"
+#include "handles.hpp"
 #include "reflection.hpp"
 
 using namespace dyn;
@@ -52,8 +53,6 @@ struct Reader {
 };
 
 bool Reader::sizes(Index max_rows) {
-  if (p.struct_size < sizeof p)
-    return refuse(DYN_ERROR_SIZE, "%s: struct_size of dynContactProblem is %u, needs %zu: set it with dyn_contact_problem_init", p.struct_size, sizeof p);
   for (const auto& [name, n] : {std::pair("equalities", p.equalities), std::pair("boxes", p.boxes), std::pair("contacts", p.contacts)})
     if (n < 0 || n > max_rows)
       return refuse(n < 0 ? DYN_ERROR_ARGUMENT : DYN_ERROR_LIMIT, n < 0 ? "%s: %s is %d: it can't be negative" : "%s: %s is %d, more than the solver has rows (%d): make it larger", name, int(n), int(max_rows));
@@ -114,19 +113,10 @@ bool Reader::vectors() {
 }
 
 dynStatus check_options(const char* function, const dynContactOptions& o) {
-  if (o.struct_size < sizeof o)
-    return fail(DYN_ERROR_SIZE, "%s: struct_size of dynContactOptions is %u, needs %zu: set it with dyn_contact_options_init", function, o.struct_size, sizeof o);
   if (const dynStatus s = check_value(o.solver, function, "solver")) return s;
   if (o.max_iterations < 0) return fail(DYN_ERROR_ARGUMENT, "%s: max_iterations is %d: it can't be negative", function, int(o.max_iterations));
   for (const auto& [name, x, most] : {std::tuple("tolerance", o.tolerance, HUGE_VAL), std::tuple("time_budget", o.time_budget, HUGE_VAL), std::tuple("relaxation", o.relaxation, 2.0)})
     if (!(x >= 0) || !(x < most)) return fail(std::isnan(x) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "%s: %s is %g: give a number from 0%s", function, name, x, std::isinf(most) ? "" : ", below 2");
-  return DYN_OK;
-}
-
-dynStatus check_report(const char* function, const dynContactReport* report) {
-  if (!report) return fail(DYN_ERROR_ARGUMENT, "%s: report is NULL: it is required", function);
-  if (report->struct_size < sizeof *report)
-    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(dynContactReport)", function, report->struct_size, sizeof *report);
   return DYN_OK;
 }
 
@@ -137,23 +127,27 @@ dynStatus check_max_rows(const char* function, int max_rows) {
 
 }  // namespace
 
+template <>
+dynContactProblem capi::defaults() {
+  return {};
+}
+
+template <>
+dynContactOptions capi::defaults() {
+  dynContactOptions o{};
+  o.solver = DYN_CONTACT_SOLVER_TYPE_ADMM;
+  o.max_iterations = 1000;
+  o.tolerance = 1e-10;
+  o.newton = 1;
+  return o;
+}
+
+template <>
+dynQp capi::defaults() {
+  return {};
+}
+
 extern "C" {
-
-void dyn_contact_problem_init(dynContactProblem* problem) {
-  if (!problem) return;
-  *problem = {};
-  problem->struct_size = sizeof *problem;
-}
-
-void dyn_contact_options_init(dynContactOptions* options) {
-  if (!options) return;
-  *options = {};
-  options->struct_size = sizeof *options;
-  options->solver = DYN_CONTACT_SOLVER_TYPE_ADMM;
-  options->max_iterations = 1000;
-  options->tolerance = 1e-10;
-  options->newton = 1;
-}
 
 size_t dyn_contact_solver_size(int max_rows) {
   if (check_max_rows("dyn_contact_solver_size", max_rows) != DYN_OK) return 0;
@@ -180,7 +174,7 @@ dynStatus dyn_contact_solver_new(int max_rows, dynContactSolver** solver) {
   if (!solver) return fail(DYN_ERROR_ARGUMENT, "%s: solver is NULL: pass the address of a dynContactSolver*", function);
   const std::size_t size = head + solver::workspace_bytes(max_rows);
   void* const memory = std::aligned_alloc(64, size);
-  dynContactSolver* const handle = memory ? new_contact_solver_handle() : nullptr;
+  dynContactSolver* const handle = memory ? new_handle<dynContactSolver>() : nullptr;
   if (!handle) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
   dynContactSolver* inner = nullptr;
   dyn_contact_solver_init(max_rows, memory, size, &inner);
@@ -200,18 +194,18 @@ void dyn_contact_solver_free(dynContactSolver* solver) {
   free_handle(solver);
 }
 
-dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* problem, const dynContactOptions* options, double* lambda, double* velocity,
+dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* given_problem, const dynContactOptions* options, double* lambda, double* velocity,
                             dynContactReport* report) {
   constexpr const char* function = "dyn_contact_solver_solve";
   if (const dynStatus s = check(solver)) return s;
-  if (!problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
-  dynContactOptions o;
-  dyn_contact_options_init(&o);
-  if (options) {
-    if (const dynStatus s = check_options(function, *options)) return s;
-    o = *options;
-  }
-  if (const dynStatus s = check_report(function, report)) return s;
+  if (!given_problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
+  const Given<dynContactProblem> problem(function, given_problem);
+  if (problem.status != DYN_OK) return problem.status;
+  const Given<dynContactOptions> given_options(function, options);
+  if (given_options.status != DYN_OK) return given_options.status;
+  const dynContactOptions& o = *given_options;
+  if (const dynStatus s = check_options(function, o)) return s;
+  if (const dynStatus s = check_struct(function, "report", report)) return s;
   Workspace& w = *solver->w;
   Reader reader{function, *problem};
   if (!reader.read(w.max_rows)) return reader.status;
@@ -223,7 +217,6 @@ dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactPro
   const Deadline deadline(o.time_budget);
   if (o.time_budget > 0) b.expired = Deadline::past, b.clock = &deadline;
   dynContactReport answer{};
-  answer.struct_size = report->struct_size;
   solver::solve(*problem, solver::solvers[o.solver], w, b, lambda, answer);
   // before anything is written
   double *impulse = w.x, *c = w.z;
@@ -233,41 +226,44 @@ dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactPro
     return fail(DYN_ERROR_NUMERIC, "%s: the problem overflows double precision: its numbers differ too much in size", function);
   copy_out(impulse, rows, lambda);
   copy_out(c, rows, velocity);
-  *report = answer;
+  write_struct(answer, report);
   return DYN_OK;
 }
 
-dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report) {
+dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContactProblem* given_problem, const double* lambda, dynContactReport* report) {
   constexpr const char* function = "dyn_contact_solver_residuals";
   if (const dynStatus s = check(solver)) return s;
-  if (!problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
-  if (const dynStatus s = check_report(function, report)) return s;
+  if (!given_problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
+  const Given<dynContactProblem> problem(function, given_problem);
+  if (problem.status != DYN_OK) return problem.status;
+  if (const dynStatus s = check_struct(function, "report", report)) return s;
   Workspace& w = *solver->w;
   Reader reader{function, *problem};
   if (!reader.read(w.max_rows)) return reader.status;
   const Index rows = Index(solver::row_count(*problem));
   if (!reader.required("lambda", lambda, rows) || !reader.finite("lambda", lambda, rows)) return reader.status;
   dynContactReport answer{};
-  answer.struct_size = report->struct_size;
   solver::evaluate(*problem, w, lambda, answer);
   if (!std::isfinite(answer.residual) || !std::isfinite(answer.energy)) return fail(DYN_ERROR_NUMERIC, "%s: the problem overflows double precision: its numbers are too large", function);
-  *report = answer;
+  write_struct(answer, report);
   return DYN_OK;
 }
 
-dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp) {
+dynStatus dyn_contact_problem_qp(const dynContactProblem* given_problem, int facets, int inscribed, dynQp* given_qp) {
   constexpr const char* function = "dyn_contact_problem_qp";
-  if (!problem || !qp) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, problem ? "qp" : "problem");
-  if (qp->struct_size < sizeof *qp) return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(dynQp)", function, qp->struct_size, sizeof *qp);
+  if (!given_problem || !given_qp) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, given_problem ? "qp" : "problem");
+  const Given<dynContactProblem> problem(function, given_problem);
+  if (problem.status != DYN_OK) return problem.status;
+  const Given<dynQp> qp(function, given_qp);
+  if (qp.status != DYN_OK) return qp.status;
   if (facets != 0 && (facets < 3 || facets > 1024)) return fail(DYN_ERROR_ARGUMENT, "%s: facets is %d: give 0, or a number from 3 to 1024", function, facets);
   Reader reader{function, *problem};
   if (!reader.sizes(max_problem_rows) || (problem->G && !reader.matrix()) || !reader.vectors()) return reader.status;
   dynQp sizes{};
-  sizes.struct_size = qp->struct_size;
   solver::friction_cone_qp(*problem, facets, inscribed, sizes);
   const void* const arrays[] = {qp->H_columns, qp->H_rows, qp->A_columns, qp->A_rows, qp->H, qp->g, qp->A, qp->lower, qp->upper};
   if (std::all_of(std::begin(arrays), std::end(arrays), [](const void* a) { return !a; })) {
-    *qp = sizes;
+    write_struct(sizes, given_qp);
     return DYN_OK;
   }
   if ((qp->H && !qp->H_columns) || (qp->H_rows && !qp->H_columns) || (qp->A && !qp->A_columns) || (qp->A_rows && !qp->A_columns))
@@ -275,7 +271,8 @@ dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, i
   for (const auto& [name, given, needed] : {std::tuple("n", qp->n, sizes.n), std::tuple("m", qp->m, sizes.m),
                                             std::tuple("H_nonzeros", qp->H_nonzeros, sizes.H_nonzeros), std::tuple("A_nonzeros", qp->A_nonzeros, sizes.A_nonzeros)})
     if (given != needed) return fail(DYN_ERROR_SIZE, "%s: %s is %d, needs %d: ask for the sizes first, with all pointers NULL", function, name, int(given), int(needed));
-  solver::friction_cone_qp(*problem, facets, inscribed, *qp);
+  dynQp filled = *qp;
+  solver::friction_cone_qp(*problem, facets, inscribed, filled);
   return DYN_OK;
 }
 
@@ -294,14 +291,18 @@ dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, do
   return DYN_OK;
 }
 
-dynStatus dyn_contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt, double gap, double* compliance, double* bias) {
-  constexpr const char* function = "dyn_contact_compliance_hertz";
+dynStatus dyn_contact_stiffness_hertz(double frequency, double damping_ratio, double mass, double* stiffness, double* damping) {
+  constexpr const char* function = "dyn_contact_stiffness_hertz";
   for (const auto& [name, x] : {std::pair("frequency", frequency), std::pair("damping_ratio", damping_ratio), std::pair("mass", mass)}) {
     if (!std::isfinite(x)) return fail(DYN_ERROR_NONFINITE, "%s: %s is %s: give a finite number", function, name, std::isnan(x) ? "NaN" : "infinite");
     if (x < 0 || (x == 0 && name[0] != 'd')) return fail(DYN_ERROR_ARGUMENT, "%s: %s is %g: give a positive number", function, name, x);
   }
   const double omega = 2 * 3.14159265358979323846 * frequency;
-  return dyn_contact_compliance(mass * omega * omega, 2 * damping_ratio * mass * omega, dt, gap, compliance, bias);
+  const double k = mass * omega * omega, d = 2 * damping_ratio * mass * omega;
+  if (!stiffness || !damping) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, stiffness ? "damping" : "stiffness");
+  if (!std::isfinite(k) || !std::isfinite(d)) return fail(DYN_ERROR_NUMERIC, "%s: the stiffness or the damping overflows: give a smaller frequency or mass", function);
+  *stiffness = k, *damping = d;
+  return DYN_OK;
 }
 
 }  // extern "C"

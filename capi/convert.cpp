@@ -139,7 +139,7 @@ dynStatus check_arrays(const Arrays& in, const Outputs& out) {
     const double *in, *out;
   } rows[] = {{"v", in.v, out.v}, {"a", in.a, out.a}, {"tau", in.tau, out.tau}};
   for (const auto& r : rows)
-    if (r.out && !r.in) return fail(DYN_ERROR_ARGUMENT, "%s: %s_out is given without %s", function, r.name, r.name);
+    if (r.out && !r.in) return fail(DYN_ERROR_ARGUMENT, "%s: %s of the output is given without %s", function, r.name, r.name);
   return DYN_OK;
 }
 
@@ -163,13 +163,17 @@ dynStatus check_ours(const Model& m, const Arrays& in) {
 
 }  // namespace
 
-extern "C" {
-
-void dyn_state_layout_init(dynStateLayout* layout) {
-  if (!layout) return;
-  std::memset(layout, 0, sizeof *layout);
-  layout->struct_size = sizeof *layout;
+template <>
+dynStateLayout capi::defaults() {
+  return {};
 }
+
+template <>
+dynStateOutput capi::defaults() {
+  return {};
+}
+
+extern "C" {
 
 dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* layout, int* nq, int* nv) {
   const Layout l(model, layout);
@@ -180,12 +184,14 @@ dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* la
 }
 
 dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q, const double* v,
-                            const double* a, const double* tau, double* q_out, double* v_out, double* a_out, double* tau_out) {
+                            const double* a, const double* tau, const dynStateOutput* output) {
   const Layout l(model, layout);
   if (l.status != DYN_OK) return l.status;
   if (const dynStatus s = check_value(direction, function, "direction")) return s;
   const Arrays in = {q, v, a, tau};
-  const Outputs out = {q_out, v_out, a_out, tau_out};
+  const Given<dynStateOutput> wanted(function, output);
+  if (wanted.status != DYN_OK) return wanted.status;
+  const Outputs out = {wanted->q, wanted->v, wanted->a, wanted->tau};
   if (const dynStatus s = check_arrays(in, out)) return s;
   if (direction == DYN_DIRECTION_TO_PEER)
     if (const dynStatus s = check_ours(l.model(), in)) return s;

@@ -7,24 +7,29 @@
 #include "model/effects.hpp"
 #include "simulation/workspace.hpp"
 #include "guard.hpp"
+#include "handles.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
 namespace {
 
-constexpr std::size_t handle_bytes = (sizeof(dynData) + 63) / 64 * 64;
+constexpr std::size_t handle_bytes = 64, body_bytes = (sizeof(DataBody) + 63) / 64 * 64;
+static_assert(sizeof(dynData) <= handle_bytes);
 
 dynStatus check_parts(const char* function, dynParts parts) {
   if (parts & ~dynParts(DYN_PART_ALL)) return fail(DYN_ERROR_ARGUMENT, "%s: parts 0x%x has unknown bits: use DYN_PART_... values", function, unsigned(parts));
   return DYN_OK;
 }
 
-void set_up(dynData* data, const Model& m, dynParts parts, void* arena) {
-  data->model_id = m.id;
-  data->counter = 1;
-  data->busy.store(0);
-  data_layout(m, parts, arena, data->d);
+// In body_bytes + data_bytes of memory.
+void set_up(dynData* data, const Model& m, dynParts parts, void* memory, bool on_heap) {
+  DataBody* body = new (memory) DataBody{};
+  body->model_id = m.id;
+  body->counter = 1;
+  body->on_heap = on_heap;
+  data_layout(m, parts, static_cast<char*>(memory) + body_bytes, body->d);
+  data->body = body;
   data->magic = live_data;
 }
 
@@ -35,7 +40,7 @@ struct FieldRow {
 
 const FieldRow rows[] = {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
-  {{sizeof(dynFieldInfo), #name, #rows " x " #cols, unit, frame, producer, sentence, part, 0}, Stage::stage},
+  {{sizeof(dynFieldInfo), part, #name, #rows " x " #cols, unit, frame, producer, sentence}, Stage::stage},
 #include "model/data_fields.def"
 };
 constexpr int field_count = int(FieldId::count_);
@@ -49,18 +54,16 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
   if (!data) return fail(DYN_ERROR_ARGUMENT, "dyn_data_new: data is NULL: pass the address of a dynData*");
   if (const dynStatus s = check_parts("dyn_data_new", parts)) return s;
   return guarded([&] {
-    const std::size_t bytes = data_bytes<double>(*model->m, parts);
-    void* arena = allocate_block(bytes);
-    if (!arena)
-      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, FACTOR, MINV, CORIOLIS; nv x 10 njoints is REGRESSOR)", bytes);
-    dynData* handle = new_data_slot();
+    const std::size_t bytes = body_bytes + data_bytes<double>(*model->m, parts);
+    void* memory = allocate_block(bytes);
+    if (!memory)
+      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, CHOLESKY, MINV, CORIOLIS; nv x 10 njoints is REGRESSOR)", bytes);
+    dynData* handle = new_handle<dynData>();
     if (!handle) {
-      std::free(arena);
+      std::free(memory);
       return fail(DYN_ERROR_MEMORY, "dyn_data_new: out of memory");
     }
-    handle->arena = arena;
-    handle->own_slot = true;
-    set_up(handle, *model->m, parts, arena);
+    set_up(handle, *model->m, parts, memory, true);
     *data = handle;
     return DYN_OK;
   });
@@ -68,7 +71,7 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
 
 size_t dyn_data_size(const dynModel* model, dynParts parts) {
   if (check(model) != DYN_OK || check_parts("dyn_data_size", parts) != DYN_OK) return 0;
-  return 63 + handle_bytes + data_bytes<double>(*model->m, parts);
+  return 63 + handle_bytes + body_bytes + data_bytes<double>(*model->m, parts);
 }
 
 dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size, dynData** data) {
@@ -79,21 +82,18 @@ dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, siz
     return fail(DYN_ERROR_SIZE, "dyn_data_init: memory has %zu bytes, needs %zu: ask dyn_data_size", size, dyn_data_size(model, parts));
   char* at = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(memory) + 63) / 64 * 64);
   dynData* handle = new (at) dynData{};
-  handle->arena = nullptr;
-  handle->own_slot = false;
-  set_up(handle, *model->m, parts, at + handle_bytes);
+  set_up(handle, *model->m, parts, at + handle_bytes, false);
   *data = handle;
   return DYN_OK;
 }
 
 void dyn_data_free(dynData* data) {
   if (!data || data->magic != live_data) return;
-  if (!data->own_slot) {
+  if (!data->body->on_heap) {
     data->magic = freed;
     return;
   }
-  std::free(data->arena);
-  data->arena = nullptr;
+  std::free(data->body);
   free_handle(data);
 }
 
@@ -136,13 +136,9 @@ dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const doubl
 int dyn_field_count(void) { return field_count; }
 
 dynStatus dyn_field_info(dynField field, dynFieldInfo* info) {
-  if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_field_info: info is NULL");
+  if (const dynStatus s = check_struct("dyn_field_info", "info", info)) return s;
   if (field < 0 || field >= field_count) return fail(DYN_ERROR_ARGUMENT, "dyn_field_info: field %d does not exist: there are %d", int(field), field_count);
-  if (info->struct_size < sizeof(dynFieldInfo))
-    return fail(DYN_ERROR_SIZE, "dyn_field_info: struct_size is %u, needs %zu: set it to sizeof(dynFieldInfo)", info->struct_size, sizeof(dynFieldInfo));
-  const uint32_t size = info->struct_size;
-  *info = rows[field].info;
-  info->struct_size = size;
+  write_struct(rows[field].info, info);
   return DYN_OK;
 }
 
@@ -160,15 +156,15 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_array: field %d does not exist: there are %d", int(field), field_count);
   }
   Call call(model, data, rows[field].info.part, "dyn_data_array");
-  if (!call || !call.required("out", out)) return call.status;
-  if (out->struct_size < sizeof(dynArray))
-    return fail(DYN_ERROR_SIZE, "dyn_data_array: struct_size is %u, needs %zu: set it to sizeof(dynArray)", out->struct_size, sizeof(dynArray));
+  if (!call) return call.status;
+  if (const dynStatus s = check_struct(call.function, "out", out)) return s;
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
   const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames, nparameters = parameter_count(call.m()),
                        npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows, nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
+  dynArray array{};
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
-    out->rows = int32_t(height), out->cols = int32_t(width), out->data = numbers ? numbers : call.d().time;  // NULL is for no one, not for no numbers
+    array.rows = int32_t(height), array.cols = int32_t(width), array.data = numbers ? numbers : call.d().time;  // NULL is for no one, not for no numbers
   };
   switch (FieldId(field)) {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
@@ -178,8 +174,9 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
 #include "model/data_fields.def"
     case FieldId::count_: break;
   }
-  out->stride[0] = 1;
-  out->stride[1] = out->rows;
+  array.stride[0] = 1;
+  array.stride[1] = array.rows;
+  write_struct(array, out);
   return DYN_OK;
 }
 

@@ -4,6 +4,11 @@
 using namespace dyn;
 using namespace dyn::capi;
 
+template <>
+dynAbaDerivatives capi::defaults() {
+  return {};
+}
+
 extern "C" {
 
 dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
@@ -25,9 +30,10 @@ dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const doubl
 }
 
 dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
-                              double* ddq_dq, double* ddq_dv, double* ddq_dtau) {
+                              const dynAbaDerivatives* out) {
   Call call(model, data, DYN_PART_FORWARD_DERIVATIVES, "dyn_aba_derivatives");
-  if (!call || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
+  const Given<dynAbaDerivatives> wanted(call.function, out);
+  if (!call || (call.status = wanted.status) || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
   Data<double>& d = call.d();
   d.invalidate(Stage::Ddq), d.invalidate(Stage::ForwardDerivatives), d.invalidate(Stage::Minv);    // being written
@@ -39,7 +45,7 @@ dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double
       !call.numeric(d.ddq_dv, nv * nv, "ddq_dv", Stage::ForwardDerivatives))
     return call.status;
   d.mark_fresh(Stage::Ddq), d.mark_fresh(Stage::ForwardDerivatives);
-  copy_out(d.ddq_dq, nv * nv, ddq_dq), copy_out(d.ddq_dv, nv * nv, ddq_dv), copy_out(d.Minv, nv * nv, ddq_dtau);
+  copy_out(d.ddq_dq, nv * nv, wanted->ddq_dq), copy_out(d.ddq_dv, nv * nv, wanted->ddq_dv), copy_out(d.Minv, nv * nv, wanted->ddq_dtau);
   return DYN_OK;
 }
 

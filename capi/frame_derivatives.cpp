@@ -10,7 +10,7 @@ static dynStatus acceleration_derivatives(const dynModel* model, dynData* data, 
   if (!call || !call.frame(frame) || !call.reference(reference) ||
       !call.fresh(Stage::Acceleration, "the acceleration", "dyn_forward_kinematics with q, v and a"))
     return call.status;
-  if (moderate_frame(call, frame, 2, max_to_differentiate))
+  if (no_overflow_frame(call, frame, 2, max_to_differentiate))
     frame_acceleration_derivatives(call.m(), call.d(), frame, reference, classical, da_dq, da_dv, da_da);
   return call.status;
 }
@@ -22,7 +22,7 @@ dynStatus dyn_frame_velocity_derivatives(const dynModel* model, dynData* data, i
   if (!call || !call.frame(frame) || !call.reference(reference) ||
       !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
     return call.status;
-  if (moderate_frame(call, frame, 1, max_to_differentiate)) frame_velocity_derivatives(call.m(), call.d(), frame, reference, dv_dq, dv_dv);
+  if (no_overflow_frame(call, frame, 1, max_to_differentiate)) frame_velocity_derivatives(call.m(), call.d(), frame, reference, dv_dq, dv_dv);
   return call.status;
 }
 
@@ -41,7 +41,7 @@ dynStatus dyn_frame_kinematic_hessian(const dynModel* model, dynData* data, int 
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("H", H) ||
       !call.fresh(Stage::Position, "the Jacobian's configuration", "dyn_forward_kinematics"))
     return call.status;
-  if (moderate_frame(call, frame, 0)) frame_kinematic_hessian(call.m(), call.d(), frame, reference, H);
+  if (no_overflow_frame(call, frame, 0)) frame_kinematic_hessian(call.m(), call.d(), frame, reference, H);
   return call.status;
 }
 

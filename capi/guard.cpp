@@ -1,65 +1,23 @@
 #include "guard.hpp"
 #include "reflection.hpp"
 
+#include "handles.hpp"
+
 #include "simulation/workspace.hpp"
 
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
-#include <mutex>
+#include <cstring>
+#include <filesystem>
 #include <new>
+#include <stdexcept>
 
 namespace dyn::capi {
 
 namespace {
 
 thread_local char last_error[1024];
-
-// Handles of one kind: freed slots queue up and are used again only when many have been freed since.
-template <class H>
-class Pool {
- public:
-  H* get() {
-    const std::lock_guard lock(mutex);
-    if (count > 256) {
-      H* h = first->handle();
-      first = first->next;
-      --count;
-      return h;
-    }
-    void* memory = std::aligned_alloc(64, (sizeof(ConstraintInstance) + 63) / 64 * 64);
-    if (!memory) return nullptr;
-    ConstraintInstance* s = new (memory) ConstraintInstance{};
-    s->next = nullptr;
-    return s->handle();
-  }
-  void put(H* h) {
-    const std::lock_guard lock(mutex);
-    ConstraintInstance* s = ConstraintInstance::of(h);
-    s->next = nullptr;
-    (count ? last->next : first) = s;
-    last = s;
-    ++count;
-  }
-
- private:
-  struct ConstraintInstance {
-    H h;
-    ConstraintInstance* next;
-    H* handle() { return &h; }
-    static ConstraintInstance* of(H* h) { return reinterpret_cast<ConstraintInstance*>(h); }
-  };
-  std::mutex mutex;
-  ConstraintInstance *first = nullptr, *last = nullptr;
-  std::size_t count = 0;
-};
-
-// never destroyed: handles may outlive static objects
-template <class H>
-Pool<H>& pool() {
-  static Pool<H>* p = new Pool<H>;
-  return *p;
-}
 
 template <class H>
 dynStatus check_magic(const H* handle, std::uint64_t live, const char* what, const char* maker) {
@@ -81,22 +39,25 @@ dynStatus fail(dynStatus status, const char* format, ...) {
   return status;
 }
 
-void touch_last_error() { static_cast<volatile char*>(last_error)[0] = last_error[0]; }
+dynStatus fail_of_exception() noexcept {
+  try {
+    throw;
+  } catch (const Error& e) {
+    return fail(e.status, "%s", e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(DYN_ERROR_MEMORY, "out of memory");
+  } catch (const std::length_error&) {
+    return fail(DYN_ERROR_LIMIT, "an array or a name is longer than memory can be: check the sizes that are passed");
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail(DYN_ERROR_FILE, "file '%.300s': %s", e.path1().c_str(), std::strerror(e.code().value()));
+  } catch (const std::exception& e) {
+    return fail(DYN_ERROR_INTERNAL, "internal error: %s", e.what());
+  } catch (...) {
+    return fail(DYN_ERROR_INTERNAL, "internal error");
+  }
+}
 
-dynModel* new_model_handle() { return pool<dynModel>().get(); }
-dynData* new_data_slot() { return pool<dynData>().get(); }
-dynBuilder* new_builder_handle() { return pool<dynBuilder>().get(); }
-dynBatch* new_batch_handle() { return pool<dynBatch>().get(); }
-dynMesh* new_mesh_handle() { return pool<dynMesh>().get(); }
-dynBroadPhase* new_broad_phase_handle() { return pool<dynBroadPhase>().get(); }
-dynContactSolver* new_contact_solver_handle() { return pool<dynContactSolver>().get(); }
-void free_handle(dynModel* h) { h->magic = freed, pool<dynModel>().put(h); }
-void free_handle(dynData* h) { h->magic = freed, pool<dynData>().put(h); }
-void free_handle(dynBuilder* h) { h->magic = freed, pool<dynBuilder>().put(h); }
-void free_handle(dynBatch* h) { h->magic = freed, pool<dynBatch>().put(h); }
-void free_handle(dynMesh* h) { h->magic = freed, pool<dynMesh>().put(h); }
-void free_handle(dynBroadPhase* h) { h->magic = freed, pool<dynBroadPhase>().put(h); }
-void free_handle(dynContactSolver* h) { h->magic = freed, pool<dynContactSolver>().put(h); }
+void touch_last_error() { static_cast<volatile char*>(last_error)[0] = last_error[0]; }
 
 dynStatus no_model(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load, dyn_model_from_buffer or dyn_builder_finish"); }
 dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
@@ -106,7 +67,7 @@ dynStatus check(const dynBroadPhase* broad_phase) { return check_magic(broad_pha
 dynStatus check(const dynContactSolver* solver) { return check_magic(solver, live_contact_solver, "contact solver", "dyn_contact_solver_new"); }
 
 dynStatus make_handle(ModelPtr model, dynModel** out) {
-  dynModel* handle = new_model_handle();
+  dynModel* handle = new_handle<dynModel>();
   if (!handle) return fail(DYN_ERROR_MEMORY, "out of memory");
   handle->in_place = reinterpret_cast<std::uintptr_t>(model.get());
   handle->m = model.release();
@@ -118,15 +79,15 @@ dynStatus make_handle(ModelPtr model, dynModel** out) {
 void Call::enter(const dynModel* model, dynData* data, dynParts part) {
   if ((status = check(model)) != DYN_OK) return;
   if ((status = check_magic(data, live_data, "data", "dyn_data_new")) != DYN_OK) return;
-  if (data->model_id != model->m->id) {
+  if (data->body->model_id != model->m->id) {
     status = fail(DYN_ERROR_MODEL, "%s: the data belongs to another model (or to one that was freed): make data from the model you pass", function);
     return;
   }
   model_ = model->m.get();
-  handle = data;
+  body = data->body;
 #if DYN_CHECKED
   int idle = 0;
-  if (!data->busy.compare_exchange_strong(idle, 1, std::memory_order_acquire)) {
+  if (!body->busy.compare_exchange_strong(idle, 1, std::memory_order_acquire)) {
     status = fail(DYN_ERROR_BUSY, "%s: another thread is using this data: give each thread its own", function);
     return;
   }
@@ -169,7 +130,7 @@ bool Call::joint(int id) {
 bool Call::joint_or_all(int id) {
   if (!joint(id) || id == 0 || m().joints()[id].leader < 0) return status == DYN_OK;
   const JointRecord& j = m().joints()[id];
-  status = fail(DYN_ERROR_ARGUMENT, "%s: joint '%s' follows '%s', of which its effects are part: name that one", function, m().string(j.name),
+  status = fail(DYN_ERROR_ARGUMENT, "%s: joint '%s' mimics '%s': set effects on that joint", function, m().string(j.name),
                 m().string(m().joints()[j.leader].name));
   return false;
 }
@@ -270,7 +231,7 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
   for (int k = 0; k < input_count; ++k)
     if (replaced >> k & 1u) {
       before[k] = x.version[k];
-      x.version[k] = ++handle->counter;
+      x.version[k] = ++body->counter;
     }
   changed |= replaced;
   return true;
@@ -296,17 +257,17 @@ void Call::begin_step() {
   stepping = true;
   for (Input which : {input_q, input_v}) {
     before[which] = x.version[which];
-    x.version[which] = ++handle->counter;
+    x.version[which] = ++body->counter;
     changed |= 1u << which;
   }
 }
 
 void Call::end_step() {
-  for (Input which : {input_q, input_v}) d().version[which] = ++handle->counter;
+  for (Input which : {input_q, input_v}) d().version[which] = ++body->counter;
 }
 
 void Call::end_search() {
-  d().version[input_q] = ++handle->counter;
+  d().version[input_q] = ++body->counter;
   d().mark_fresh(Stage::Position);
 }
 

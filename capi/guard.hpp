@@ -9,29 +9,26 @@
 #include "base/pack.hpp"
 #include "model/builder.hpp"
 #include "model/dynb.hpp"
+#include "structs.hpp"
 #include "table/enums.hpp"
 
 namespace dyn::capi {
 
-// Sets the thread's last error. printf's format; no heap. Returns the status.
-dynStatus fail(dynStatus status, const char* format, ...) __attribute__((format(printf, 2, 3)));
-
 // Makes the thread's place for it.
 void touch_last_error();
+
+inline constexpr std::size_t max_package_dirs = 10000;
+
+// The status of the exception that is being handled. What a caller can cause is never DYN_ERROR_INTERNAL.
+dynStatus fail_of_exception() noexcept;
 
 // Runs f, which returns a status and may throw.
 template <class F>
 dynStatus guarded(F&& f) noexcept {
   try {
     return f();
-  } catch (const Error& e) {
-    return fail(e.status, "%s", e.what());
-  } catch (const std::bad_alloc&) {
-    return fail(DYN_ERROR_MEMORY, "out of memory");
-  } catch (const std::exception& e) {
-    return fail(DYN_ERROR_INTERNAL, "internal error: %s", e.what());
   } catch (...) {
-    return fail(DYN_ERROR_INTERNAL, "internal error");
+    return fail_of_exception();
   }
 }
 
@@ -75,15 +72,20 @@ inline bool any_beyond(const double* x, std::ptrdiff_t n, int exponent) {
 
 }  // namespace dyn::capi
 
-// The handles; a model's is in dyn/model/dynb.hpp. Freed ones are recognised: their slots are not used again soon (guard.cpp).
+// The handles; a model's is in model/dynb.hpp. Freed ones are recognised: handles.hpp. They are small, for freed ones stay.
+namespace dyn::capi {
+// Lies in front of the data's buffers.
+struct DataBody {
+  std::uint64_t model_id;
+  std::uint64_t counter;  // of versions
+  bool on_heap;           // otherwise in the caller's memory
+  std::atomic<int> busy;
+  Data<double> d;
+};
+}  // namespace dyn::capi
 struct dynData {
   std::uint64_t magic;
-  std::uint64_t model_id;
-  void* arena;  // from the heap, or nullptr: the caller's memory
-  bool own_slot;
-  std::uint64_t counter;  // of versions
-  std::atomic<int> busy;
-  dyn::Data<double> d;
+  dyn::capi::DataBody* body;
 };
 
 struct dynBuilder {
@@ -135,21 +137,6 @@ dynStatus check(const dynMesh* mesh);
 dynStatus check(const dynBroadPhase* broad_phase);
 dynStatus check(const dynContactSolver* solver);
 
-// Slots for handles; a freed one is handed out again only after 256 others. Null when there is no memory.
-dynModel* new_model_handle();
-dynData* new_data_slot();
-dynBuilder* new_builder_handle();
-dynBatch* new_batch_handle();
-dynMesh* new_mesh_handle();
-dynBroadPhase* new_broad_phase_handle();
-dynContactSolver* new_contact_solver_handle();
-void free_handle(dynModel*);
-void free_handle(dynData*);
-void free_handle(dynBuilder*);
-void free_handle(dynBatch*);
-void free_handle(dynMesh*);
-void free_handle(dynBroadPhase*);
-void free_handle(dynContactSolver*);
 
 // Wraps a finished model.
 dynStatus make_handle(ModelPtr model, dynModel** out);
@@ -159,9 +146,9 @@ class Call {
  public:
   Call(const dynModel* model, dynData* data, dynParts part, const char* function_) : function(function_) {
 #if !DYN_CHECKED
-    if (model && data && model->magic == live_model && data->magic == live_data && data->model_id == model->m->id && (data->d.parts & part) == part)
-        [[likely]] {
-      model_ = model->m.get(), handle = data;
+    if (model && data && model->magic == live_model && data->magic == live_data && data->body->model_id == model->m->id &&
+        (data->body->d.parts & part) == part) [[likely]] {
+      model_ = model->m.get(), body = data->body;
       return;
     }
 #endif
@@ -169,7 +156,7 @@ class Call {
   }
   ~Call() {
 #if DYN_CHECKED
-    if (entered) handle->busy.store(0, std::memory_order_release);
+    if (entered) body->busy.store(0, std::memory_order_release);
 #endif
   }
   Call(const Call&) = delete;
@@ -179,7 +166,7 @@ class Call {
   explicit operator bool() const { return status == DYN_OK; }
 
   const Model& m() const { return *model_; }
-  Data<double>& d() const { return handle->d; }
+  Data<double>& d() const { return body->d; }
 
   // Checks the given inputs, then sets them: all or none. nullptr: the held value stays.
   bool inputs(const double* q, const double* v, const double* a, const double* tau);
@@ -219,7 +206,7 @@ class Call {
   bool stale(const char* what, const char* producer);
 
   const Model* model_ = nullptr;
-  dynData* handle = nullptr;
+  DataBody* body = nullptr;
   bool entered = false;
   unsigned changed = 0;            // inputs that this call replaced
   std::uint64_t before[input_count];  // their versions

@@ -20,12 +20,6 @@ bool refuse(Call& call, dynStatus status) {
   return false;
 }
 
-template <class S>
-bool sized(Call& call, const char* type, const S* s) {
-  if (s->struct_size >= sizeof(S)) return true;
-  return refuse(call, fail(DYN_ERROR_SIZE, "dyn_ik: struct_size of %s is %u, needs %zu: set it to sizeof(%s)", type, s->struct_size, sizeof(S), type));
-}
-
 bool finite_numbers(Call& call, Index task, const char* name, const double* x, Index n) {
   const Index k = finite_count(x, n);
   if (k == n) return true;
@@ -78,19 +72,19 @@ bool good_tasks(Call& call, const IkTasks& tasks) {
   if (tasks.count < 1) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: ntasks is %d: give one task at least", int(tasks.count)));
   std::int64_t rows = 0;
   for (Index k = 0; k < tasks.count; ++k) {
-    if (!sized(call, "dynIkTask", &tasks[k])) return false;
-    if (tasks[k].struct_size != tasks.first->struct_size || tasks[k].struct_size % alignof(dynIkTask) != 0)
-      return refuse(call, fail(DYN_ERROR_SIZE, "dyn_ik: struct_size of task %d is %u, that of the first %u: set all to sizeof(dynIkTask)", int(k),
-                               tasks[k].struct_size, tasks.first->struct_size));
-    if (!good_task(call, tasks[k], k)) return false;
-    rows += row_count(call.m(), tasks[k].type);
+    if ((call.status = check_size(call.function, struct_name<dynIkTask>(), tasks.at(k)->struct_size))) return false;
+    if (tasks.at(k)->struct_size != tasks.first->struct_size)
+      return refuse(call, fail(DYN_ERROR_SIZE, "dyn_ik: struct_size of task %d is %u, that of the first %u: call dyn_ik_task_init for each", int(k),
+                               tasks.at(k)->struct_size, tasks.first->struct_size));
+    const Given<dynIkTask> task(call.function, tasks.at(k));
+    if ((call.status = task.status) || !good_task(call, *task, k)) return false;
+    rows += row_count(call.m(), task->type);
   }
   if (rows > INT32_MAX) return refuse(call, fail(DYN_ERROR_LIMIT, "dyn_ik: the tasks have %lld components: this library allows %d", static_cast<long long>(rows), INT32_MAX));
   return true;
 }
 
 bool good_options(Call& call, const dynIkOptions& o) {
-  if (!sized(call, "dynIkOptions", &o)) return false;
   if (o.max_iterations < 1 || o.restarts < 0)
     return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s is %d: give %s or more", o.restarts < 0 ? "restarts" : "max_iterations",
                              int(o.restarts < 0 ? o.restarts : o.max_iterations), o.restarts < 0 ? "0" : "1"));
@@ -107,37 +101,37 @@ bool good_options(Call& call, const dynIkOptions& o) {
 
 }  // namespace
 
+template <>
+dynIkTask capi::defaults() {
+  return default_ik_task();
+}
+
+template <>
+dynIkOptions capi::defaults() {
+  dynIkOptions o{};
+  o.max_iterations = 500;
+  o.restarts = 20;
+  o.tolerance_linear = o.tolerance_angular = 1e-6;
+  o.limits = 1;
+  return o;
+}
+
+template <>
+dynIkOutput capi::defaults() {
+  return {};
+}
+
 extern "C" {
 
-void dyn_ik_task_init(dynIkTask* task) {
-  if (!task) return;
-  *task = {};
-  task->struct_size = sizeof *task;
-  task->type = DYN_IK_TASK_TYPE_POSE;
-  task->target[0] = task->target[4] = task->target[8] = 1;
-  task->weight = 1;
-}
-
-void dyn_ik_options_init(dynIkOptions* options) {
-  if (!options) return;
-  *options = {};
-  options->struct_size = sizeof *options;
-  options->max_iterations = 500;
-  options->restarts = 20;
-  options->tolerance_linear = options->tolerance_angular = 1e-6;
-  options->limits = 1;
-}
-
 dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks, const dynIkOptions* options,
-                 double* solution, double* residuals, dynIkResult* result) {
+                 const dynIkOutput* out) {
   Call call(model, data, DYN_PART_IK, "dyn_ik");
-  dynIkOptions defaults;
-  dyn_ik_options_init(&defaults);
+  const Given<dynIkOutput> output(call.function, out);
+  const Given<dynIkOptions> given(call.function, options);
   const IkTasks list{tasks, ntasks};
-  if (!options) options = &defaults;
   const bool placed = call && call.d().fresh(Stage::Position);
-  if (!call || !call.required("result", result) || !sized(call, "dynIkResult", result) || !good_tasks(call, list) || !good_options(call, *options) ||
-      !call.inputs(q, nullptr, nullptr, nullptr))
+  if (!call || (call.status = output.status) || (call.status = check_struct(call.function, "result", output->result)) || (call.status = given.status) || !good_tasks(call, list) ||
+      !good_options(call, *given) || !call.inputs(q, nullptr, nullptr, nullptr))
     return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -146,8 +140,7 @@ dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dy
   double* start = d.backup + m.n.nq;  // v and a are no inputs here, and nq <= 2 nv
   copy_out(d.q, m.n.nq, start);
   dynIkResult answer{};
-  answer.struct_size = result->struct_size;
-  if (!inverse_kinematics(m, d, list, *options, answer)) {
+  if (!inverse_kinematics(m, d, list, *given, answer)) {
     copy_out(start, m.n.nq, d.q);
     forward_kinematics<0>(m, d);
     d.invalidate(Stage::Com);
@@ -156,12 +149,12 @@ dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dy
     return fail(DYN_ERROR_NUMERIC, "dyn_ik: the cost of the tasks overflows at the start: weights or targets are too large for double precision");
   }
   call.end_search();
-  *result = answer;
-  copy_out(d.q, m.n.nq, solution);
-  for (Index k = 0; residuals && k < list.count; ++k) {
+  write_struct(answer, output->result);
+  copy_out(d.q, m.n.nq, output->solution);
+  for (Index k = 0; output->residuals && k < list.count; ++k) {
     IkResidual e;
     ik_cost(m, d, list[k], e);
-    residuals[2 * k] = e.linear, residuals[2 * k + 1] = e.angular;
+    output->residuals[2 * k] = e.linear, output->residuals[2 * k + 1] = e.angular;
   }
   return DYN_OK;
 }

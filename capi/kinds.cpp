@@ -1,4 +1,4 @@
-// What there is to know of each type of joint, shape and constraint, and of each integrator.
+// Descriptions of the types of joints, shapes and constraints, and of integrators.
 #include "collision/geom.hpp"
 #include "constraint/list.hpp"
 #include "joint/describe.hpp"
@@ -13,13 +13,15 @@ namespace {
 
 // The info of a value, or the refusal of what is none. S begins with struct_size and has name and sentence.
 template <class S, class E, class F>
-dynStatus describe(E id, S* info, const char* function, const char* argument, const char* type, F&& fill_in) {
+dynStatus describe(E id, S* info, const char* function, const char* argument, F&& fill_in) {
+  if (const dynStatus s = check_struct(function, "info", info)) return s;
   if (const dynStatus s = check_value(id, function, argument)) return s;
   const EnumValue& value = *find_value(Members<E>::type, raw(id));
   S out = {};
   out.name = value.name, out.sentence = value.sentence;
   fill_in(out);
-  return fill(info, out, function, type);
+  write_struct(out, info);
+  return DYN_OK;
 }
 
 }  // namespace
@@ -27,7 +29,7 @@ dynStatus describe(E id, S* info, const char* function, const char* argument, co
 extern "C" {
 
 dynStatus dyn_joint_type_info(dynJointType type, dynJointTypeInfo* info) {
-  return describe(type, info, "dyn_joint_type_info", "type", "dynJointTypeInfo", [&](dynJointTypeInfo& out) {
+  return describe(type, info, "dyn_joint_type_info", "type", [&](dynJointTypeInfo& out) {
     out.chain = "";
     visit_kind(type, [&]<class K>() {
       constexpr const KindText& text = kind_text<K>;
@@ -37,7 +39,7 @@ dynStatus dyn_joint_type_info(dynJointType type, dynJointTypeInfo* info) {
 }
 
 dynStatus dyn_shape_type_info(dynShapeType type, dynShapeTypeInfo* info) {
-  return describe(type, info, "dyn_shape_type_info", "type", "dynShapeTypeInfo", [&](dynShapeTypeInfo& out) {
+  return describe(type, info, "dyn_shape_type_info", "type", [&](dynShapeTypeInfo& out) {
     for (const char*& size : out.size) size = "";
     shape::visit_type(type, [&]<class S>() {
       for (const char* size : S::size_names) out.size[out.sizes++] = size;
@@ -47,7 +49,7 @@ dynStatus dyn_shape_type_info(dynShapeType type, dynShapeTypeInfo* info) {
 }
 
 dynStatus dyn_constraint_type_info(dynConstraintType type, dynConstraintTypeInfo* info) {
-  return describe(type, info, "dyn_constraint_type_info", "type", "dynConstraintTypeInfo", [&](dynConstraintTypeInfo& out) {
+  return describe(type, info, "dyn_constraint_type_info", "type", [&](dynConstraintTypeInfo& out) {
     Constraint c = {};
     c.type = type;
     out.rows = type == DYN_CONSTRAINT_TYPE_LOOP ? 0 : constraint_rows(c);
@@ -56,7 +58,7 @@ dynStatus dyn_constraint_type_info(dynConstraintType type, dynConstraintTypeInfo
 }
 
 dynStatus dyn_integrator_info(dynIntegrator integrator, dynIntegratorInfo* info) {
-  return describe(integrator, info, "dyn_integrator_info", "integrator", "dynIntegratorInfo", [&](dynIntegratorInfo& out) {
+  return describe(integrator, info, "dyn_integrator_info", "integrator", [&](dynIntegratorInfo& out) {
     for (const IntegratorRow& row : integrator_rows)
       if (row.id == integrator) out.order = row.order, out.evaluations = row.evaluations, out.implicit = row.implicit, out.estimates = row.estimates;
   });

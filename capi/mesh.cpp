@@ -7,6 +7,7 @@
 
 #include "model/colour.hpp"
 #include "guard.hpp"
+#include "handles.hpp"
 #include "model/builder_surface.hpp"
 
 using namespace dyn;
@@ -16,13 +17,10 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-meshes::MeshOptions read_options(const dynMeshOptions* o) {
+meshes::MeshOptions read_options(const Given<dynMeshOptions>& o) {
   meshes::MeshOptions out;
-  if (!o) return out;
-  if (o->struct_size < sizeof(dynMeshOptions))
-    throw Error(DYN_ERROR_SIZE, "dynMeshOptions: struct_size is " + std::to_string(o->struct_size) + ", needs " + std::to_string(sizeof(dynMeshOptions)) +
-                                    ": call dyn_mesh_options_init first");
   if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynMeshOptions: package_dirs is NULL but package_dirs_count is not 0");
+  if (o->package_dirs_count > max_package_dirs) throw Error(DYN_ERROR_LIMIT, "dynMeshOptions: package_dirs_count is " + std::to_string(o->package_dirs_count) + ": give at most " + std::to_string(max_package_dirs));
   for (std::size_t k = 0; k < o->package_dirs_count; ++k) {
     if (!o->package_dirs[k]) throw Error(DYN_ERROR_ARGUMENT, "dynMeshOptions: package_dirs[" + std::to_string(k) + "] is NULL");
     out.package_dirs.push_back(o->package_dirs[k]);
@@ -40,7 +38,7 @@ dynStatus make(dynMesh** out, const char* function, Make f) {
   return guarded([&] {
     auto mesh = std::make_unique<meshes::Mesh>(f());
     meshes::prepare(*mesh);
-    dynMesh* handle = new_mesh_handle();
+    dynMesh* handle = new_handle<dynMesh>();
     if (!handle) throw std::bad_alloc();
     handle->m = mesh.release();
     handle->magic = live_mesh;
@@ -49,14 +47,7 @@ dynStatus make(dynMesh** out, const char* function, Make f) {
   });
 }
 
-template <class S>
-dynStatus check_struct(const S* s, const char* function, const char* name) {
-  if (!s) return fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
-  if (s->struct_size < sizeof(S)) return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(%s)", function, s->struct_size, sizeof(S), name);
-  return DYN_OK;
-}
-
-// What the triangles bound.
+// Volume, centre of mass and inertia of the solid within the triangles.
 void describe_solid(const meshes::Mesh& mesh, dynMeshInfo& info) {
   info.volume = nan;
   std::fill_n(info.com, 3, nan), std::fill_n(info.inertia, 9, nan);
@@ -86,18 +77,25 @@ void describe_hull(const meshes::Mesh& mesh, double diagonal, dynMeshInfo& info)
 
 }  // namespace
 
-extern "C" {
-
-void dyn_mesh_options_init(dynMeshOptions* options) {
-  if (!options) return;
-  std::memset(options, 0, sizeof *options);
-  options->struct_size = sizeof *options;
-  std::fill_n(options->scale, 3, 1.0);
+template <>
+dynHeightField capi::defaults() {
+  return {};
 }
+
+template <>
+dynMeshOptions capi::defaults() {
+  dynMeshOptions o{};
+  std::fill_n(o.scale, 3, 1.0);
+  return o;
+}
+
+extern "C" {
 
 dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options, dynMesh** mesh) {
   if (!path) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_load: path is NULL");
-  return make(mesh, "dyn_mesh_load", [&] { return meshes::read_mesh(path, read_options(options)); });
+  const Given<dynMeshOptions> given("dyn_mesh_load", options);
+  if (given.status != DYN_OK) return given.status;
+  return make(mesh, "dyn_mesh_load", [&] { return meshes::read_mesh(path, read_options(given)); });
 }
 
 dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* triangles, size_t m, dynMesh** mesh) {
@@ -108,9 +106,13 @@ dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* 
   return make(mesh, function, [&] { return meshes::make_mesh(vertices, at_most(n), triangles, at_most(m), 0, function); });
 }
 
-dynStatus dyn_mesh_from_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh) {
-  if (!heights) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_from_height_field: heights is NULL");
-  return make(mesh, "dyn_mesh_from_height_field", [&] { return meshes::height_field(heights, columns, rows, step_x, step_y, bottom); });
+dynStatus dyn_mesh_from_height_field(const dynHeightField* field, dynMesh** mesh) {
+  constexpr const char* function = "dyn_mesh_from_height_field";
+  if (!field) return fail(DYN_ERROR_ARGUMENT, "%s: field is NULL: it is required", function);
+  const Given<dynHeightField> f(function, field);
+  if (f.status != DYN_OK) return f.status;
+  if (!f->heights) return fail(DYN_ERROR_ARGUMENT, "%s: heights is NULL: it is required", function);
+  return make(mesh, function, [&] { return meshes::height_field(f->heights, f->columns, f->rows, f->step_x, f->step_y, f->bottom); });
 }
 
 dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh** mesh) {
@@ -135,12 +137,11 @@ void dyn_mesh_free(dynMesh* mesh) {
 
 dynStatus dyn_mesh_info(const dynMesh* handle, dynMeshInfo* out) {
   if (const dynStatus s = check(handle)) return s;
-  if (const dynStatus s = check_struct(out, "dyn_mesh_info", "dynMeshInfo")) return s;
+  if (const dynStatus s = check_struct("dyn_mesh_info", "info", out)) return s;
   const meshes::Mesh& mesh = *handle->m;
   const meshes::Topology& t = mesh.topology;
   const meshes::Box box = meshes::box_of(mesh);
   dynMeshInfo info{};
-  info.struct_size = out->struct_size;
   info.vertices = mesh.vertex_count(), info.triangles = mesh.triangle_count();
   info.welded = mesh.welded, info.degenerate = mesh.degenerate, info.duplicates = mesh.duplicates, info.skipped = mesh.skipped;
   store3(box.low, info.lower), store3(box.high, info.upper);
@@ -149,16 +150,15 @@ dynStatus dyn_mesh_info(const dynMesh* handle, dynMeshInfo* out) {
   describe_solid(mesh, info);
   describe_hull(mesh, box.diagonal(), info);
   if (info.hull_status == DYN_ERROR_MEMORY) return info.hull_status;
-  *out = info;
+  write_struct(info, out);
   return DYN_OK;
 }
 
 dynStatus dyn_mesh_arrays(const dynMesh* handle, dynMeshArrays* out) {
   if (const dynStatus s = check(handle)) return s;
-  if (const dynStatus s = check_struct(out, "dyn_mesh_arrays", "dynMeshArrays")) return s;
+  if (const dynStatus s = check_struct("dyn_mesh_arrays", "arrays", out)) return s;
   const meshes::Mesh& mesh = *handle->m;
   dynMeshArrays a{};
-  a.struct_size = out->struct_size;
   a.vertices = mesh.vertices.data(), a.vertex_count = std::size_t(mesh.vertex_count());
   a.triangles = mesh.triangles.data(), a.triangle_count = std::size_t(mesh.triangle_count());
   if (const auto& p = mesh.polytope) {
@@ -166,7 +166,7 @@ dynStatus dyn_mesh_arrays(const dynMesh* handle, dynMeshArrays* out) {
     a.planes = p->planes.data(), a.face_start = p->face_start.data(), a.face_corners = p->face_corners.data();
     a.neighbour_start = p->neighbour_start.data(), a.neighbours = p->neighbours.data();
   }
-  *out = a;
+  write_struct(a, out);
   return DYN_OK;
 }
 

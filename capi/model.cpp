@@ -8,6 +8,7 @@
 
 #include "model/colour.hpp"
 #include "model/load.hpp"
+#include "handles.hpp"
 #include "reflection.hpp"
 
 using namespace dyn;
@@ -15,14 +16,11 @@ using namespace dyn::capi;
 
 namespace {
 
-LoadOptions read_options(const dynLoadOptions* o) {
+LoadOptions read_options(const Given<dynLoadOptions>& o) {
   LoadOptions out;
-  if (!o) return out;
-  if (o->struct_size < sizeof(dynLoadOptions))
-    throw Error(DYN_ERROR_SIZE, "dynLoadOptions: struct_size is " + std::to_string(o->struct_size) + ", needs " + std::to_string(sizeof(dynLoadOptions)) +
-                                    ": call dyn_load_options_init first");
   require_value(o->base, "dynLoadOptions", "base");
   if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: package_dirs is NULL but package_dirs_count is not 0");
+  if (o->package_dirs_count > max_package_dirs) throw Error(DYN_ERROR_LIMIT, "dynLoadOptions: package_dirs_count is " + std::to_string(o->package_dirs_count) + ": give at most " + std::to_string(max_package_dirs));
   out.base = o->base;
   out.strict = o->strict != 0;
   out.cos_sin = o->cos_sin != 0;
@@ -51,7 +49,9 @@ LoadOptions read_options(const dynLoadOptions* o) {
 template <class Load>
 dynStatus load_model(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
   if (!text || !model) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, text ? "model" : what);
-  return guarded([&] { return make_handle(f(text, read_options(options)), model); });
+  const Given<dynLoadOptions> given(function, options);
+  if (given.status != DYN_OK) return given.status;
+  return guarded([&] { return make_handle(f(text, read_options(given)), model); });
 }
 
 // Binary search in ids sorted by name; f(id) is the name. The first of equals, or count.
@@ -111,15 +111,6 @@ int unknown(const char* kind, const char* name, Index count, Name f) {
   return -1;
 }
 
-// Fills a struct that begins with struct_size.
-template <class S>
-dynStatus check_struct(S* s, const char* function, const char* name) {
-  if (!s) return fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
-  if (s->struct_size < sizeof(S))
-    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(%s)", function, s->struct_size, sizeof(S), name);
-  return DYN_OK;
-}
-
 dynStatus check_index(const dynModel* model, int index, Index count, const char* function, const char* what) {
   if (index < 0 || index >= count)
     return fail(DYN_ERROR_ARGUMENT, "%s: %s %d does not exist: the model has %d", function, what, index, int(count));
@@ -129,15 +120,15 @@ dynStatus check_index(const dynModel* model, int index, Index count, const char*
 
 }  // namespace
 
-extern "C" {
-
-void dyn_load_options_init(dynLoadOptions* options) {
-  if (!options) return;
-  std::memset(options, 0, sizeof *options);
-  options->struct_size = sizeof *options;
-  options->gravity[2] = -9.81;
-  options->constraint_slots = 8;
+template <>
+dynLoadOptions capi::defaults() {
+  dynLoadOptions o{};
+  o.gravity[2] = -9.81;
+  o.constraint_slots = 8;
+  return o;
 }
+
+extern "C" {
 
 dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model) {
   return load_model(path, options, model, "dyn_model_load", "path", [](const char* p, const LoadOptions& o) { return load_file(p, o); });
@@ -158,10 +149,10 @@ int dyn_model_report_count(const dynModel* model) { return check(model) == DYN_O
 dynStatus dyn_model_report_entry(const dynModel* model, int index, dynReportEntry* entry) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(entry, "dyn_model_report_entry", "dynReportEntry")) return s;
+  if (const dynStatus s = check_struct("dyn_model_report_entry", "entry", entry)) return s;
   if (const dynStatus s = check_index(model, index, m.n.reports, "dyn_model_report_entry", "report entry")) return s;
   const ReportRecord& r = m.reports()[index];
-  entry->level = r.level, entry->line = r.line, entry->message = m.string(r.message);
+  write_struct({0, r.level, r.line, m.string(r.message)}, entry);
   return DYN_OK;
 }
 
@@ -226,35 +217,39 @@ static int frame_id(const dynModel* model, const char* name, int type, const cha
 int dyn_model_frame_id(const dynModel* model, const char* name) { return frame_id(model, name, 0, "dyn_model_frame_id"); }
 int dyn_model_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type) {
   if (check(model) == DYN_OK && !frame_type_name(int(type)))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_model_frame_id_of_type: %d is no dynFrameType: use one DYN_FRAME_... value", int(type)), -1;
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_frame_id_of_type: %d is no dynFrameType: use a DYN_FRAME_TYPE_... value", int(type)), -1;
   return frame_id(model, name, int(type), "dyn_model_frame_id_of_type");
 }
 
 dynStatus dyn_model_joint_info(const dynModel* model, int joint, dynJointInfo* info) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(info, "dyn_model_joint_info", "dynJointInfo")) return s;
+  if (const dynStatus s = check_struct("dyn_model_joint_info", "info", info)) return s;
   if (const dynStatus s = check_index(model, joint, m.n.joints, "dyn_model_joint_info", "joint")) return s;
   const JointRecord& r = m.joints()[joint];
-  info->name = m.string(r.name), info->type = r.type, info->parent = r.parent;
-  info->idx_q = r.idx_q, info->idx_v = r.idx_v, info->nq = r.nq, info->nv = r.nv;
-  info->mimic_leader = r.leader, info->mimic_ratio = r.ratio, info->mimic_offset = r.offset, info->pitch = r.pitch;
-  std::memcpy(info->axis, r.axis, sizeof r.axis), std::memcpy(info->axis2, r.axis2, sizeof r.axis2);
-  std::memcpy(info->placement, r.placement, sizeof r.placement);
+  dynJointInfo out{};
+  out.name = m.string(r.name), out.type = r.type, out.parent = r.parent;
+  out.idx_q = r.idx_q, out.idx_v = r.idx_v, out.nq = r.nq, out.nv = r.nv;
+  out.mimic_leader = r.leader, out.mimic_ratio = r.ratio, out.mimic_offset = r.offset, out.pitch = r.pitch;
+  std::memcpy(out.axis, r.axis, sizeof r.axis), std::memcpy(out.axis2, r.axis2, sizeof r.axis2);
+  std::memcpy(out.placement, r.placement, sizeof r.placement);
+  write_struct(out, info);
   return DYN_OK;
 }
 
 dynStatus dyn_model_frame_info(const dynModel* model, int frame, dynFrameInfo* info) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(info, "dyn_model_frame_info", "dynFrameInfo")) return s;
+  if (const dynStatus s = check_struct("dyn_model_frame_info", "info", info)) return s;
   if (const dynStatus s = check_index(model, frame, m.n.frames, "dyn_model_frame_info", "frame")) return s;
   const FrameRecord& r = m.frames()[frame];
-  info->name = m.string(r.name), info->type = r.type, info->joint = r.joint;
-  std::memcpy(info->placement, r.placement, sizeof r.placement);
+  dynFrameInfo out{};
+  out.name = m.string(r.name), out.type = r.type, out.joint = r.joint;
+  std::memcpy(out.placement, r.placement, sizeof r.placement);
   const LinkRecord link = r.link >= 0 ? m.links()[r.link] : LinkRecord{};
-  info->mass = link.mass;
-  std::memcpy(info->com, link.com, sizeof link.com), std::memcpy(info->inertia, link.inertia, sizeof link.inertia);
+  out.mass = link.mass;
+  std::memcpy(out.com, link.com, sizeof link.com), std::memcpy(out.inertia, link.inertia, sizeof link.inertia);
+  write_struct(out, info);
   return DYN_OK;
 }
 
@@ -263,12 +258,14 @@ int dyn_model_nshapes(const dynModel* model) { return check(model) == DYN_OK ? i
 dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(info, "dyn_model_shape_info", "dynShapeInfo")) return s;
+  if (const dynStatus s = check_struct("dyn_model_shape_info", "info", info)) return s;
   if (const dynStatus s = check_index(model, shape, m.n.shapes, "dyn_model_shape_info", "shape")) return s;
   const ShapeRecord& r = m.shapes()[shape];
-  info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = dynShapeRole(r.role), info->frame = r.frame;
-  std::memcpy(info->placement, r.placement, sizeof r.placement), std::memcpy(info->size, r.size, sizeof r.size);
-  info->radius = r.radius, info->contype = r.contype, info->conaffinity = r.conaffinity, info->material = m.materials()[r.material];
+  dynShapeInfo out{};
+  out.name = m.string(r.name), out.mesh = m.string(r.mesh), out.type = r.type, out.role = dynShapeRole(r.role), out.frame = r.frame;
+  std::memcpy(out.placement, r.placement, sizeof r.placement), std::memcpy(out.size, r.size, sizeof r.size);
+  out.radius = r.radius, out.contype = r.contype, out.conaffinity = r.conaffinity, out.material = m.materials()[r.material];
+  write_struct(out, info);
   return DYN_OK;
 }
 

@@ -73,14 +73,13 @@ int dyn_effect_count(void) { return row_count; }
 
 dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info) {
   Call call(model, data, 0, "dyn_data_effect_info");
-  if (!call || !call.required("info", info)) return call.status;
+  if (!call) return call.status;
+  if (const dynStatus s = check_struct(call.function, "info", info)) return s;
   if (effect < 0 || effect >= row_count) return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, row_count);
-  if (info->struct_size < sizeof *info)
-    return fail(DYN_ERROR_SIZE, "dyn_data_effect_info: struct_size is %u, needs %zu: set it to sizeof(dynEffectInfo)", info->struct_size, sizeof *info);
   const Row& row = rows[effect];
   const Model& m = call.m();
-  info->name = row.name, info->present = row.present(m), info->acting = row.acting(m, call.d());
-  info->bytes = info->present ? row.bytes(m, call.d().parts) : 0;
+  const int present = row.present(m);
+  write_struct({0, row.name, present, row.acting(m, call.d()), present ? row.bytes(m, call.d().parts) : 0}, info);
   return DYN_OK;
 }
 

@@ -1,4 +1,4 @@
-// Configurations that satisfy constraints, forces that hold an acceleration, and the doctor: thin wrappers.
+// Projection onto constraints, constrained inverse dynamics, constraint diagnostics: thin wrappers.
 #include <algorithm>
 
 #include "constraint.hpp"
@@ -7,27 +7,21 @@
 using namespace dyn;
 using namespace dyn::capi;
 
-extern "C" {
-
-void dyn_project_options_init(dynProjectOptions* options) {
-  if (!options) return;
-  *options = {};
-  options->struct_size = sizeof *options;
-  options->max_iterations = 100, options->weigh = 1, options->tolerance = 1e-12;
+template <>
+dynProjectOptions capi::defaults() {
+  return {0, 100, 1, 1e-12};
 }
+
+extern "C" {
 
 dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v, const dynProjectOptions* options, double* q_out, double* v_out,
                       dynConstraintResult* result) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_project");
-  dynProjectOptions given;
-  dyn_project_options_init(&given);
+  const Given<dynProjectOptions> given(call.function, options);
   if (!call || !good_result(call, result)) return call.status;
-  if (options) {
-    if (const dynStatus s = sized("dyn_project", "dynProjectOptions", "call dyn_project_options_init first", options)) return s;
-    given = *options;
-    if (given.max_iterations < 1) return fail(DYN_ERROR_ARGUMENT, "dyn_project: max_iterations is %d: give 1 or more", int(given.max_iterations));
-    if (!(given.tolerance > 0 && given.tolerance <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_project: tolerance is %g: give more than 0, at most 1", given.tolerance);
-  }
+  if (given.status != DYN_OK) return given.status;
+  if (given->max_iterations < 1) return fail(DYN_ERROR_ARGUMENT, "dyn_project: max_iterations is %d: give 1 or more", int(given->max_iterations));
+  if (!(given->tolerance > 0 && given->tolerance <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_project: tolerance is %g: give more than 0, at most 1", given->tolerance);
   if (!call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -41,7 +35,7 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
     for (Stage s : {Stage::Position, Stage::Velocity, Stage::Acceleration}) d.invalidate(s);
     call.drop_results();
   };
-  const Index failed = project(m, d, given.max_iterations, given.weigh != 0, given.tolerance, v_out ? d.v : nullptr, found);
+  const Index failed = project(m, d, given->max_iterations, given->weigh != 0, given->tolerance, v_out ? d.v : nullptr, found);
   forget_mass(call);
   if (failed) {
     go_back();
@@ -55,14 +49,15 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
   if (!std::equal(start_q, start_q + m.n.nq, d.q) || !std::equal(start_v, start_v + m.n.nv, d.v)) call.end_step();
   forward_kinematics<0>(m, d);
   copy_out(d.q, m.n.nq, q_out), copy_out(d.v, m.n.nv, v_out);
-  copy_result(found, result);
+  write_struct(found, result);
   return DYN_OK;
 }
 
 dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
-                                           const int32_t* actuated, double* tau, double* lambda, dynConstraintResult* result) {
+                                           const int32_t* actuated, const dynConstrainedOutput* output) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constrained_inverse_dynamics");
-  if (!call || !good_result(call, result) || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
+  const Given<dynConstrainedOutput> wanted(call.function, output);
+  if (!call || !good_output(call, wanted) || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   d.invalidate(Stage::ConstrainedDdq);
@@ -72,21 +67,20 @@ dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data,
   forget_mass(call);
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (!call.numeric(out, m.n.nv, "tau", Stage::ConstrainedDdq) || !call.numeric(d.lambda, found.rows, "lambda", Stage::ConstrainedDdq)) return call.status;
-  copy_out(out, m.n.nv, tau), copy_out(d.lambda, found.rows, lambda);
-  copy_result(found, result);
+  copy_out(out, m.n.nv, wanted->tau), copy_out(d.lambda, found.rows, wanted->lambda);
+  write_struct(found, wanted->result);
   return DYN_OK;
 }
 
 dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q, dynConstraintReport* report, dynRowReport* rows_out, int capacity) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_report");
-  if (!call || !call.required("report", report)) return call.status;
-  if (const dynStatus s = sized("dyn_constraint_report", "dynConstraintReport", "set it to sizeof(dynConstraintReport)", report)) return s;
+  if (!call) return call.status;
+  if (const dynStatus s = check_struct(call.function, "report", report)) return s;
   if (!call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   d.invalidate(Stage::ConstrainedDdq);
   dynConstraintReport found{};
-  found.struct_size = report->struct_size;
   const Index failed = constraint_report(m, d, found, [&](Index row, dynRowVerdict verdict, double share, double error) {
     if (!rows_out || row >= capacity) return;
     Index slot = 0;
@@ -99,7 +93,7 @@ dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const doub
     call.rollback();
     return fail(DYN_ERROR_NUMERIC, "dyn_constraint_report: the error of a row overflows: the inputs are too large for double precision");
   }
-  *report = found;
+  write_struct(found, report);
   return DYN_OK;
 }
 

@@ -33,6 +33,11 @@ dynStatus check_directions(const char* function, const char* name, const double*
 
 }  // namespace
 
+template <>
+dynRays capi::defaults() {
+  return {0, 0, 0xffffffff, nullptr, nullptr, HUGE_VAL};
+}
+
 extern "C" {
 
 dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype, uint32_t conaffinity) {
@@ -63,22 +68,27 @@ dynStatus dyn_geometry_ray(const dynGeometry* shape, const double* placement, co
   if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
   if (s == DYN_OK) s = check_numbers(function, "origin", origin, 3);
   if (s == DYN_OK) s = check_directions(function, "direction", direction, 1);
-  if (s == DYN_OK) s = check_out(function, "dynRayHit", out);
+  if (s == DYN_OK) s = check_struct(function, "out", out);
   if (s != DYN_OK) return s;
   const auto o = load3(origin), d = load3(direction);
   shape::Hit h{};
   shape::visit(S.shape, [&](const auto& x) { h = x.ray(S.X.act_inverse(o), transpose_times(S.X.R, d)); });
   const bool hit = h.t < shape::infinity;
-  out->shape = hit ? 0 : -1, out->t = h.t;
-  store3(hit ? o + d * h.t : shape::Vec::zero(), out->position), store3(hit ? S.X.R * h.normal : shape::Vec::zero(), out->normal);
+  dynRayHit found;
+  found.shape = hit ? 0 : -1, found.t = h.t;
+  store3(hit ? o + d * h.t : shape::Vec::zero(), found.position), store3(hit ? S.X.R * h.normal : shape::Vec::zero(), found.normal);
+  write_struct(found, out);
   return DYN_OK;
 }
 
-dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n, double max_t,
-                   uint32_t mask, double* t, int* shapes, double* normals) {
+dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const dynRays* rays, double* t, int* shapes, double* normals) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_rays");
-  if (!call) return call.status;
-  if (n < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_rays: n is %d: it can't be negative", n);
+  if (!call || !call.required("rays", rays)) return call.status;
+  const Given<dynRays> given(call.function, rays);
+  if (given.status != DYN_OK) return given.status;
+  const double *origins = given->origins, *directions = given->directions, max_t = given->max_t;
+  const int n = given->count;
+  if (n < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_rays: count is %d: give 0 or more", n);
   if (!(max_t > 0)) return fail(std::isnan(max_t) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "dyn_rays: max_t is %g: give a number above 0", max_t);
   if (const dynStatus s = check_numbers(call.function, "origins", origins, 3 * std::ptrdiff_t(n))) return s;
   if (const dynStatus s = check_directions(call.function, "directions", directions, n)) return s;
@@ -88,7 +98,7 @@ dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const 
   collision::place_geoms(m, call.d());
   for (std::ptrdiff_t k = 0; k < n; ++k) {
     const collision::RayHit h = collision::cast(m, d, load3(origins + 3 * k), load3(directions + 3 * k), max_t, [&](Index geom) {
-      return (d.geom_masks[geom].contype & mask) != 0 && m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH;
+      return (d.geom_masks[geom].contype & given->mask) != 0 && m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH;
     });
     if (t) t[k] = h.t;
     if (shapes) shapes[k] = h.geom < 0 ? -1 : int(m.geoms()[h.geom].shape);
@@ -103,27 +113,30 @@ dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double* pla
   dynStatus s = read_geometry(function, "shape", shape, S);
   if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
   if (s == DYN_OK) s = check_numbers(function, "point", point, 3);
-  if (s == DYN_OK) s = check_out(function, "dynClosestPoint", out);
+  if (s == DYN_OK) s = check_struct(function, "out", out);
   if (s != DYN_OK) return s;
   shape::Nearest near{};
   shape::visit(S.shape, [&](const auto& x) { near = x.signed_distance(S.X.act_inverse(load3(point))); });
-  out->unique = near.unique, out->distance = near.distance;
-  store3(S.X.act(near.point), out->point), store3(S.X.R * near.normal, out->normal);
+  dynClosestPoint found;
+  found.unique = near.unique, found.distance = near.distance;
+  store3(S.X.act(near.point), found.point), store3(S.X.R * near.normal, found.normal);
+  write_struct(found, out);
   return DYN_OK;
 }
 
-dynStatus dyn_geometry_sweep(const dynGeometry* a, const double* placement_a, const double* motion_a, const dynGeometry* b, const double* placement_b,
-                          const double* motion_b, double duration, double margin, dynImpact* out) {
+dynStatus dyn_geometry_sweep(const dynGeometryPair* pair, double duration, double margin, dynImpact* out) {
   constexpr const char* function = "dyn_geometry_sweep";
   static constexpr double rest[6] = {};
-  if (!motion_a) motion_a = rest;
-  if (!motion_b) motion_b = rest;
+  if (!pair) return fail(DYN_ERROR_ARGUMENT, "%s: pair is NULL: it is required", function);
+  const Given<dynGeometryPair> given(function, pair);
+  if (given.status != DYN_OK) return given.status;
+  const double *motion_a = given->motion_a ? given->motion_a : rest, *motion_b = given->motion_b ? given->motion_b : rest;
   PlacedShape A, B;
-  dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
+  dynStatus s = read_pair(function, *given, A, B);
   if (s == DYN_OK) s = check_numbers(function, "motion_a", motion_a, 6);
   if (s == DYN_OK) s = check_numbers(function, "motion_b", motion_b, 6);
   if (s == DYN_OK) s = check_margin(function, margin);
-  if (s == DYN_OK) s = check_out(function, "dynImpact", out);
+  if (s == DYN_OK) s = check_struct(function, "out", out);
   if (s != DYN_OK) return s;
   if (!(duration >= 0 && duration <= max_length))
     return fail(std::isfinite(duration) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: duration is %g: give seconds from 0 to %g", function, duration, max_length);
@@ -134,8 +147,10 @@ dynStatus dyn_geometry_sweep(const dynGeometry* a, const double* placement_a, co
   collision::SweepOptions options;
   options.margin = margin;
   const collision::Impact i = collision::sweep(moving_a, moving_b, duration, workspace, options);
-  out->status = dynSweepStatus(i.status), out->time = i.time, out->distance = i.result.distance;
-  store3(i.result.normal, out->normal), store3(i.result.point_a, out->point_a), store3(i.result.point_b, out->point_b);
+  dynImpact found;
+  found.status = dynSweepStatus(i.status), found.time = i.time, found.distance = i.result.distance;
+  store3(i.result.normal, found.normal), store3(i.result.point_a, found.point_a), store3(i.result.point_b, found.point_b);
+  write_struct(found, out);
   return DYN_OK;
 }
 

@@ -1,4 +1,4 @@
-// What dyn.h declares, as tables.
+// The declarations of dyn.h, as tables.
 #include "reflection.hpp"
 
 #include <cstdio>
@@ -65,17 +65,21 @@ int dyn_enum_id(const char* name) {
 }
 
 dynStatus dyn_enum_info(int index, dynEnumInfo* info) {
+  if (const dynStatus s = check_struct("dyn_enum_info", "info", info)) return s;
   if (index < 0 || index >= enum_count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_info: enumeration %d does not exist: there are %d", index, enum_count);
   const Enum& e = enums[index];
-  return fill(info, {sizeof *info, e.name, e.prefix, e.sentence, e.count, e.bits}, "dyn_enum_info", "dynEnumInfo");
+  write_struct({0, e.name, e.prefix, e.sentence, e.count, e.bits}, info);
+  return DYN_OK;
 }
 
 dynStatus dyn_enum_value_info(int index, int k, dynEnumValueInfo* info) {
+  if (const dynStatus s = check_struct("dyn_enum_value_info", "info", info)) return s;
   if (index < 0 || index >= enum_count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: enumeration %d does not exist: there are %d", index, enum_count);
   const Enum& e = enums[index];
   if (k < 0 || k >= e.count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: %s has %d values, no value %d", e.name, e.count, k);
   const EnumValue& v = enum_values[e.first + k];
-  return fill(info, {sizeof *info, v.value, v.identifier, v.identifier + std::strlen(e.prefix), v.sentence}, "dyn_enum_value_info", "dynEnumValueInfo");
+  write_struct({0, v.value, v.identifier, v.identifier + std::strlen(e.prefix), v.sentence}, info);
+  return DYN_OK;
 }
 
 const char* dyn_interface_json(void) {

@@ -1,4 +1,4 @@
-// Enumerations by name, and infos that a caller's struct takes.
+// Range checks of enumerations, with messages.
 #pragma once
 
 #include "guard.hpp"
@@ -26,17 +26,6 @@ dynStatus check_value(const E& e, const char* function, const char* name) {
 template <class E>
 void require_value(const E& e, const char* function, const char* name) {
   if (check_value(e, function, name) != DYN_OK) throw Error(DYN_ERROR_ARGUMENT, dyn_last_error());
-}
-
-// Writes an info into a caller's struct, which says its size.
-template <class S>
-dynStatus fill(S* out, S info, const char* function, const char* type) {
-  if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: info is NULL", function);
-  if (out->struct_size < sizeof info)
-    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(%s)", function, out->struct_size, sizeof info, type);
-  info.struct_size = out->struct_size;
-  *out = info;
-  return DYN_OK;
 }
 
 }  // namespace dyn::capi

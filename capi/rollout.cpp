@@ -83,7 +83,7 @@ struct Batch::Rollout {
       if (x.tau)
         if (const dynStatus s = dyn_data_set_state(m, data, nullptr, nullptr, nullptr, row(x.tau, sizes.nv, r))) return s;
       for (int i = 0; i < x.every; ++i) {
-        if (imu && i + 1 == x.every) std::copy_n(data->d.v, sizes.nv, acceleration);
+        if (imu && i + 1 == x.every) std::copy_n(data->body->d.v, sizes.nv, acceleration);
         if (const dynStatus s = dyn_step(m, data)) return s;
         if (++at % steps_between_looks) continue;
         made.fetch_add(steps_between_looks, std::memory_order_relaxed);
@@ -97,14 +97,14 @@ struct Batch::Rollout {
 
   dynStatus record(const dynModel* m, dynData* data, std::int64_t r, double* acceleration) const {
     const Sizes& sizes = batch.sizes;
-    copy_out(data->d.q, sizes.nq, row(x.q, sizes.nq, r));
-    copy_out(data->d.v, sizes.nv, row(x.v, sizes.nv, r));
+    copy_out(data->body->d.q, sizes.nq, row(x.q, sizes.nq, r));
+    copy_out(data->body->d.v, sizes.nv, row(x.v, sizes.nv, r));
     if (x.contact_count)
       if (const dynStatus s = dyn_data_step_contacts(m, data, row(x.contacts, x.contact_capacity, r), x.contacts ? x.contact_capacity : 0, x.contact_count + r)) return s;
     if (x.final_states && (r + 1) % records == 0)
       if (const dynStatus s = dyn_data_save_state(m, data, static_cast<char*>(x.final_states) + r / records * state, std::size_t(state))) return s;
     if (!x.sensor_data) return DYN_OK;
-    for (int i = 0; imu && i < sizes.nv; ++i) acceleration[i] = (data->d.v[i] - acceleration[i]) / dt;
+    for (int i = 0; imu && i < sizes.nv; ++i) acceleration[i] = (data->body->d.v[i] - acceleration[i]) / dt;
     return read_sensors(m, data, sensors(), imu ? acceleration : nullptr, row(x.sensor_data, sensor_size, r));
   }
 };
@@ -113,36 +113,35 @@ dynStatus Batch::rollout(std::int64_t n, const dynRollout& x) {
   const Turn turn(*this, "dyn_batch_rollout");
   if (turn.status != DYN_OK) return turn.status;
   if (const dynStatus s = check_sensors(*handle->m, {x.sensor, x.sensor_frame, x.sensors}, "dyn_batch_rollout")) return s;
-  dynStepOptions stepping;
-  dyn_step_options_init(&stepping);
-  if (x.stepping) stepping = *x.stepping;
+  const Given<dynStepOptions> stepping("dyn_batch_rollout", x.stepping);
+  if (stepping.status != DYN_OK) return stepping.status;
   for (const auto& data : datas)
-    if (const dynStatus s = dyn_data_set_step_options(handle, data.get(), &stepping)) return s;  // the first one, if any
-  Rollout job(*this, n, x, stepping.dt);
+    if (const dynStatus s = dyn_data_set_step_options(handle, data.get(), &*stepping)) return s;  // the first one, if any
+  Rollout job(*this, n, x, stepping->dt);
   const dynStatus status = work(job, n, "dyn_batch_rollout: ", "simulation");
   if (job.cancelled) return cancelled_at(job.made, job.steps);
   job.tell();
   return status;
 }
 
+template <>
+dynRollout capi::defaults() {
+  dynRollout r{};
+  r.steps = r.every = 1;
+  return r;
+}
+
 extern "C" {
 
 int dyn_sensor_size(dynSensorType sensor) { return sensor_size(sensor); }
-
-void dyn_rollout_init(dynRollout* rollout) {
-  if (!rollout) return;
-  *rollout = {};
-  rollout->struct_size = sizeof(dynRollout);
-  rollout->steps = rollout->every = 1;
-}
 
 dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout) {
   constexpr const char* function = "dyn_batch_rollout";
   if (const dynStatus s = check(batch)) return s;
   if (!rollout) return fail(DYN_ERROR_ARGUMENT, "%s: rollout is NULL: it is required", function);
-  const dynRollout& x = *rollout;
-  if (x.struct_size < sizeof(dynRollout))
-    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: call dyn_rollout_init", function, x.struct_size, sizeof(dynRollout));
+  const Given<dynRollout> given(function, rollout);
+  if (given.status != DYN_OK) return given.status;
+  const dynRollout& x = *given;
   if (x.steps < 1 || x.every < 1 || x.steps % x.every)
     return fail(DYN_ERROR_ARGUMENT, "%s: steps is %d and every is %d: give at least 1, and an every that divides steps", function, x.steps, x.every);
   const std::int64_t most = max_records / x.steps;

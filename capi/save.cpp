@@ -10,17 +10,19 @@ using namespace dyn::capi;
 
 namespace {
 
-// What there is to say is said also when strict makes it an error.
+// Reports all lines, also when strict refuses the model.
 template <class Save>
-dynStatus save(dynSaveReport report, void* context, Save&& f) {
+dynStatus save(const char* function, const dynSaveOptions* options, Save&& f) {
+  const Given<dynSaveOptions> o(function, options);
+  if (o.status != DYN_OK) return o.status;
   return guarded([&] {
     SaveReport lines;
     const auto tell = [&] {
       for (const SaveEntry& e : lines)
-        if (report) report(context, e.level, e.message.c_str());
+        if (o->report) o->report(o->context, e.level, e.message.c_str());
     };
     try {
-      f(lines);
+      f(lines, o->strict != 0);
     } catch (const Error&) {
       tell();
       throw;
@@ -41,20 +43,25 @@ void hand_out(const char* function, const std::string& out, void* buffer, size_t
 
 }  // namespace
 
-extern "C" {
-
-dynStatus dyn_model_save(const dynModel* model, const char* path, int strict, dynSaveReport report, void* context) {
-  if (const dynStatus s = check(model)) return s;
-  if (!path) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save: path is NULL");
-  return save(report, context, [&](SaveReport& lines) { save_file(*model->m, path, strict != 0, lines); });
+template <>
+dynSaveOptions capi::defaults() {
+  return {};
 }
 
-dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, int strict, dynSaveReport report, void* context, void* buffer, size_t capacity, size_t* size) {
+extern "C" {
+
+dynStatus dyn_model_save(const dynModel* model, const char* path, const dynSaveOptions* options) {
+  if (const dynStatus s = check(model)) return s;
+  if (!path) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save: path is NULL");
+  return save("dyn_model_save", options, [&](SaveReport& lines, bool strict) { save_file(*model->m, path, strict, lines); });
+}
+
+dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, const dynSaveOptions* options, void* buffer, size_t capacity, size_t* size) {
   if (const dynStatus s = check(model)) return s;
   if (!size) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save_memory: size is NULL");
   if (!buffer && capacity) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save_memory: buffer is NULL but capacity is not 0");
-  return save(report, context, [&](SaveReport& lines) {
-    hand_out("dyn_model_save_memory", save_string(*model->m, dynFormat(raw(format)), strict != 0, lines), buffer, capacity, size);
+  return save("dyn_model_save_memory", options, [&](SaveReport& lines, bool strict) {
+    hand_out("dyn_model_save_memory", save_string(*model->m, dynFormat(raw(format)), strict, lines), buffer, capacity, size);
   });
 }
 

@@ -34,7 +34,7 @@ dynStatus imu(const dynModel* m, dynData* d, int frame, double* out) {
   if (s == DYN_OK) s = dyn_frame_classical_acceleration(m, d, frame, DYN_REFERENCE_LOCAL, a);
   if (s == DYN_OK) s = dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, v);
   if (s != DYN_OK) return s;
-  store3(load3(a) - transpose_times(rotation_of(X), load3(d->d.world_gravity)), out);
+  store3(load3(a) - transpose_times(rotation_of(X), load3(d->body->d.world_gravity)), out);
   std::copy_n(v + 3, 3, out + 3);
   return DYN_OK;
 }
@@ -45,7 +45,7 @@ dynStatus force(const dynModel* m, dynData* d, int frame, double* out) {
   if (s != DYN_OK) return s;
   Vector sum = Vector::zero(), moment = Vector::zero();
   const auto on = [&](std::int32_t shape) { return shape >= 0 && m->m->shapes()[shape].frame == frame; };
-  simulation::for_each_contact(*d->d.step, [&](const dynContactForce& f) {
+  simulation::for_each_contact(*d->body->d.step, [&](const dynContactForce& f) {
     const int sign = int(on(f.contact.shape_b)) - int(on(f.contact.shape_a));
     if (sign == 0) return;
     const Vector on_b = load3(f.force_on_b);
@@ -56,7 +56,7 @@ dynStatus force(const dynModel* m, dynData* d, int frame, double* out) {
   return DYN_OK;
 }
 
-dynStatus com(const dynModel* m, dynData* d, int, double* out) { return dyn_com(m, d, d->d.q, d->d.v, nullptr, out, out + 3, nullptr); }
+dynStatus com(const dynModel* m, dynData* d, int, double* out) { return dyn_com(m, d, d->body->d.q, d->body->d.v, nullptr, out, out + 3, nullptr); }
 
 dynStatus energy(const dynModel* m, dynData* d, int, double* out) { return dyn_energy(m, d, nullptr, nullptr, out, out + 1); }
 
@@ -109,7 +109,7 @@ dynStatus check_sensors(const Model& m, Sensors sensors, const char* function) {
 
 dynStatus read_sensors(const dynModel* m, dynData* d, Sensors sensors, const double* acceleration, double* out) {
   if (any(sensors, [](dynSensorType t) { return rows[raw(t)].of_frame; }))
-    if (const dynStatus s = dyn_forward_kinematics(m, d, d->d.q, d->d.v, acceleration)) return s;
+    if (const dynStatus s = dyn_forward_kinematics(m, d, d->body->d.q, d->body->d.v, acceleration)) return s;
   for (int k = 0; k < sensors.count; ++k) {
     const Row& row = rows[raw(sensors.type[k])];
     if (const dynStatus s = row.read(m, d, row.of_frame ? sensors.frame[k] : 0, out)) return s;

@@ -21,7 +21,7 @@ const char* joint_at(const Model& m, Index k, bool in_v) {
   return name;
 }
 
-// Why steps ended at t, from what they answered and the state that they left.
+// The error of steps that ended at t: from their return value and the state that they left.
 dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function, double t) {
   if (answer > 0)
     return fail(DYN_ERROR_NUMERIC, "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,
@@ -82,17 +82,18 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
 
 }  // namespace
 
-extern "C" {
-
-void dyn_step_options_init(dynStepOptions* options) {
-  if (options) *options = simulation::default_options();
+template <>
+dynStepOptions capi::defaults() {
+  return simulation::default_options();
 }
 
-dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options) {
+extern "C" {
+
+dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* given) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_set_step_options");
-  if (!call || !call.required("options", options)) return call.status;
-  if (options->struct_size < sizeof *options)
-    return fail(DYN_ERROR_SIZE, "dyn_data_set_step_options: struct_size is %u, needs %zu: call dyn_step_options_init", options->struct_size, sizeof *options);
+  if (!call || !call.required("options", given)) return call.status;
+  const Given<dynStepOptions> options(call.function, given);
+  if (options.status != DYN_OK) return options.status;
   if (const dynStatus s = check_value(options->integrator, "dyn_data_set_step_options", "integrator")) return s;
   if (!call.finite("dt", &options->dt, 1) || !call.finite("accuracy", &options->accuracy, 1)) return call.status;
   if (!(options->dt > 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: dt is %g s: it must be positive", options->dt);
@@ -122,8 +123,9 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
 
 dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_step_options");
-  if (!call || !call.required("options", options)) return call.status;
-  *options = call.d().step->options;
+  if (!call) return call.status;
+  if (const dynStatus s = check_struct(call.function, "options", options)) return s;
+  write_struct(call.d().step->options, options);
   return DYN_OK;
 }
 
@@ -155,20 +157,16 @@ dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
 dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_step_report");
   if (!call || !call.required("report", report)) return call.status;
-  if (report->struct_size < sizeof *report)
-    return fail(DYN_ERROR_SIZE, "dyn_data_step_report: struct_size is %u, needs %zu: set it to sizeof(dynStepReport)", report->struct_size, sizeof *report);
-  *report = call.d().step->report;
-  report->struct_size = sizeof *report;
+  if (const dynStatus s = check_struct(call.function, "report", report)) return s;
+  write_struct(call.d().step->report, report);
   return DYN_OK;
 }
 
 dynStatus dyn_data_ledger(const dynModel* model, dynData* data, dynErrorLedger* ledger) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_ledger");
   if (!call || !call.required("ledger", ledger)) return call.status;
-  if (ledger->struct_size < sizeof *ledger)
-    return fail(DYN_ERROR_SIZE, "dyn_data_ledger: struct_size is %u, needs %zu: set it to sizeof(dynErrorLedger)", ledger->struct_size, sizeof *ledger);
-  *ledger = call.d().step->ledger.report;
-  ledger->struct_size = sizeof *ledger;
+  if (const dynStatus s = check_struct(call.function, "ledger", ledger)) return s;
+  write_struct(call.d().step->ledger.report, ledger);
   return DYN_OK;
 }
 

@@ -88,7 +88,7 @@ dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const voi
   if (!sound) return fail(DYN_ERROR_NONFINITE, "%s: the state is damaged: it holds numbers that no step leaves", call.function);
   simulation::wake_all(m, d);
   for_each_input(m, d, [&](double* x, Index n) { n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double); });
-  for (std::uint64_t& version : d.version) version = ++data->counter;
+  for (std::uint64_t& version : d.version) version = ++data->body->counter;
   d.time[0] = header.time;
   d.step->contact_count = Index(header.contacts), d.step->advancement_cache.square = 0;
   if (header.contacts) std::memcpy(d.step->contacts, at, std::size_t(header.contacts) * sizeof(dynContactForce));

@@ -63,11 +63,11 @@ peer::Size Layout::size(Index joint) const {
 
 dynStatus Layout::read(const dynModel* model, const dynStateLayout* layout) {
   if (!layout) return fail(DYN_ERROR_ARGUMENT, "%s: layout is NULL: fill one with dyn_state_layout_init", function);
-  if (layout->struct_size < sizeof l)
-    return fail(DYN_ERROR_SIZE, "%s: struct_size of the layout is %u, needs %zu: call dyn_state_layout_init first", function, layout->struct_size, sizeof l);
-  handle = model, l = *layout;
-  if (const dynStatus s = check_value(layout->convention, function, "convention")) return s;
-  if (const dynStatus s = check_value(layout->continuous, function, "continuous")) return s;
+  const Given<dynStateLayout> given(function, layout);
+  if (given.status != DYN_OK) return given.status;
+  handle = model, l = *given;
+  if (const dynStatus s = check_value(l.convention, function, "convention")) return s;
+  if (const dynStatus s = check_value(l.continuous, function, "continuous")) return s;
   if (l.joints_count && !l.joints) return fail(DYN_ERROR_ARGUMENT, "%s: joints is NULL but joints_count is not 0", function);
   if (!l.idx_q != !l.idx_v) return fail(DYN_ERROR_ARGUMENT, "%s: idx_q and idx_v go together: %s is NULL", function, l.idx_q ? "idx_v" : "idx_q");
   if (l.idx_q && !l.joints) return fail(DYN_ERROR_ARGUMENT, "%s: idx_q is given without joints: name the joints that it is of", function);

@@ -24,7 +24,7 @@ class Layout {
   std::int64_t nv() const { return sizes[1]; }
   const char* name(Index joint) const { return m->string(m->joints()[joint].name); }
 
-  // f(item) for each joint of the peer, until one answers other than DYN_OK.
+  // f(item) for each joint of the peer, until one returns an error.
   template <class F>
   dynStatus each(F f) const {
     Item next = {0, 0, 0};

@@ -7,7 +7,7 @@
 
 namespace dyn::capi {
 
-// What a handle gives to a shape of this type; nothing for types that need none.
+// The surface of a mesh handle, for a shape of this type. Types without surface need none.
 inline dynStatus surface_argument(const char* function, const char* name, dynShapeType type, const dynMesh* mesh, SurfacePtr& out) {
   const bool convex = type == DYN_SHAPE_TYPE_CONVEX, triangles = type == DYN_SHAPE_TYPE_TRIANGLES, grid = type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   if (!convex && !triangles && !grid)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t page = 4096;  // or part of a larger one
 
-// Of whatever is there, between variables, too.
+// Reads one byte of each page, gaps between variables included.
 __attribute__((no_sanitize_address)) void read(const volatile char* from, std::size_t bytes) {
   for (std::size_t k = 0; k < bytes; k += page) (void)from[k];
   if (bytes) (void)from[bytes - 1];
@@ -28,7 +28,7 @@ __attribute__((noinline)) void touch_stack() {
   write(room, sizeof room);
 }
 
-// What of the program or library this function is in can be read.
+// Reads the readable segments of this library or program.
 void touch_library() {
 #ifdef __linux__
   dl_iterate_phdr([](dl_phdr_info* info, std::size_t, void*) {
@@ -53,7 +53,7 @@ extern "C" dynStatus dyn_data_warm_up(const dynModel* model, dynData* data) {
   if (!call) return call.status;
   read(reinterpret_cast<const char*>(&call.m()), std::size_t(call.m().bytes));
   detail::for_each_buffer<DYN_PART_ALL>(call.m(), call.d().parts, call.d(), [](auto* p, std::size_t count) { write(reinterpret_cast<char*>(p), count * sizeof *p); });
-  write(reinterpret_cast<char*>(data), sizeof *data);
+  write(reinterpret_cast<char*>(data), sizeof *data), write(reinterpret_cast<char*>(data->body), sizeof *data->body);
   touch_stack(), touch_library();
   touch_last_error();
   return DYN_OK;

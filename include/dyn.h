@@ -15,11 +15,22 @@
  *   Inputs      const double*. NULL means the value held in the data. A non-NULL argument replaces it there.
  *               An array without numbers may be NULL (a robot that cannot move).
  *   Outputs     Any output pointer may be NULL: the result is in the data as well.
- *               An output is written whole, or not at all.
+ *               An output is written whole, or not at all. A function of many outputs takes their pointers
+ *               in a structure, `out`. `out` may be NULL, like its pointers, unless it is called required.
  *   Errors      Every function that can fail returns a dynStatus. dyn_last_error() tells what is wrong,
  *               where, and what to do. A failed call leaves its data unchanged. DYN_ERROR_NUMERIC comes
  *               after some work: the state (q, v, a, tau, time) is unchanged, but results may be lost.
  *               Reading a lost result returns DYN_ERROR_STALE, never another number.
+ *   Structures  Those that begin with struct_size may grow at their end in later versions. dyn_..._init(&x)
+ *               sets struct_size and the defaults. A structure without an init is a result: set its
+ *               struct_size to sizeof x before the call.
+ *               A shorter structure comes from an older dyn.h: its missing fields have their defaults.
+ *               A longer one comes from a newer dyn.h: bytes that the library does not know must be zero, or
+ *               the call is refused (DYN_ERROR_ARGUMENT). Results are written within struct_size. Bytes of
+ *               them that the library does not know become zero.
+ *               dyn_..._init is a macro. It passes sizeof x as second argument to the function of the same
+ *               name. Foreign-function interfaces (ctypes, LuaJIT, Rust) call that function themselves, with
+ *               the size of their own declaration.
  *   Threads     A model is immutable and may be shared. A data belongs to one thread at a time.
  *   Memory      After dyn_data_new or dyn_data_init nothing allocates, locks, or makes a system call.
  *
@@ -192,7 +203,8 @@ typedef struct dynLoadOptions {
   int32_t confined;
 } dynLoadOptions;
 
-DYN_API void dyn_load_options_init(dynLoadOptions* options);
+DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size);
+#define dyn_load_options_init(x) dyn_load_options_init(x, sizeof(dynLoadOptions))
 
 /* Reads a robot from a URDF, MJCF or .dynb file: the content decides. Of the options a .dynb takes gravity,
    constraint_slots and contact_capacity alone. options may be NULL (defaults). *model is written only on
@@ -250,21 +262,29 @@ typedef enum dynFormat {
    is one line and valid during the call. */
 typedef void (*dynSaveReport)(void* context, dynReportLevel level, const char* message);
 
+typedef struct dynSaveOptions {
+  uint32_t struct_size; /* set by dyn_save_options_init */
+  int32_t strict;       /* 1: a WARNING is DYN_ERROR_STRICT, and nothing is written; default 0 */
+  dynSaveReport report; /* default NULL: nothing is called */
+  void* context;        /* passed to report */
+} dynSaveOptions;
+DYN_API void dyn_save_options_init(dynSaveOptions* options, uint32_t struct_size);
+#define dyn_save_options_init(x) dyn_save_options_init(x, sizeof(dynSaveOptions))
+
 /* Writes a model in the format of the path's extension. An existing file is replaced only when the new one is
-   complete. report may be NULL. With strict (non-zero) a WARNING is DYN_ERROR_STRICT, and nothing is written.
-   Numbers read back as the same doubles. A .dynb names its memory layout: x86-64 and 64-bit ARM share one.
+   complete. options NULL: defaults. Numbers read back as the same doubles. A .dynb names its memory layout:
+   x86-64 and 64-bit ARM share one.
 
    URDF: joints of other types become chains of URDF joints and massless links. Frames become links on fixed
    joints. Constraints go into a <libdyn> block. The base is again an option of loading.
 
    MJCF: it holds the joints of a body, frames as sites, actuators, constraints, pairs and keys. Mimic joints
    become equalities, with a WARNING: an equality is no reduction. The report lists all losses. */
-DYN_API dynStatus dyn_model_save(const dynModel* model, const char* path, int strict, dynSaveReport report,
-                                 void* context);
+DYN_API dynStatus dyn_model_save(const dynModel* model, const char* path, const dynSaveOptions* options);
 /* Writes the same into `capacity` bytes of buffer (NULL with 0: none). *size is the size needed. Text does
    not end with a zero. Returns DYN_ERROR_SIZE when the buffer is too small. */
-DYN_API dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, int strict,
-                                        dynSaveReport report, void* context, void* buffer, size_t capacity,
+DYN_API dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format,
+                                        const dynSaveOptions* options, void* buffer, size_t capacity,
                                         size_t* size);
 
 /* A model without files and heap. An image is the content of a .dynb. `dyn convert` writes it as a C array to
@@ -463,7 +483,8 @@ typedef struct dynJointSpec {
   const struct dynJointSpec* parts;
   size_t parts_count;                          /* NULL and 0 for all other types */
 } dynJointSpec;
-DYN_API void dyn_joint_spec_init(dynJointSpec* spec);
+DYN_API void dyn_joint_spec_init(dynJointSpec* spec, uint32_t struct_size);
+#define dyn_joint_spec_init(x) dyn_joint_spec_init(x, sizeof(dynJointSpec))
 
 /* Makes an empty builder. Its gravity is (0, 0, -9.81) m/s^2. */
 DYN_API dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder);
@@ -511,7 +532,8 @@ typedef struct dynShapeSpec {
   const dynMesh* surface;
   dynMaterial material;
 } dynShapeSpec;
-DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
+DYN_API void dyn_shape_spec_init(dynShapeSpec* spec, uint32_t struct_size);
+#define dyn_shape_spec_init(x) dyn_shape_spec_init(x, sizeof(dynShapeSpec))
 /* Adds a shape to a link. */
 DYN_API dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* spec);
 /* Sets the colour of the last added shape, 0 to 1 each, for pictures alone. Returns DYN_ERROR_INVALID when
@@ -663,14 +685,13 @@ DYN_API dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, con
 typedef int32_t dynField;
 typedef struct dynFieldInfo {
   uint32_t struct_size;
+  dynParts part;
   const char* name;     /* as in Python: "q", "M", "com", ... */
   const char* shape;    /* "nv x nv" */
   const char* unit;
   const char* frame;
   const char* producer; /* the call that computes it; "" for the state */
   const char* sentence; /* one sentence: what the field is */
-  dynParts part;
-  int32_t reserved;
 } dynFieldInfo;
 /* Returns the number of fields. */
 DYN_API int dyn_field_count(void);
@@ -779,12 +800,19 @@ DYN_API dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, 
                                                          const double* q, const double* v, const double* a,
                                                          double dhg[6]);
 
+typedef struct dynCentroidalDerivatives {
+  uint32_t struct_size; /* set by dyn_centroidal_derivatives_init */
+  double *dh_dq, *dhdot_dq, *dhdot_dv, *dhdot_da;
+} dynCentroidalDerivatives;
+DYN_API void dyn_centroidal_derivatives_init(dynCentroidalDerivatives* out, uint32_t struct_size);
+#define dyn_centroidal_derivatives_init(x) \
+  dyn_centroidal_derivatives_init(x, sizeof(dynCentroidalDerivatives))
 /* Derivatives of hg and dhg on the tangent space, 6 x nv each. dh_dq is that of hg by q. dhdot_dq, dhdot_dv
    and dhdot_da are those of dhg by q, v, a. dhdot_da = Ag is also the derivative of hg by v. Includes Ag, Ig,
    hg, dhg and placements. */
 DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q,
-                                             const double* v, const double* a, double* dh_dq,
-                                             double* dhdot_dq, double* dhdot_dv, double* dhdot_da);
+                                             const double* v, const double* a,
+                                             const dynCentroidalDerivatives* out);
 
 /* ----------------------------------------------------------------------------------------------- dynamics */
 
@@ -832,6 +860,13 @@ DYN_API dynStatus dyn_minv(const dynModel* model, dynData* data, const double* q
    the joints' frames. Includes M (which is dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
 DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
                                        const double* a, const double* fext, double* dtau_dq, double* dtau_dv);
+typedef struct dynSecondOrderDerivatives {
+  uint32_t struct_size; /* set by dyn_second_order_derivatives_init */
+  double *dqdq, *dvdv, *dqdv, *dadq;
+} dynSecondOrderDerivatives;
+DYN_API void dyn_second_order_derivatives_init(dynSecondOrderDerivatives* out, uint32_t struct_size);
+#define dyn_second_order_derivatives_init(x) \
+  dyn_second_order_derivatives_init(x, sizeof(dynSecondOrderDerivatives))
 /* Second derivatives of inverse dynamics on the tangent space, analytic (after Singh, Russell, Wensing 2023).
    d2tau_dqdv is the derivative of dtau_dq by v. d2tau_dadq is the derivative of M by q. d2tau_dqdq is the
    derivative along q (+) e_k t of column j of dtau_dq. Its order matters when e_j and e_k belong to one
@@ -841,19 +876,22 @@ DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, con
    dyn_rnea_derivatives. Includes placements. Needs part SECOND_ORDER. */
 DYN_API dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, const double* q,
                                                 const double* v, const double* a, const double* fext,
-                                                const double* lambda, double* dqdq, double* dvdv,
-                                                double* dqdv, double* dadq);
+                                                const double* lambda, const dynSecondOrderDerivatives* out);
 /* The four tensors, nv x nv x nv each, zeros written. Any may be NULL. Element (i, j, k) is at j + nv k +
    nv^2 i: matrix i is the product with lambda = e_i. Includes placements. Needs part SECOND_ORDER. */
 DYN_API dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynData* data, const double* q,
                                                     const double* v, const double* a, const double* fext,
-                                                    double* d2tau_dqdq, double* d2tau_dvdv,
-                                                    double* d2tau_dqdv, double* d2tau_dadq);
+                                                    const dynSecondOrderDerivatives* out);
+typedef struct dynAbaDerivatives {
+  uint32_t struct_size; /* set by dyn_aba_derivatives_init */
+  double *ddq_dq, *ddq_dv, *ddq_dtau;
+} dynAbaDerivatives;
+DYN_API void dyn_aba_derivatives_init(dynAbaDerivatives* out, uint32_t struct_size);
+#define dyn_aba_derivatives_init(x) dyn_aba_derivatives_init(x, sizeof(dynAbaDerivatives))
 /* Derivatives of forward dynamics, nv x nv each. Any may be NULL. ddq_dtau is Minv. Includes ddq. Afterwards
    dtau_dq, dtau_dv and tau in data are stale: they are not of the held a. (Carpentier and Mansard 2018) */
 DYN_API dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
-                                      const double* tau, const double* fext, double* ddq_dq, double* ddq_dv,
-                                      double* ddq_dtau);
+                                      const double* tau, const double* fext, const dynAbaDerivatives* out);
 /* Derivatives of g and of static_torque by q, nv x nv, on the tangent space. fext is constant in the joints'
    frames. Includes placements. */
 DYN_API dynStatus dyn_gravity_torque_derivatives(const dynModel* model, dynData* data, const double* q,
@@ -1024,10 +1062,17 @@ typedef struct dynStateLayout {
   const char* child_frame;
 } dynStateLayout;
 /* Sets convention DYN, with all joints in the model's order. */
-DYN_API void dyn_state_layout_init(dynStateLayout* layout);
+DYN_API void dyn_state_layout_init(dynStateLayout* layout, uint32_t struct_size);
+#define dyn_state_layout_init(x) dyn_state_layout_init(x, sizeof(dynStateLayout))
 /* Sizes of the peer's q and v. */
 DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* layout, int* nq,
                                          int* nv);
+typedef struct dynStateOutput {
+  uint32_t struct_size; /* set by dyn_state_output_init */
+  double *q, *v, *a, *tau;
+} dynStateOutput;
+DYN_API void dyn_state_output_init(dynStateOutput* out, uint32_t struct_size);
+#define dyn_state_output_init(x) dyn_state_output_init(x, sizeof(dynStateOutput))
 /* Converts one state between the model (q: nq; v, a, tau: nv) and the peer (sizes of the layout). q is
    required. v, a and tau may be NULL, but a needs v. Each output may be NULL, and needs its input. Every
    joint that moves by itself must be in the layout. To the peer, a follower gets its leader's coordinates and
@@ -1036,8 +1081,7 @@ DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLa
    are in (-pi, pi]. */
 DYN_API dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout,
                                            dynDirection direction, const double* q, const double* v,
-                                           const double* a, const double* tau, double* q_out, double* v_out,
-                                           double* a_out, double* tau_out);
+                                           const double* a, const double* tau, const dynStateOutput* out);
 
 /* ------------------------------------------------------------------------------------- inverse kinematics */
 
@@ -1065,7 +1109,8 @@ typedef struct dynIkTask {
   double weight;         /* default 1 */
   const double* weights; /* one for each component of the error; NULL: ones. 0 leaves a component free. */
 } dynIkTask;
-DYN_API void dyn_ik_task_init(dynIkTask* task);
+DYN_API void dyn_ik_task_init(dynIkTask* task, uint32_t struct_size);
+#define dyn_ik_task_init(x) dyn_ik_task_init(x, sizeof(dynIkTask))
 
 typedef struct dynIkOptions {
   uint32_t struct_size;     /* set by dyn_ik_options_init */
@@ -1078,7 +1123,8 @@ typedef struct dynIkOptions {
   /* nq each; NULL: the model's. Equal ones lock a coordinate. Quaternions and (cos, sin) have none. */
   const double *lower, *upper;
 } dynIkOptions;
-DYN_API void dyn_ik_options_init(dynIkOptions* options);
+DYN_API void dyn_ik_options_init(dynIkOptions* options, uint32_t struct_size);
+#define dyn_ik_options_init(x) dyn_ik_options_init(x, sizeof(dynIkOptions))
 
 /* Why inverse kinematics ended. Without convergence the result is the best q found: a local optimum of the
    cost, unless the iterations ran out. */
@@ -1105,15 +1151,22 @@ typedef struct dynIkResult {
   double optimality;
 } dynIkResult;
 
+typedef struct dynIkOutput {
+  uint32_t struct_size; /* set by dyn_ik_output_init */
+  double* solution;     /* nq */
+  double* residuals;    /* 2 x ntasks: the error of each task (m; rad), without components of weight 0 */
+  dynIkResult* result;  /* required */
+} dynIkOutput;
+DYN_API void dyn_ik_output_init(dynIkOutput* out, uint32_t struct_size);
+#define dyn_ik_output_init(x) dyn_ik_output_init(x, sizeof(dynIkOutput))
+
 /* Inverse kinematics: the q that minimises the cost within the joint limits. Levenberg-Marquardt on the
    manifold, damping by Sugihara (2011). It starts at q, moved into the limits. tasks: an array of ntasks.
-   solution: nq. residuals: 2 x ntasks, the error of each task (m; rad), without components of weight 0.
-   result is required. options may be NULL (defaults). Afterwards data is at the solution, and frame queries
-   may follow. Missing convergence is no error: see result->reason. To follow a moving target pass restarts =
-   0. Needs part IK. */
+   options NULL: defaults. out is required. Afterwards data is at the solution, and frame queries
+   may follow. Missing convergence is no error: see dynIkResult.reason. To follow a moving target pass
+   restarts = 0. Needs part IK. */
 DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks,
-                         int ntasks, const dynIkOptions* options, double* solution, double* residuals,
-                         dynIkResult* result);
+                         int ntasks, const dynIkOptions* options, const dynIkOutput* out);
 
 /* -------------------------------------------------------------------------------------------- constraints */
 
@@ -1151,6 +1204,7 @@ typedef struct dynConstraint {
   int32_t first, second;                 /* frames (0: the universe); COUPLING, LIMIT, FRICTION: joints */
   double placement1[12], placement2[12]; /* of the constraint in first and in second; default identity */
   dynJointType joint_type;               /* LOOP: any simple joint, except FIXED (use WELD) and FREE_FLYER */
+  int32_t enabled;                       /* default 1 */
   double axis[3], axis2[3];              /* LOOP: of the joint, in its placements; default z, x */
   double pitch;                          /* LOOP, helical: m/rad */
   double length;                         /* DISTANCE: m, > 0 */
@@ -1159,10 +1213,9 @@ typedef struct dynConstraint {
   /* Baumgarte gains, 1/s^2 and 1/s, >= 0. Default 0: dyn_project removes drift. FRICTION: damping 100. */
   double stiffness, damping;
   double restitution;                    /* of impulses, 0 .. 1; default 0 */
-  int32_t enabled;                       /* default 1 */
-  int32_t reserved;
 } dynConstraint;
-DYN_API void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type);
+DYN_API void dyn_constraint_init(dynConstraint* constraint, uint32_t struct_size, dynConstraintType type);
+#define dyn_constraint_init(x, type) dyn_constraint_init(x, sizeof(dynConstraint), type)
 
 /* Adds a constraint to the builder. The names first and second, of frames or joints, replace the ids in
    constraint. second NULL: the universe. */
@@ -1227,7 +1280,8 @@ typedef struct dynConstraintOptions {
   double regularisation;
   double tolerance;       /* of the rows' residual, relative to their right-hand sides; default 1e-12 */
 } dynConstraintOptions;
-DYN_API void dyn_constraint_options_init(dynConstraintOptions* options);
+DYN_API void dyn_constraint_options_init(dynConstraintOptions* options, uint32_t struct_size);
+#define dyn_constraint_options_init(x) dyn_constraint_options_init(x, sizeof(dynConstraintOptions))
 
 typedef struct dynConstraintResult {
   uint32_t struct_size;
@@ -1242,24 +1296,32 @@ typedef struct dynConstraintResult {
   double regularisation; /* the value used */
 } dynConstraintResult;
 
-/* Constrained forward dynamics. ddq: nv; lambda: rows. options NULL: defaults. result may be NULL. Redundant
+typedef struct dynConstrainedOutput {
+  uint32_t struct_size;        /* set by dyn_constrained_output_init */
+  double *ddq, *tau;           /* nv each; a function writes the one that it computes */
+  double* lambda;              /* rows */
+  dynConstraintResult* result;
+} dynConstrainedOutput;
+DYN_API void dyn_constrained_output_init(dynConstrainedOutput* out, uint32_t struct_size);
+#define dyn_constrained_output_init(x) dyn_constrained_output_init(x, sizeof(dynConstrainedOutput))
+
+/* Constrained forward dynamics: ddq and lambda. options NULL: defaults. Redundant
    rows are allowed: ddq is unique, and lambda is the least one in the weighted norm. Proximal iteration on a
    Delassus matrix that is factored once (Carpentier, Budhiraja, Mansard 2021). The matrix comes from
    articulated inertias, in a time that grows with the depth of the constrained bodies (Sathya, Carpentier
    2024). Limits and friction are exact, by an active set. Missing convergence is no error: see
-   result->reason. Includes placements. */
+   dynConstraintResult.reason. Includes placements. */
 DYN_API dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const double* q,
                                            const double* v, const double* tau, const double* fext,
-                                           const dynConstraintOptions* options, double* ddq, double* lambda,
-                                           dynConstraintResult* result);
+                                           const dynConstraintOptions* options,
+                                           const dynConstrainedOutput* out);
 /* tau (nv) and lambda (rows) for a given acceleration. actuated has nv numbers, 0: not actuated. NULL: all
    but free flyers on the world are actuated. Where not actuated, tau is zero, and lambda is the least that
    holds these degrees of freedom (least-squares when none does). The others get tau = M a + nle - J' lambda -
    J' fext. result->residual is the largest |tau| missing where not actuated. */
 DYN_API dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data, const double* q,
                                                    const double* v, const double* a, const double* fext,
-                                                   const int32_t* actuated, double* tau, double* lambda,
-                                                   dynConstraintResult* result);
+                                                   const int32_t* actuated, const dynConstrainedOutput* out);
 /* Impact: J v_plus = - restitution J v, M (v_plus - v) = J' lambda. v_plus: nv; lambda: impulses, rows. A
    limit takes part when it is reached and approached. */
 DYN_API dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const double* q,
@@ -1272,7 +1334,8 @@ typedef struct dynProjectOptions {
   int32_t weigh;          /* 1 (default): steps of least kinetic energy; 0: steps of least coordinate norm */
   double tolerance;       /* largest |C|; default 1e-12 */
 } dynProjectOptions;
-DYN_API void dyn_project_options_init(dynProjectOptions* options);
+DYN_API void dyn_project_options_init(dynProjectOptions* options, uint32_t struct_size);
+#define dyn_project_options_init(x) dyn_project_options_init(x, sizeof(dynProjectOptions))
 /* Projects q, and v when v_out is not NULL, to the nearest values that satisfy the constraints: damped
    Gauss-Newton on the manifold. q_out: nq; v_out: nv. Contradictory constraints give the least-squares q, and
    result->reason says so. When no small step makes |C| less (a linkage stretched flat), it restarts from
@@ -1298,20 +1361,22 @@ DYN_API dynStatus dyn_delassus_solve(const dynModel* model, dynData* data, const
    nv. Any output may be NULL. Of redundant rows lambda is the least-norm one. result as there. Needs part
    CONSTRAINT_DERIVATIVES. */
 typedef struct dynConstraintDerivatives {
-  uint32_t struct_size;
+  uint32_t struct_size; /* set by dyn_constraint_derivatives_init */
   double *ddq_dq, *ddq_dv, *ddq_dtau;
   double *lambda_dq, *lambda_dv, *lambda_dtau;
+  dynConstraintResult* result;
 } dynConstraintDerivatives;
+DYN_API void dyn_constraint_derivatives_init(dynConstraintDerivatives* out, uint32_t struct_size);
+#define dyn_constraint_derivatives_init(x) \
+  dyn_constraint_derivatives_init(x, sizeof(dynConstraintDerivatives))
 DYN_API dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* data, const double* q,
                                                        const double* v, const double* tau, const double* fext,
                                                        const dynConstraintOptions* options,
-                                                       const dynConstraintDerivatives* out,
-                                                       dynConstraintResult* result);
+                                                       const dynConstraintDerivatives* out);
 /* The same for dyn_constraint_impulse: v_plus replaces ddq. Derivatives by tau are not written. */
 DYN_API dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* data, const double* q,
                                                      const double* v, const dynConstraintOptions* options,
-                                                     const dynConstraintDerivatives* out,
-                                                     dynConstraintResult* result);
+                                                     const dynConstraintDerivatives* out);
 
 /* Constraint diagnostics: finds redundant and contradictory rows of the enabled constraints at q. */
 typedef enum dynRowVerdict {
@@ -1388,7 +1453,20 @@ typedef struct dynGeometry {
   double radius;          /* m, >= 0; of rounding */
   const dynMesh* surface; /* as in dynShapeSpec */
 } dynGeometry;
-DYN_API void dyn_geometry_init(dynGeometry* geometry);
+DYN_API void dyn_geometry_init(dynGeometry* geometry, uint32_t struct_size);
+#define dyn_geometry_init(x) dyn_geometry_init(x, sizeof(dynGeometry))
+
+/* Two shapes by themselves, and where they are. */
+typedef struct dynGeometryPair {
+  uint32_t struct_size;                    /* set by dyn_geometry_pair_init */
+  const dynGeometry *a, *b;
+  const double *placement_a, *placement_b; /* 12 each */
+  /* 6 each, read by dyn_geometry_sweep: [velocity of the frame's origin; angular velocity], world axes, m/s
+     and rad/s, constant; NULL: at rest */
+  const double *motion_a, *motion_b;
+} dynGeometryPair;
+DYN_API void dyn_geometry_pair_init(dynGeometryPair* pair, uint32_t struct_size);
+#define dyn_geometry_pair_init(x) dyn_geometry_pair_init(x, sizeof(dynGeometryPair))
 
 typedef struct dynDistanceOptions {
   uint32_t struct_size; /* set by dyn_distance_options_init */
@@ -1397,7 +1475,8 @@ typedef struct dynDistanceOptions {
   dynDistanceMethod method;
   double tolerance;     /* of the distance, relative to the size of the smaller shape; default 1e-10 */
 } dynDistanceOptions;
-DYN_API void dyn_distance_options_init(dynDistanceOptions* options);
+DYN_API void dyn_distance_options_init(dynDistanceOptions* options, uint32_t struct_size);
+#define dyn_distance_options_init(x) dyn_distance_options_init(x, sizeof(dynDistanceOptions))
 /* options NULL: defaults. CCD needs the library libccd.so.2: otherwise DYN_ERROR_UNSUPPORTED. */
 DYN_API dynStatus dyn_geometry_distance(const dynGeometry* a, const double placement_a[12],
                                         const dynGeometry* b, const double placement_b[12],
@@ -1463,7 +1542,7 @@ DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const dou
 typedef struct dynContact {
   int32_t pair;             /* of the robot's; -1: shapes by themselves, or the pair is not listed */
   int32_t shape_a, shape_b; /* of the robot's; -1: shapes by themselves */
-  int32_t reserved;
+  int32_t reserved;         /* 0 */
   /* corner, edge or inside of A (high 32 bits) and of B: the same contact has the same feature in the next
      step */
   uint64_t feature;
@@ -1480,9 +1559,8 @@ enum {
    that face the other shape, seen along the one normal of the nearest point. Triangles of one plane count
    together. The corners of the points' convex hull and the deepest point stay. Features are then numbers of
    the mesh's vertices, by 2^16. */
-DYN_API dynStatus dyn_geometry_contacts(const dynGeometry* a, const double placement_a[12],
-                                        const dynGeometry* b, const double placement_b[12], double margin,
-                                        double tolerance, dynContact* contacts, int* count);
+DYN_API dynStatus dyn_geometry_contacts(const dynGeometryPair* pair, double margin, double tolerance,
+                                        dynContact* contacts, int* count);
 /* Contact points of all tested pairs, ascending by shapes (which is by pair), then by feature. At most
    capacity of them are written; *count is the total. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin,
@@ -1514,12 +1592,22 @@ typedef struct dynRayHit {
 DYN_API dynStatus dyn_geometry_ray(const dynGeometry* shape, const double placement[12],
                                    const double origin[3], const double direction[3], dynRayHit* out);
 
-/* Casts n rays at the robot's collision shapes with contype & mask (0xffffffff: all in any group), without
-   meshes. origins, directions: 3 x n. t (n): as in dynRayHit, up to max_t (> 0, may be infinite). shapes: n.
-   normals: 3 x n, zero without a hit. Any output may be NULL. Includes placements. Needs part COLLISION. */
-DYN_API dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins,
-                           const double* directions, int n, double max_t, uint32_t mask, double* t,
-                           int* shapes, double* normals);
+typedef struct dynRays {
+  uint32_t struct_size;     /* set by dyn_rays_init */
+  int32_t count;
+  uint32_t mask;            /* groups: shapes with contype & mask are hit; default 0xffffffff: any group */
+  const double* origins;    /* 3 x count */
+  const double* directions; /* 3 x count */
+  double max_t;             /* in lengths of a direction, > 0; default infinite */
+} dynRays;
+DYN_API void dyn_rays_init(dynRays* rays, uint32_t struct_size);
+#define dyn_rays_init(x) dyn_rays_init(x, sizeof(dynRays))
+
+/* Rays against the robot's collision shapes, without meshes. t (count): as in dynRayHit, up to max_t.
+   shapes: count. normals: 3 x count, zero without a hit. Any output may be NULL. Includes placements. Needs
+   part COLLISION. */
+DYN_API dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const dynRays* rays,
+                           double* t, int* shapes, double* normals);
 
 /* The point of a shape's surface closest to a given point. Closed forms; for an ellipsoid Eberly 2013. */
 typedef struct dynClosestPoint {
@@ -1534,8 +1622,7 @@ DYN_API dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const dou
                                              const double point[3], dynClosestPoint* out);
 
 /* Time of impact of two moving shapes, by conservative advancement (Mirtich 1996): no wall is too thin.
-   motion is [velocity of the frame's origin; angular velocity], world axes, m/s and rad/s, constant; NULL: at
-   rest. A half-space must not turn. duration: s. margin: m. */
+   A half-space must not turn. duration: s. margin: m. */
 typedef enum dynSweepStatus {
   DYN_SWEEP_STATUS_NONE = 0, /* The shapes stay farther apart than margin. */
   /* At that time they are margin apart, to 1e-7 of the smaller size (time 0: they began closer). */
@@ -1552,10 +1639,8 @@ typedef struct dynImpact {
   double point_a[3], point_b[3]; /* witness points, world */
 } dynImpact;
 /* Finds the first time within duration at which two moving shapes are margin apart. */
-DYN_API dynStatus dyn_geometry_sweep(const dynGeometry* a, const double placement_a[12],
-                                     const double motion_a[6], const dynGeometry* b,
-                                     const double placement_b[12], const double motion_b[6], double duration,
-                                     double margin, dynImpact* out);
+DYN_API dynStatus dyn_geometry_sweep(const dynGeometryPair* pair, double duration, double margin,
+                                     dynImpact* out);
 
 /* -------------------------------------------------------------------------------------------- broad phase */
 
@@ -1633,7 +1718,6 @@ typedef struct dynContactProblem {
   const int32_t* contact_rows;                /* contacts: 1, 3, 4 or 6 each; NULL: 3 */
   const double* G; /* rows x rows, symmetric to round-off, positive semi-definite */
   int32_t G_stride;                           /* from column to column; 0: rows */
-  int32_t reserved;
   const double* g;                            /* rows: free velocity */
   const double *lower, *upper;                /* boxes: lower <= upper, may be infinite */
   const double *friction, *torsion, *rolling; /* contacts, >= 0: 1, m, m; NULL: 0 */
@@ -1642,20 +1726,21 @@ typedef struct dynContactProblem {
   const double* restitution;                  /* contacts, 0 to 1; NULL: 0 */
   const double* v_minus; /* rows: velocity before the impact, read in normal rows with restitution; NULL: g */
 } dynContactProblem;
-DYN_API void dyn_contact_problem_init(dynContactProblem* problem);
+DYN_API void dyn_contact_problem_init(dynContactProblem* problem, uint32_t struct_size);
+#define dyn_contact_problem_init(x) dyn_contact_problem_init(x, sizeof(dynContactProblem))
 
 typedef struct dynContactOptions {
   uint32_t struct_size;        /* set by dyn_contact_options_init */
   dynContactSolverType solver; /* default ADMM */
   int32_t max_iterations;      /* default 1000 */
   int32_t warm_start;          /* 1: lambda is a first guess; default 0 */
+  int32_t newton; /* default 1; 0: admm and newton end without Newton's method on the whole problem */
   double tolerance;            /* of the report's residual; default 1e-10 */
   double time_budget;          /* s; default 0: none, and no clock is read */
   double relaxation;           /* below 2; default 0: the solver's own (pgs 1.1, admm 1.6) */
-  int32_t newton; /* default 1; 0: admm and newton end without Newton's method on the whole problem */
-  int32_t reserved;
 } dynContactOptions;
-DYN_API void dyn_contact_options_init(dynContactOptions* options);
+DYN_API void dyn_contact_options_init(dynContactOptions* options, uint32_t struct_size);
+#define dyn_contact_options_init(x) dyn_contact_options_init(x, sizeof(dynContactOptions))
 
 /* All but CONVERGED return the best iterate, in its cones, with its residual. */
 typedef enum dynContactStatus {
@@ -1714,10 +1799,10 @@ DYN_API dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const d
      compliance = 1 / (dt (dt k + d))        bias = k gap / (dt k + d), and gap / dt before they touch */
 DYN_API dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, double gap,
                                          double* compliance, double* bias);
-/* The same from a frequency f (Hz) and a damping ratio at an effective mass m (kg; 1 / G_nn): k = m (2 pi
-   f)^2, d = 2 ratio m 2 pi f. */
-DYN_API dynStatus dyn_contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt,
-                                               double gap, double* compliance, double* bias);
+/* Stiffness k and damping d from a frequency f (Hz) and a damping ratio at an effective mass m (kg; 1 /
+   G_nn): k = m (2 pi f)^2, d = 2 ratio m 2 pi f. */
+DYN_API dynStatus dyn_contact_stiffness_hertz(double frequency, double damping_ratio, double mass,
+                                              double* stiffness, double* damping);
 
 /* The same problem for solvers of quadratic and conic programs: min 1/2 lambda'H lambda + g'lambda over lower
    <= A lambda <= upper. H = G + diag(compliance), both triangles. g includes bias and restitution. Matrices
@@ -1733,12 +1818,13 @@ DYN_API dynStatus dyn_contact_compliance_hertz(double frequency, double damping_
                   root of how many of the three kinds there are); otherwise the cone is in the pyramid
    Rows without a coefficient: 0 <= lambda <= 0. */
 typedef struct dynQp {
-  uint32_t struct_size;
+  uint32_t struct_size;                             /* set by dyn_qp_init */
   int32_t n, m, H_nonzeros, A_nonzeros;             /* variables, rows of A, sizes of H and A */
-  int32_t reserved;
   int32_t *H_columns, *H_rows, *A_columns, *A_rows; /* n+1, H_nonzeros, n+1, A_nonzeros */
   double *H, *g, *A, *lower, *upper;                /* H_nonzeros, n, A_nonzeros, m, m */
 } dynQp;
+DYN_API void dyn_qp_init(dynQp* qp, uint32_t struct_size);
+#define dyn_qp_init(x) dyn_qp_init(x, sizeof(dynQp))
 /* Call first with all pointers NULL: the sizes are written. Then sizes must match, and non-NULL arrays are
    filled. G may be NULL: H has no entries, and only the linearisation is made. */
 DYN_API dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed,
@@ -1778,7 +1864,8 @@ typedef struct dynActuator {
   int32_t integrates;      /* non-zero: w' = u, and time_constant must be 0; default 0 */
   int32_t idx_act;         /* of a model: index of w in the field "act"; -1: w = u */
 } dynActuator;
-DYN_API void dyn_actuator_init(dynActuator* actuator, dynActuatorType type);
+DYN_API void dyn_actuator_init(dynActuator* actuator, uint32_t struct_size, dynActuatorType type);
+#define dyn_actuator_init(x, type) dyn_actuator_init(x, sizeof(dynActuator), type)
 /* Adds an actuator to the joint of that name. */
 DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator,
                                            const char* joint);
@@ -1876,7 +1963,8 @@ typedef struct dynStepOptions {
      Awake   A tree stays awake with a joint that may not sleep, and while one of its filtered or integrated
              controls changes. So does all of a model with mimic joints, or without contacts. Islands at rest
              are computed while any constraint of the data is enabled. */
-DYN_API void dyn_step_options_init(dynStepOptions* options);
+DYN_API void dyn_step_options_init(dynStepOptions* options, uint32_t struct_size);
+#define dyn_step_options_init(x) dyn_step_options_init(x, sizeof(dynStepOptions))
 /* Sets the options of steps. */
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data,
                                             const dynStepOptions* options);
@@ -1985,7 +2073,8 @@ typedef struct dynMeshOptions {
      it too; NULL: the working directory */
   const char* relative_to;
 } dynMeshOptions;
-DYN_API void dyn_mesh_options_init(dynMeshOptions* options);
+DYN_API void dyn_mesh_options_init(dynMeshOptions* options, uint32_t struct_size);
+#define dyn_mesh_options_init(x) dyn_mesh_options_init(x, sizeof(dynMeshOptions))
 
 /* Reads all triangles of an STL (binary, ASCII), OBJ, COLLADA (.dae) or glTF (.gltf, .glb) scene, placed by
    its nodes. Units: COLLADA's <unit> is applied, glTF is in metres, STL and OBJ are taken as metres (see
@@ -1997,11 +2086,18 @@ DYN_API dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options,
    are dropped. */
 DYN_API dynStatus dyn_mesh_from_arrays(const double* vertices, size_t vertex_count, const int32_t* triangles,
                                        size_t triangle_count, dynMesh** mesh);
-/* A height field over a grid of columns x rows points (m), at most 5 10^6. heights[i + columns j] is at x =
-   (i - (columns - 1) / 2) step_x, and y likewise. All heights are above bottom, where the solid ends. As a
-   mesh it has the surface's triangles, two a cell, without walls. */
-DYN_API dynStatus dyn_mesh_from_height_field(const double* heights, int columns, int rows, double step_x,
-                                             double step_y, double bottom, dynMesh** mesh);
+typedef struct dynHeightField {
+  uint32_t struct_size;  /* set by dyn_height_field_init */
+  int32_t columns, rows; /* points of the grid, at most 5 10^6 */
+  /* m, columns x rows: heights[i + columns j] is at x = (i - (columns - 1) / 2) step_x, and y likewise */
+  const double* heights;
+  double step_x, step_y; /* m, > 0 */
+  double bottom;         /* m, below all heights: the end of the solid */
+} dynHeightField;
+DYN_API void dyn_height_field_init(dynHeightField* field, uint32_t struct_size);
+#define dyn_height_field_init(x) dyn_height_field_init(x, sizeof(dynHeightField))
+/* A height field. As a mesh it has the surface's triangles, two a cell, without walls. */
+DYN_API dynStatus dyn_mesh_from_height_field(const dynHeightField* field, dynMesh** mesh);
 DYN_API void dyn_mesh_free(dynMesh* mesh); /* NULL is allowed */
 
 typedef struct dynMeshInfo {
@@ -2025,12 +2121,11 @@ typedef struct dynMeshInfo {
   double com[3];
   double inertia[9];         /* kg m^2, about com, at density 1 kg/m^3 */
   dynStatus hull_status;     /* DYN_OK, DYN_ERROR_INVALID (flat), or DYN_ERROR_UNSUPPORTED (no module) */
+  /* 1: closed, one component, hull_depth at most 1e-6 of the box's diagonal; 0: not; -1: no module */
+  int32_t convex;
   double hull_volume;        /* NaN without a hull */
   double hull_volume_ratio;  /* hull_volume / volume: 1 for a convex mesh; NaN without either */
   double hull_depth; /* m: largest depth of a triangle's middle under the hull's faces; NaN without a hull */
-  /* 1: closed, one component, hull_depth at most 1e-6 of the box's diagonal; 0: not; -1: no module */
-  int32_t convex;
-  int32_t reserved;
 } dynMeshInfo;
 /* Makes the hull, which takes time. */
 DYN_API dynStatus dyn_mesh_info(const dynMesh* mesh, dynMeshInfo* info);
@@ -2154,7 +2249,8 @@ typedef struct dynBatchArrays {
   double* out[4];                    /* n rows each; NULL: not wanted, but one at least must be */
   dynStatus* status;                 /* n, or NULL */
 } dynBatchArrays;
-DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
+DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays, uint32_t struct_size);
+#define dyn_batch_arrays_init(x) dyn_batch_arrays_init(x, sizeof(dynBatchArrays))
 /* Computes an algorithm for n states. */
 DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n,
                                 const dynBatchArrays* arrays);
@@ -2211,7 +2307,6 @@ typedef struct dynRollout {
   int32_t steps, every;           /* default 1, 1; every divides steps */
   int32_t contact_capacity;       /* contacts of a record; default 0 */
   int32_t sensors;                /* number of sensors; default 0 */
-  int32_t reserved;
   const dynStepOptions* stepping; /* NULL: as dyn_step_options_init */
   const dynSensorType* sensor;    /* sensors */
   const int32_t* sensor_frame;    /* sensors: a frame each, read where the sensor has one */
@@ -2228,7 +2323,8 @@ typedef struct dynRollout {
   int (*progress)(void* context, int64_t steps, int64_t of);
   void* context;
 } dynRollout;
-DYN_API void dyn_rollout_init(dynRollout* rollout);
+DYN_API void dyn_rollout_init(dynRollout* rollout, uint32_t struct_size);
+#define dyn_rollout_init(x) dyn_rollout_init(x, sizeof(dynRollout))
 /* Runs n simulations. */
 DYN_API dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout);
 
@@ -2307,7 +2403,6 @@ typedef struct dynIntegratorInfo {
   int32_t evaluations; /* of forward dynamics in a step; 0: as many as it takes */
   int32_t implicit;    /* 1: it solves for the end of the step */
   int32_t estimates;   /* 1: it estimates its error */
-  int32_t reserved;
   const char* name;    /* "rk4" */
   const char* sentence;
 } dynIntegratorInfo;

@@ -155,7 +155,7 @@ struct State {
   Vector q, v, a, tau;  // empty: not given
 };
 
-// What q shall do: IkTask::pose(hand, X).weight(2), IkTask::posture(q0).priority(1), ...
+// A task of inverse kinematics: IkTask::pose(hand, X).weight(2), IkTask::posture(q0).priority(1), ...
 struct IkTask {
   dynIkTask value;
   Vector reference, component_weights;
@@ -194,7 +194,7 @@ struct IkOptions {
   IkOptions() { dyn_ik_options_init(&value); }
 };
 
-// What the robot is: immutable; copies share it, threads may, too.
+// The robot. Immutable: copies share it, and threads may.
 class Model {
  public:
   // Takes over a model made by dyn.h.
@@ -205,7 +205,7 @@ class Model {
   static Model load_string(const std::string& text, const LoadOptions& options = {}) {
     return load_(dyn_model_load_string, text, options);
   }
-  // What lies in a buffer, used where it is: on a boundary of 64 bytes, unchanged as long as a copy of the model lives.
+  // A model in a buffer, without a copy. The buffer lies on a boundary of 64 bytes and outlives all copies of the model.
   static Model from_buffer(const void* buffer, std::size_t size) {
     const dynModel* model = nullptr;
     check(dyn_model_from_buffer(buffer, size, &model));
@@ -219,12 +219,14 @@ class Model {
     check(dyn_model_image(get(), flags, out.data(), size, &size));
     return out;
   }
-  // By the extension: .urdf, .xml or .mjcf, .dynb. What the format has no place for (WARNING), or says in another way (INFO).
+  // Writes the format of the extension: .urdf, .xml or .mjcf, .dynb. Returns the losses (WARNING) and other forms (INFO).
   std::vector<std::pair<dynReportLevel, std::string>> save(const std::string& path, bool strict = false) const {
     std::vector<std::pair<dynReportLevel, std::string>> lines;
-    check(dyn_model_save(get(), path.c_str(), strict, [](void* to, dynReportLevel level, const char* message) {
-      static_cast<decltype(lines)*>(to)->emplace_back(level, message);
-    }, &lines));
+    dynSaveOptions options;
+    dyn_save_options_init(&options);
+    options.strict = strict, options.context = &lines;
+    options.report = [](void* to, dynReportLevel level, const char* message) { static_cast<decltype(lines)*>(to)->emplace_back(level, message); };
+    check(dyn_model_save(get(), path.c_str(), &options));
     return lines;
   }
   const dynModel* get() const noexcept { return model_.get(); }
@@ -244,9 +246,9 @@ class Model {
   int frame_id(const std::string& name, dynFrameType type) const { return id_(dyn_model_frame_id_of_type(get(), name.c_str(), type)); }
   std::string joint_name(int joint) const { return name_(dyn_model_joint_name(get(), joint)); }
   std::string frame_name(int frame) const { return name_(dyn_model_frame_name(get(), frame)); }
-  dynJointInfo joint(int joint) const { return info_<dynJointInfo>(dyn_model_joint_info, joint); }
-  dynFrameInfo frame(int frame) const { return info_<dynFrameInfo>(dyn_model_frame_info, frame); }
-  dynShapeInfo shape(int shape) const { return info_<dynShapeInfo>(dyn_model_shape_info, shape); }
+  dynJointInfo joint_info(int joint) const { return info_<dynJointInfo>(dyn_model_joint_info, joint); }
+  dynFrameInfo frame_info(int frame) const { return info_<dynFrameInfo>(dyn_model_frame_info, frame); }
+  dynShapeInfo shape_info(int shape) const { return info_<dynShapeInfo>(dyn_model_shape_info, shape); }
   int npairs() const noexcept { return dyn_model_npairs(get()); }
   // The shapes of a pair.
   std::pair<int, int> pair(int pair) const {
@@ -259,14 +261,14 @@ class Model {
   int contact_capacity() const noexcept { return dyn_model_contact_capacity(get()); }
   std::string constraint_name(int constraint) const { return name_(dyn_model_constraint_name(get(), constraint)); }
   int constraint_id(const std::string& name) const { return id_(dyn_model_constraint_id(get(), name.c_str())); }
-  dynConstraint constraint(int constraint) const { return info_<dynConstraint>(dyn_model_constraint_info, constraint); }
+  dynConstraint constraint_info(int constraint) const { return info_<dynConstraint>(dyn_model_constraint_info, constraint); }
   int nactuators() const noexcept { return dyn_model_nactuators(get()); }
   int nu() const noexcept { return dyn_model_nu(get()); }
   std::string actuator_name(int actuator) const { return name_(dyn_model_actuator_name(get(), actuator)); }
   int actuator_id(const std::string& name) const { return id_(dyn_model_actuator_id(get(), name.c_str())); }
-  dynActuator actuator(int actuator) const { return info_<dynActuator>(dyn_model_actuator_info, actuator); }
+  dynActuator actuator_info(int actuator) const { return info_<dynActuator>(dyn_model_actuator_info, actuator); }
   int report_count() const noexcept { return dyn_model_report_count(get()); }
-  dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_model_report_entry, index); }
+  dynReportEntry report_entry(int index) const { return info_<dynReportEntry>(dyn_model_report_entry, index); }
 
   // 10 x (njoints - 1): the ten of each joint's body
   Matrix inertial_parameters() const {
@@ -421,7 +423,8 @@ class Model {
     State s{room(true, to.first), room(in[1].given(), to.second), room(in[2].given(), to.second), room(in[3].given(), to.second)};
     auto out = [](Vector& x) { return x.empty() ? nullptr : x.data(); };
     layout_(layout, [&](const dynStateLayout* l) {
-      return dyn_state_layout_convert(get(), l, direction, q, v, a, tau, out(s.q), out(s.v), out(s.a), out(s.tau));
+      const dynStateOutput where = {sizeof where, out(s.q), out(s.v), out(s.a), out(s.tau)};
+      return dyn_state_layout_convert(get(), l, direction, q, v, a, tau, &where);
     });
     return s;
   }
@@ -436,7 +439,7 @@ class Model {
   static std::string name_(const char* name) { return name ? name : throw Error(DYN_ERROR_ARGUMENT); }
 };
 
-// What the robot is doing: one for each thread; keeps the model alive.
+// State and results: one for each thread. Keeps the model alive.
 class Data {
  public:
   explicit Data(Model model, dynParts parts = DYN_PART_ALL) : model_(std::move(model)) {
@@ -457,10 +460,9 @@ class Data {
   void set_state(Input q, Input v = held, Input a = held, Input tau = held) {
     check(dyn_data_set_state(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), tau.of(nv(), "tau")));
   }
-  // Once in each thread with a deadline: later calls wait for no page of memory.
-  void warmup() { check(dyn_data_warm_up(m(), get())); }
-  // DYN_EFFECT_... of a joint, or of all (0).
-  // What a step takes into account, and what it takes of the memory.
+  // To be called once in each thread with a deadline: later calls wait for no page of memory.
+  void warm_up() { check(dyn_data_warm_up(m(), get())); }
+  // Each effect of steps, whether it acts, and its memory.
   std::vector<dynEffectInfo> plan() {
     std::vector<dynEffectInfo> out(static_cast<std::size_t>(dyn_effect_count()));
     for (std::size_t k = 0; k < out.size(); ++k) {
@@ -469,6 +471,7 @@ class Data {
     }
     return out;
   }
+  // DYN_EFFECT_... of a joint, or of all (0).
   void set_effects(uint32_t effects, int joint = 0) { check(dyn_data_set_effects(m(), get(), joint, effects)); }
   uint32_t effects(int joint = 0) const {
     uint32_t out;
@@ -557,28 +560,28 @@ class Data {
   }
 
   // centre of mass; with v and a also the fields "vcom" and "acom"
-  View center_of_mass(Input q = held, Input v = none, Input a = none) {
+  View compute_com(Input q = held, Input v = none, Input a = none) {
     static const dynField id = dyn_field_id("com");
     return result(id,
                   dyn_com(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr));
   }
-  View center_of_mass_jacobian(Input q = held) {
+  View jcom(Input q = held) {
     static const dynField id = dyn_field_id("Jcom");
     return result(id, dyn_jcom(m(), get(), q.of(nq(), "q"), nullptr));
   }
-  struct CenterOfMassVelocityDerivatives {
+  struct VcomDerivatives {
     View dvcom_dq, dvcom_dv;
   };
-  CenterOfMassVelocityDerivatives center_of_mass_velocity_derivatives(Input q = held, Input v = held) {
+  VcomDerivatives vcom_derivatives(Input q = held, Input v = held) {
     check(dyn_vcom_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, nullptr));
     return {field("dvcom_dq"), field("Jcom")};
   }
-  std::pair<Vector3, double> subtree_center_of_mass(int joint) {  // and its mass
+  std::pair<Vector3, double> subtree_com(int joint) {  // and its mass
     std::pair<Vector3, double> out;
     check(dyn_subtree_com(m(), get(), joint, out.first.data(), &out.second));
     return out;
   }
-  Matrix subtree_center_of_mass_jacobian(int joint) {
+  Matrix subtree_jcom(int joint) {
     return own(3, [&](double* J) { return dyn_subtree_jcom(m(), get(), joint, J); });
   }
 
@@ -595,7 +598,7 @@ class Data {
     static const dynField id = dyn_field_id("hg");
     return result(id, dyn_centroidal_momentum(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
   }
-  View centroidal_momentum_rate(Input q = held, Input v = held, Input a = held) {
+  View centroidal_momentum_time_variation(Input q = held, Input v = held, Input a = held) {
     static const dynField id = dyn_field_id("dhg");
     return result(id, dyn_centroidal_momentum_time_variation(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
   }
@@ -603,7 +606,7 @@ class Data {
     View dh_dq, dhdot_dq, dhdot_dv, dhdot_da;
   };
   CentroidalDerivatives centroidal_derivatives(Input q = held, Input v = held, Input a = held) {
-    check(dyn_centroidal_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr, nullptr));
+    check(dyn_centroidal_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
     return {field("dh_dq"), field("dhdot_dq"), field("dhdot_dv"), field("Ag")};
   }
 
@@ -612,15 +615,15 @@ class Data {
     static const dynField id = dyn_field_id("regressor");
     return result(id, dyn_joint_torque_regressor(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
   }
-  View static_regressor(Input q = held) {
+  View compute_static_regressor(Input q = held) {
     static const dynField id = dyn_field_id("static_regressor");
     return result(id, dyn_static_regressor(m(), get(), q.of(nq(), "q"), nullptr));
   }
-  View kinetic_energy_regressor(Input q = held, Input v = held) {
+  View compute_kinetic_energy_regressor(Input q = held, Input v = held) {
     static const dynField id = dyn_field_id("kinetic_energy_regressor");
     return result(id, dyn_kinetic_energy_regressor(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
   }
-  View potential_energy_regressor(Input q = held) {
+  View compute_potential_energy_regressor(Input q = held) {
     static const dynField id = dyn_field_id("potential_energy_regressor");
     return result(id, dyn_potential_energy_regressor(m(), get(), q.of(nq(), "q"), nullptr));
   }
@@ -640,15 +643,15 @@ class Data {
     static const dynField id = dyn_field_id("tau");
     return result(id, dyn_rnea(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), nullptr));
   }
-  View nonlinear_effects(Input q = held, Input v = held) {
+  View compute_nle(Input q = held, Input v = held) {
     static const dynField id = dyn_field_id("nle");
     return result(id, dyn_nle(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
   }
-  View gravity(Input q = held) {
+  View gravity_torque(Input q = held) {
     static const dynField id = dyn_field_id("g");
     return result(id, dyn_gravity_torque(m(), get(), q.of(nq(), "q"), nullptr));
   }
-  View static_torque(Input q = held, Input fext = none) {
+  View compute_static_torque(Input q = held, Input fext = none) {
     static const dynField id = dyn_field_id("static_torque");
     return result(id, dyn_static_torque(m(), get(), q.of(nq(), "q"), forces(fext), nullptr));
   }
@@ -664,13 +667,13 @@ class Data {
     static const dynField id = dyn_field_id("M");
     return result(id, dyn_crba(m(), get(), q.of(nq(), "q"), nullptr));
   }
-  void factorize() { check(dyn_cholesky(m(), get())); }
-  Vector solve(Input b, int nrhs = 1) {
+  void cholesky() { check(dyn_cholesky(m(), get())); }
+  Vector cholesky_solve(Input b, int nrhs = 1) {
     Vector x(static_cast<std::size_t>(nv()) * static_cast<std::size_t>(nrhs));
     check(dyn_cholesky_solve(m(), get(), b.of(nv() * nrhs, "b"), nrhs, x.data()));
     return x;
   }
-  View minverse(Input q = held) {
+  View minv(Input q = held) {
     static const dynField id = dyn_field_id("Minv");
     return result(id, dyn_minv(m(), get(), q.of(nq(), "q"), nullptr));
   }
@@ -685,10 +688,10 @@ class Data {
     View ddq_dq, ddq_dv, ddq_dtau;
   };
   ForwardDerivatives aba_derivatives(Input q = held, Input v = held, Input tau = held, Input fext = none) {
-    check(dyn_aba_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), nullptr, nullptr, nullptr));
+    check(dyn_aba_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), nullptr));
     return {field("ddq_dq"), field("ddq_dv"), field("Minv")};
   }
-  View gravity_derivatives(Input q = held) {
+  View gravity_torque_derivatives(Input q = held) {
     static const dynField id = dyn_field_id("dg_dq");
     return result(id, dyn_gravity_torque_derivatives(m(), get(), q.of(nq(), "q"), nullptr));
   }
@@ -700,8 +703,7 @@ class Data {
     View dqdq, dvdv, dqdv, dadq;
   };
   SecondOrderProduct rnea_second_order_product(Input lambda, Input q = held, Input v = held, Input a = held, Input fext = none) {
-    check(dyn_rnea_second_order_product(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), lambda.of(nv(), "lambda"), nullptr,
-                                        nullptr, nullptr, nullptr));
+    check(dyn_rnea_second_order_product(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), lambda.of(nv(), "lambda"), nullptr));
     return {field("lambda_d2tau_dqdq"), field("lambda_d2tau_dvdv"), field("lambda_d2tau_dqdv"), field("lambda_d2tau_dadq")};
   }
   struct SecondOrderDerivatives {  // nv matrices nv x nv one after another, that of tau_1 first
@@ -710,8 +712,8 @@ class Data {
   SecondOrderDerivatives rnea_second_order_derivatives(Input q = held, Input v = held, Input a = held, Input fext = none) {
     const std::size_t n = static_cast<std::size_t>(nv());
     SecondOrderDerivatives x{Vector(n * n * n), Vector(n * n * n), Vector(n * n * n), Vector(n * n * n)};
-    check(dyn_rnea_second_order_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), x.d2tau_dqdq.data(),
-                                            x.d2tau_dvdv.data(), x.d2tau_dqdv.data(), x.d2tau_dadq.data()));
+    const dynSecondOrderDerivatives out = {sizeof out, x.d2tau_dqdq.data(), x.d2tau_dvdv.data(), x.d2tau_dqdv.data(), x.d2tau_dadq.data()};
+    check(dyn_rnea_second_order_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), &out));
     return x;
   }
   struct Energy {
@@ -740,19 +742,19 @@ class Data {
   }
 
   // inverse kinematics
-  struct IkAnswer {
+  struct IkSolution {
     Vector q;
     std::vector<std::array<double, 2>> residuals;  // of each task: m, rad
     dynIkResult result;
     bool converged() const { return result.reason == DYN_IK_REASON_CONVERGED; }
   };
-  IkAnswer ik(const std::vector<IkTask>& tasks, Input q = held, const IkOptions& options = {}) {
+  IkSolution ik(const std::vector<IkTask>& tasks, Input q = held, const IkOptions& options = {}) {
     std::vector<dynIkTask> list;
     for (const IkTask& task : tasks) list.push_back(task.of(nq(), nv()));
-    IkAnswer out{Vector(static_cast<std::size_t>(nq())), std::vector<std::array<double, 2>>(list.size()), {}};
+    IkSolution out{Vector(static_cast<std::size_t>(nq())), std::vector<std::array<double, 2>>(list.size()), {}};
     out.result.struct_size = sizeof out.result;
-    check(dyn_ik(m(), get(), q.of(nq(), "q"), list.data(), static_cast<int>(list.size()), &options.value, out.q.data(),
-                 out.residuals.empty() ? nullptr : out.residuals.front().data(), &out.result));
+    const dynIkOutput where = {sizeof where, out.q.data(), out.residuals.empty() ? nullptr : out.residuals.front().data(), &out.result};
+    check(dyn_ik(m(), get(), q.of(nq(), "q"), list.data(), static_cast<int>(list.size()), &options.value, &where));
     return out;
   }
 
@@ -765,7 +767,7 @@ class Data {
     check(dyn_data_constraint(m(), get(), slot, &out));
     return out;
   }
-  void enable_constraint(int slot, bool on = true) { check(dyn_data_set_constraint_enabled(m(), get(), slot, on)); }
+  void set_constraint_enabled(int slot, bool on = true) { check(dyn_data_set_constraint_enabled(m(), get(), slot, on)); }
   void anchor_constraint(int slot, Input q = held) { check(dyn_data_anchor_constraint(m(), get(), slot, q.of(nq(), "q"))); }
   // First row and number of rows of a slot; -1: of all.
   std::pair<int, int> constraint_rows(int slot = -1) {
@@ -790,16 +792,17 @@ class Data {
   };
   Constrained constrained_dynamics(Input q = held, Input v = held, Input tau = held, Input fext = none, const ConstraintOptions& options = {}) {
     return constrained_([&](Constrained& out) {
-      return dyn_constrained_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * model_.njoints(), "fext"), &options.value,
-                                      out.x.data(), out.lambda.data(), &out.result);
+      const dynConstrainedOutput where = {sizeof where, out.x.data(), nullptr, out.lambda.data(), &out.result};
+      return dyn_constrained_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), &options.value, &where);
     });
   }
   // actuated: one number for each degree of freedom, 0: not; empty: all but a floating base.
   Constrained constrained_inverse_dynamics(Input q = held, Input v = held, Input a = held, Input fext = none, const std::vector<int32_t>& actuated = {}) {
     if (!actuated.empty() && actuated.size() != static_cast<std::size_t>(nv())) throw Error(DYN_ERROR_SIZE, "actuated must have nv numbers.");
     return constrained_([&](Constrained& out) {
-      return dyn_constrained_inverse_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), fext.of(6 * model_.njoints(), "fext"),
-                                              actuated.empty() ? nullptr : actuated.data(), out.x.data(), out.lambda.data(), &out.result);
+      const dynConstrainedOutput where = {sizeof where, nullptr, out.x.data(), out.lambda.data(), &out.result};
+      return dyn_constrained_inverse_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext),
+                                              actuated.empty() ? nullptr : actuated.data(), &where);
     });
   }
   Constrained constraint_impulse(Input q = held, Input v = held, const ConstraintOptions& options = {}) {
@@ -843,13 +846,13 @@ class Data {
     dynConstraintResult result;
   };
   ConstrainedDerivatives constrained_dynamics_derivatives(Input q = held, Input v = held, Input tau = held, Input fext = none) {
-    return derivatives_(true, [&](const dynConstraintDerivatives* out, dynConstraintResult* result) {
-      return dyn_constrained_dynamics_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * model_.njoints(), "fext"), nullptr, out, result);
+    return derivatives_(true, [&](const dynConstraintDerivatives* out) {
+      return dyn_constrained_dynamics_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), nullptr, out);
     });
   }
   ConstrainedDerivatives constraint_impulse_derivatives(Input q = held, Input v = held) {
-    return derivatives_(false, [&](const dynConstraintDerivatives* out, dynConstraintResult* result) {
-      return dyn_constraint_impulse_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, out, result);
+    return derivatives_(false, [&](const dynConstraintDerivatives* out) {
+      return dyn_constraint_impulse_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, out);
     });
   }
   std::pair<dynConstraintReport, std::vector<dynRowReport>> constraint_report(Input q = held) {
@@ -914,7 +917,7 @@ class Data {
     check(dyn_smooth_distances(m(), get(), q.of(nq(), "q"), smoothing, out.distances.data(), out.gradients.data(), out.points.data()));
     return out;
   }
-  // What rays hit first; origins and directions are 3 x n.
+  // First hits of rays. origins and directions are 3 x n.
   struct Rays {
     Vector t;
     std::vector<int> shapes;  // -1: nothing
@@ -922,8 +925,8 @@ class Data {
   };
   Rays rays(Input origins, Input directions, int n, Input q = held, double max_t = std::numeric_limits<double>::infinity(), uint32_t mask = 0xffffffffu) {
     Rays out{Vector(static_cast<std::size_t>(n)), std::vector<int>(static_cast<std::size_t>(n)), Matrix(3, n)};
-    check(dyn_rays(m(), get(), q.of(nq(), "q"), origins.of(3 * n, "origins"), directions.of(3 * n, "directions"), n, max_t, mask, out.t.data(),
-                   out.shapes.data(), out.normals.data()));
+    const dynRays rays = {sizeof rays, n, mask, origins.of(3 * n, "origins"), directions.of(3 * n, "directions"), max_t};
+    check(dyn_rays(m(), get(), q.of(nq(), "q"), &rays, out.t.data(), out.shapes.data(), out.normals.data()));
     return out;
   }
   void set_shape_masks(int shape, uint32_t contype, uint32_t conaffinity) { check(dyn_data_set_shape_masks(m(), get(), shape, contype, conaffinity)); }
@@ -934,11 +937,11 @@ class Data {
   }
 
   // simulation
-  void set_stepping(dynIntegrator integrator, double dt = 1e-3, double accuracy = 0) {
+  void set_step_options(dynIntegrator integrator, double dt = 1e-3, double accuracy = 0) {
     dynStepOptions options;
     dyn_step_options_init(&options);
     options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
-    set_stepping(options);
+    set_step_options(options);
   }
   // actuators, and forces from outside
   void set_control(const Vector& u) { check(dyn_data_set_control(m(), get(), Input(u).of(dyn_model_nu(m()), "u"))); }
@@ -947,8 +950,8 @@ class Data {
   }
   void clear_wrenches() { check(dyn_data_clear_wrenches(m(), get())); }
   void set_gravity(const Vector3& gravity) { check(dyn_data_set_gravity(m(), get(), gravity.data())); }
-  void set_stepping(const dynStepOptions& options) { check(dyn_data_set_step_options(m(), get(), &options)); }
-  dynStepOptions stepping() const {
+  void set_step_options(const dynStepOptions& options) { check(dyn_data_set_step_options(m(), get(), &options)); }
+  dynStepOptions step_options() const {
     dynStepOptions options;
     dyn_step_options_init(&options);
     check(dyn_data_step_options(m(), get(), &options));
@@ -978,12 +981,12 @@ class Data {
     return out;
   }
   // The state, with the contacts that the next step begins from.
-  std::vector<unsigned char> save() {
+  std::vector<unsigned char> save_state() {
     std::vector<unsigned char> out(dyn_model_state_size(m()));
     check(dyn_data_save_state(m(), get(), out.data(), out.size()));
     return out;
   }
-  void restore(const std::vector<unsigned char>& state) { check(dyn_data_restore_state(m(), get(), state.data(), state.size())); }
+  void restore_state(const std::vector<unsigned char>& state) { check(dyn_data_restore_state(m(), get(), state.data(), state.size())); }
   void set_shape_material(int shape, const dynMaterial& material) { check(dyn_data_set_shape_material(m(), get(), shape, &material)); }
   dynMaterial shape_material(int shape) {
     dynMaterial out;
@@ -1006,8 +1009,8 @@ class Data {
     ConstrainedDerivatives out{Matrix(n, n), Matrix(n, n), Matrix(n, n), Matrix(rows, n), Matrix(rows, n), Matrix(rows, n), {}};
     out.result.struct_size = sizeof out.result;
     const dynConstraintDerivatives where = {sizeof where, out.ddq_dq.data(), out.ddq_dv.data(), by_tau ? out.ddq_dtau.data() : nullptr,
-                                            out.lambda_dq.data(), out.lambda_dv.data(), by_tau ? out.lambda_dtau.data() : nullptr};
-    check(f(&where, &out.result));
+                                            out.lambda_dq.data(), out.lambda_dv.data(), by_tau ? out.lambda_dtau.data() : nullptr, &out.result};
+    check(f(&where));
     return out;
   }
   struct Free {
@@ -1048,7 +1051,7 @@ inline dynRollout rollout() {
 }
 inline int sensor_size(dynSensorType sensor) { return dyn_sensor_size(sensor); }
 
-// What goes into a batch and comes out, state after state; what an algorithm reads and writes is in dyn.h.
+// Inputs and outputs of a batch, state after state. dyn.h lists those of each algorithm.
 class BatchArrays {
  public:
   BatchArrays() { dyn_batch_arrays_init(&value_); }
@@ -1117,7 +1120,7 @@ class Batch {
   }
   // Each thread's data.
   void set_effects(std::uint32_t effects, int joint = 0) { check(dyn_batch_set_effects(get(), joint, effects)); }
-  // n simulations; sizes of the arrays are the caller's care (dynRollout). Throws for the first that fails; the others go on.
+  // n simulations. Array sizes are not checked (dynRollout). Throws the first failure; the other simulations go on.
   void rollout(int64_t n, const dynRollout& rollout) { check(dyn_batch_rollout(get(), n, &rollout)); }
 
  private:
@@ -1166,7 +1169,7 @@ inline bool is_physically_consistent(const Parameters& pi) {
   return yes != 0;
 }
 
-// A joint for Builder::joint.
+// A joint for Builder::add_joint.
 struct JointSpec {
   std::string name, parent, mimic;                                     // "": the world; none
   dynJointSpec value;                                                  // its names are set from those above
@@ -1193,7 +1196,7 @@ struct JointSpec {
   }
 };
 
-// A shape by itself, for shape_distance.
+// A shape by itself, for geometry_distance.
 inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radius = 0, const dynMesh* surface = nullptr) {
   dynGeometry g;
   dyn_geometry_init(&g);
@@ -1201,7 +1204,7 @@ inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radiu
   for (std::size_t k = 0; k < 3; ++k) g.size[k] = size[k];
   return g;
 }
-inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0,
+inline dynDistance geometry_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0,
                                   dynDistanceMethod method = DYN_DISTANCE_METHOD_GJK) {
   dynDistance out{};
   out.struct_size = sizeof out;
@@ -1212,31 +1215,33 @@ inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, co
   return out;
 }
 
-inline std::vector<dynContact> shape_contacts(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double margin = 0,
+inline std::vector<dynContact> geometry_contacts(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double margin = 0,
                                               double tolerance = 0) {
   std::vector<dynContact> out(DYN_MAX_CONTACTS_PER_PAIR);
   int count = 0;
-  check(dyn_geometry_contacts(&a, X_a.data(), &b, X_b.data(), margin, tolerance, out.data(), &count));
+  const dynGeometryPair pair = {sizeof pair, &a, &b, X_a.data(), X_b.data(), nullptr, nullptr};
+  check(dyn_geometry_contacts(&pair, margin, tolerance, out.data(), &count));
   out.resize(static_cast<std::size_t>(count));
   return out;
 }
-inline dynRayHit shape_ray(const dynGeometry& shape, const Placement& X, const Vector3& origin, const Vector3& direction) {
+inline dynRayHit geometry_ray(const dynGeometry& shape, const Placement& X, const Vector3& origin, const Vector3& direction) {
   dynRayHit out{};
   out.struct_size = sizeof out;
   check(dyn_geometry_ray(&shape, X.data(), origin.data(), direction.data(), &out));
   return out;
 }
-inline dynClosestPoint shape_closest_point(const dynGeometry& shape, const Placement& X, const Vector3& point) {
+inline dynClosestPoint geometry_closest_point(const dynGeometry& shape, const Placement& X, const Vector3& point) {
   dynClosestPoint out{};
   out.struct_size = sizeof out;
   check(dyn_geometry_closest_point(&shape, X.data(), point.data(), &out));
   return out;
 }
-inline dynImpact shape_sweep(const dynGeometry& a, const Placement& X_a, const std::array<double, 6>& motion_a, const dynGeometry& b, const Placement& X_b,
+inline dynImpact geometry_sweep(const dynGeometry& a, const Placement& X_a, const std::array<double, 6>& motion_a, const dynGeometry& b, const Placement& X_b,
                              const std::array<double, 6>& motion_b, double duration, double margin = 0) {
   dynImpact out{};
   out.struct_size = sizeof out;
-  check(dyn_geometry_sweep(&a, X_a.data(), motion_a.data(), &b, X_b.data(), motion_b.data(), duration, margin, &out));
+  const dynGeometryPair pair = {sizeof pair, &a, &b, X_a.data(), X_b.data(), motion_a.data(), motion_b.data()};
+  check(dyn_geometry_sweep(&pair, duration, margin, &out));
   return out;
 }
 
@@ -1279,15 +1284,16 @@ inline dynContactOptions contact_options() {
   dyn_contact_options_init(&options);
   return options;
 }
-// (compliance, bias) of a spring and damper; of a frequency and a damping ratio at a mass.
+// (compliance, bias) of a spring and damper.
 inline std::array<double, 2> contact_compliance(double stiffness, double damping, double dt, double gap = 0) {
   std::array<double, 2> out{};
   check(dyn_contact_compliance(stiffness, damping, dt, gap, &out[0], &out[1]));
   return out;
 }
-inline std::array<double, 2> contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt, double gap = 0) {
+// (stiffness, damping) of a frequency and a damping ratio at a mass.
+inline std::array<double, 2> contact_stiffness_hertz(double frequency, double damping_ratio, double mass) {
   std::array<double, 2> out{};
-  check(dyn_contact_compliance_hertz(frequency, damping_ratio, mass, dt, gap, &out[0], &out[1]));
+  check(dyn_contact_stiffness_hertz(frequency, damping_ratio, mass, &out[0], &out[1]));
   return out;
 }
 // A quadratic program that owns its arrays.
@@ -1296,9 +1302,9 @@ struct Qp {
   std::vector<int32_t> H_columns, H_rows, A_columns, A_rows;
   std::vector<double> H, g, A, lower, upper;
 };
-inline Qp friction_cone_qp(const dynContactProblem& problem, int facets = 8, bool inscribed = true) {
+inline Qp contact_problem_qp(const dynContactProblem& problem, int facets = 8, bool inscribed = true) {
   Qp q;
-  q.sizes.struct_size = sizeof q.sizes;
+  dyn_qp_init(&q.sizes);
   check(dyn_contact_problem_qp(&problem, facets, inscribed, &q.sizes));
   const auto n = static_cast<std::size_t>(q.sizes.n), m = static_cast<std::size_t>(q.sizes.m);
   q.H_columns.resize(n + 1), q.A_columns.resize(n + 1), q.g.resize(n), q.lower.resize(m), q.upper.resize(m);
@@ -1373,25 +1379,25 @@ class Builder {
     builder_.reset(builder);
   }
   dynBuilder* get() const noexcept { return builder_.get(); }
-  Builder& gravity(const Vector3& g) { return ok(dyn_builder_set_gravity(get(), g.data())); }
+  Builder& set_gravity(const Vector3& g) { return ok(dyn_builder_set_gravity(get(), g.data())); }
   // Numbers of limits, armature, ... are nq or nv of the joint.
-  Builder& joint(const JointSpec& spec) {
+  Builder& add_joint(const JointSpec& spec) {
     return with(spec, [&](const dynJointSpec& s) { return dyn_builder_add_joint(get(), &s); });
   }
-  Builder& joint(const std::string& name, dynJointType type, const std::string& parent = "") {
-    return joint(JointSpec(name, type, parent));
+  Builder& add_joint(const std::string& name, dynJointType type, const std::string& parent = "") {
+    return add_joint(JointSpec(name, type, parent));
   }
   // Inertia about the centre of mass, both in the link's frame; placement: none is the identity.
-  Builder& body(const std::string& name, const std::string& parent, double mass, const Vector3& com,
+  Builder& add_body(const std::string& name, const std::string& parent, double mass, const Vector3& com,
                 const std::array<double, 9>& inertia, Input placement = none) {
     return ok(
         dyn_builder_add_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(), inertia.data()));
   }
-  Builder& frame(const std::string& name, const std::string& parent, Input placement = none,
+  Builder& add_frame(const std::string& name, const std::string& parent, Input placement = none,
                  dynFrameType type = DYN_FRAME_TYPE_OP_FRAME) {
     return ok(dyn_builder_add_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
   }
-  Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
+  Builder& add_shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
                  dynShapeRole role = DYN_SHAPE_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "", double radius = 0,
                  uint32_t contype = 1, uint32_t conaffinity = 1, const dynMesh* surface = nullptr) {
     dynShapeSpec s;
@@ -1404,21 +1410,21 @@ class Builder {
     return ok(dyn_builder_add_shape(get(), &s));
   }
   // How the shape that was added last looks: red, green, blue, opacity, 0 to 1.
-  Builder& shape_rgba(const std::array<double, 4>& rgba) { return ok(dyn_builder_set_shape_rgba(get(), rgba.data())); }
+  Builder& set_shape_rgba(const std::array<double, 4>& rgba) { return ok(dyn_builder_set_shape_rgba(get(), rgba.data())); }
   // Two collision shapes that are tested whatever the filter says; material: nullptr, that of the shapes.
-  Builder& pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {
+  Builder& add_pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {
     return ok(dyn_builder_add_pair(get(), shape1.c_str(), shape2.c_str(), material));
   }
-  Builder& actuator(const std::string& name, const dynActuator& a, const std::string& joint) {
+  Builder& add_actuator(const std::string& name, const dynActuator& a, const std::string& joint) {
     return ok(dyn_builder_add_actuator(get(), name.c_str(), &a, joint.c_str()));
   }
-  Builder& gravity_compensation(const std::string& body, double share = 1) {
+  Builder& set_gravity_compensation(const std::string& body, double share = 1) {
     return ok(dyn_builder_set_gravity_compensation(get(), body.c_str(), share));
   }
-  Builder& medium(double density, double viscosity, Input wind = none) {
+  Builder& set_medium(double density, double viscosity, Input wind = none) {
     return ok(dyn_builder_set_medium(get(), density, viscosity, wind.of(3, "wind")));
   }
-  Builder& configuration(const std::string& name, const Vector& q) {
+  Builder& add_configuration(const std::string& name, const Vector& q) {
     return ok(dyn_builder_add_configuration(get(), name.c_str(), q.data(), q.size()));
   }
   // Joints, and their followers, fixed at q.
@@ -1435,13 +1441,13 @@ class Builder {
     return ok(dyn_builder_attach(get(), model.get(), prefix.c_str(), nullptr));
   }
   // first, second: names of frames or joints; second "": the universe.
-  Builder& constraint(const std::string& name, const dynConstraint& c, const std::string& first, const std::string& second = "") {
+  Builder& add_constraint(const std::string& name, const dynConstraint& c, const std::string& first, const std::string& second = "") {
     return ok(dyn_builder_add_constraint(get(), name.c_str(), &c, first.c_str(), above(second)));
   }
-  Builder& constraint_slots(int slots) { return ok(dyn_builder_set_constraint_slots(get(), slots)); }
-  Builder& contact_capacity(int contacts) { return ok(dyn_builder_set_contact_capacity(get(), contacts)); }
-  Builder& subtree(const std::string& joint) { return ok(dyn_builder_keep_subtree(get(), joint.c_str())); }
-  Builder& remove(const std::string& joint) { return ok(dyn_builder_remove_subtree(get(), joint.c_str())); }
+  Builder& set_constraint_slots(int slots) { return ok(dyn_builder_set_constraint_slots(get(), slots)); }
+  Builder& set_contact_capacity(int contacts) { return ok(dyn_builder_set_contact_capacity(get(), contacts)); }
+  Builder& keep_subtree(const std::string& joint) { return ok(dyn_builder_keep_subtree(get(), joint.c_str())); }
+  Builder& remove_subtree(const std::string& joint) { return ok(dyn_builder_remove_subtree(get(), joint.c_str())); }
   Model finish() {
     dynModel* model = nullptr;
     check(dyn_builder_finish(get(), &model));
@@ -1522,10 +1528,10 @@ class Mesh {
   }
   // Heights of columns x rows points, row after row.
   static Mesh height_field(Input heights, int columns, int rows, double step_x, double step_y, double bottom) {
-    const double* h = heights.of(std::int64_t(columns) * rows, "heights");
-    return make_([&](dynMesh** out) { return dyn_mesh_from_height_field(h, columns, rows, step_x, step_y, bottom, out); });
+    const dynHeightField field = {sizeof field, columns, rows, heights.of(std::int64_t(columns) * rows, "heights"), step_x, step_y, bottom};
+    return make_([&](dynMesh** out) { return dyn_mesh_from_height_field(&field, out); });
   }
-  // What a shape of a model is made of.
+  // The surface of a shape of a model.
   static Mesh of_shape(const Model& model, int shape) {
     return make_([&](dynMesh** out) { return dyn_model_shape_mesh(model.get(), shape, out); });
   }

@@ -73,7 +73,7 @@ void print_feet(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v) {
 // Stage 3. Gravity, inverse dynamics, and forward dynamics.
 void check_dynamics(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v, const dyn::Vector& a) {
   const std::size_t n = v.size();
-  const dyn::Vector zero(n), tau = robot.data.rnea(q, zero, zero).copy(), g = robot.data.gravity(q).copy();
+  const dyn::Vector zero(n), tau = robot.data.rnea(q, zero, zero).copy(), g = robot.data.gravity_torque(q).copy();
   claim(tau == g, "at rest inverse dynamics is gravity, bit for bit");
   claim(std::abs(std::hypot(g[0], g[1], g[2]) - 9.81 * robot.model.total_mass()) < 1e-11, "the base's row of g is the robot's weight");
   const dyn::Vector moving = robot.data.rnea(q, v, a).copy();

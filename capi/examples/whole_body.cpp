@@ -94,7 +94,7 @@ void put_down(dyn::Data& data, dyn::Vector& q) {
 
 int run(const char* file, double seconds) {
   const dyn::Model robot_alone = dyn::Model::load(file, dyn::LoadOptions().base(DYN_BASE_FLOATING));
-  const dyn::Model model = dyn::Builder(robot_alone).shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {}).finish();
+  const dyn::Model model = dyn::Builder(robot_alone).add_shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {}).finish();
   dyn::Data robot(model);
   Controller controller(model);
   dyn::Vector home = model.neutral();
@@ -106,7 +106,7 @@ int run(const char* file, double seconds) {
 
   const double dt = 1e-3;
   robot.set_effects(DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS);
-  robot.set_stepping(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, dt);
+  robot.set_step_options(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, dt);
   robot.set_state(home, dyn::Vector(std::size_t(model.nv())));
   const int steps = int(seconds / dt);
   const double amplitude = 0.01, w = 2 * M_PI;  // m, 1/s

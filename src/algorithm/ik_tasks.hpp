@@ -9,12 +9,26 @@
 
 namespace dyn {
 
-// An array of the caller's structures, whatever their size.
+inline dynIkTask default_ik_task() {
+  dynIkTask t{};
+  t.type = DYN_IK_TASK_TYPE_POSE;
+  t.target[0] = t.target[4] = t.target[8] = 1;
+  t.weight = 1;
+  return t;
+}
+
+// An array of the caller's structs, which may be shorter or longer than this library's.
 struct IkTasks {
   const dynIkTask* first;
   Index count;
-  const dynIkTask& operator[](Index k) const {
-    return *reinterpret_cast<const dynIkTask*>(reinterpret_cast<const char*>(first) + std::ptrdiff_t(k) * first->struct_size);
+  const dynIkTask* at(Index k) const {
+    return reinterpret_cast<const dynIkTask*>(reinterpret_cast<const char*>(first) + std::ptrdiff_t(k) * first->struct_size);
+  }
+  dynIkTask operator[](Index k) const {
+    if (first->struct_size == sizeof(dynIkTask)) [[likely]] return first[k];
+    dynIkTask task = default_ik_task();
+    __builtin_memcpy(&task, at(k), first->struct_size < sizeof task ? first->struct_size : sizeof task);
+    return task;
   }
 };
 

@@ -69,7 +69,7 @@ inline dynStatus solve_nothing(const dynModel* m, dynData* d, const Arguments& x
   options.limits = 0;
   dynIkResult result{};
   result.struct_size = sizeof result;
-  return dyn_ik(m, d, x.q, &task, 1, &options, x.out[0], x.out[1], &result);
+  return dyn_ik(m, d, x.q, &task, 1, &options, with<dynIkOutput>({0, x.out[0], x.out[1], &result}));
 }
 
 #define DYN_CALL [](const dynModel* m, dynData* d, [[maybe_unused]] const Arguments& x) -> dynStatus
@@ -142,15 +142,15 @@ inline const CallRow call_rows[] = {
     {"dyn_rnea_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 2, sizes::square,
      DYN_CALL { return dyn_rnea_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1]); }},
     {"dyn_aba_derivatives", DYN_PART_FORWARD_DERIVATIVES, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 3, sizes::square,
-     DYN_CALL { return dyn_aba_derivatives(m, d, x.q, x.v, x.tau, x.fext, x.out[0], x.out[1], x.out[2]); }},
+     DYN_CALL { return dyn_aba_derivatives(m, d, x.q, x.v, x.tau, x.fext, with<dynAbaDerivatives>({0, x.out[0], x.out[1], x.out[2]})); }},
     {"dyn_gravity_torque_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q, Needs::nothing, false, 1, sizes::square,
      DYN_CALL { return dyn_gravity_torque_derivatives(m, d, x.q, x.out[0]); }},
     {"dyn_static_torque_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q | uses_fext, Needs::nothing, false, 1, sizes::square,
      DYN_CALL { return dyn_static_torque_derivatives(m, d, x.q, x.fext, x.out[0]); }},
     {"dyn_rnea_second_order_product", DYN_PART_SECOND_ORDER, uses_q | uses_v | uses_a | uses_fext | uses_lambda, Needs::nothing, false, 4, sizes::square,
-     DYN_CALL { return dyn_rnea_second_order_product(m, d, x.q, x.v, x.a, x.fext, x.lambda, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+     DYN_CALL { return dyn_rnea_second_order_product(m, d, x.q, x.v, x.a, x.fext, x.lambda, with<dynSecondOrderDerivatives>({0, x.out[0], x.out[1], x.out[2], x.out[3]})); }},
     {"dyn_rnea_second_order_derivatives", DYN_PART_SECOND_ORDER, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 4, sizes::cube,
-     DYN_CALL { return dyn_rnea_second_order_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+     DYN_CALL { return dyn_rnea_second_order_derivatives(m, d, x.q, x.v, x.a, x.fext, with<dynSecondOrderDerivatives>({0, x.out[0], x.out[1], x.out[2], x.out[3]})); }},
     {"dyn_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 2, sizes::one,
      DYN_CALL { return dyn_energy(m, d, x.q, x.v, x.out[0], x.out[1]); }},
     {"dyn_kinetic_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 1, sizes::one,
@@ -166,7 +166,7 @@ inline const CallRow call_rows[] = {
     {"dyn_centroidal_momentum_time_variation", DYN_PART_CENTROIDAL, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::six,
      DYN_CALL { return dyn_centroidal_momentum_time_variation(m, d, x.q, x.v, x.a, x.out[0]); }},
     {"dyn_centroidal_derivatives", DYN_PART_CENTROIDAL, uses_q | uses_v | uses_a, Needs::nothing, false, 4, sizes::six_nv,
-     DYN_CALL { return dyn_centroidal_derivatives(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+     DYN_CALL { return dyn_centroidal_derivatives(m, d, x.q, x.v, x.a, with<dynCentroidalDerivatives>({0, x.out[0], x.out[1], x.out[2], x.out[3]})); }},
     {"dyn_joint_torque_regressor", DYN_PART_REGRESSOR, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::nv_parameters,
      DYN_CALL { return dyn_joint_torque_regressor(m, d, x.q, x.v, x.a, x.out[0]); }},
     {"dyn_static_regressor", DYN_PART_REGRESSOR, uses_q, Needs::nothing, false, 1, sizes::three_parameters,
@@ -195,7 +195,7 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_smooth_distances(m, d, x.q, 1e-3, x.out[0], x.out[1], nullptr); }},
     {"dyn_rays", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 1, sizes::two, DYN_CALL {
        static const double origins[6] = {0, 0, 9, 5, 0, 0.3}, directions[6] = {0, 0, -1, -1, 0, 0};
-       return dyn_rays(m, d, x.q, origins, directions, 2, 100, 0xffffffffu, x.out[0], nullptr, nullptr);
+       return dyn_rays(m, d, x.q, with<dynRays>({0, 2, 0xffffffffu, origins, directions, 100}), x.out[0], nullptr, nullptr);
      }},
     // without constraints: constraint_test.cpp has those with
     {"dyn_data_set_constraint", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_set_constraint(m, d, 0, nullptr); }},
@@ -211,9 +211,9 @@ inline const CallRow call_rows[] = {
     {"dyn_constraint_terms", DYN_PART_CONSTRAINTS, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_constraint_terms(m, d, x.q, x.v, nullptr, nullptr, nullptr, nullptr); }},
     {"dyn_constrained_dynamics", DYN_PART_CONSTRAINTS, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 1, sizes::nv,
-     DYN_CALL { return dyn_constrained_dynamics(m, d, x.q, x.v, x.tau, x.fext, nullptr, x.out[0], nullptr, nullptr); }},
+     DYN_CALL { return dyn_constrained_dynamics(m, d, x.q, x.v, x.tau, x.fext, nullptr, with<dynConstrainedOutput>({0, x.out[0], nullptr, nullptr, nullptr})); }},
     {"dyn_constrained_inverse_dynamics", DYN_PART_CONSTRAINTS, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 1, sizes::nv,
-     DYN_CALL { return dyn_constrained_inverse_dynamics(m, d, x.q, x.v, x.a, x.fext, nullptr, x.out[0], nullptr, nullptr); }},
+     DYN_CALL { return dyn_constrained_inverse_dynamics(m, d, x.q, x.v, x.a, x.fext, nullptr, with<dynConstrainedOutput>({0, nullptr, x.out[0], nullptr, nullptr})); }},
     {"dyn_constraint_impulse", DYN_PART_CONSTRAINTS, uses_q | uses_v, Needs::nothing, false, 1, sizes::nv,
      DYN_CALL { return dyn_constraint_impulse(m, d, x.q, x.v, nullptr, x.out[0], nullptr, nullptr); }},
     {"dyn_project", DYN_PART_CONSTRAINTS, uses_q | uses_v, Needs::nothing, false, 2, sizes::state,
@@ -227,13 +227,13 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_delassus_solve(m, d, x.q, 0.1, nullptr, nullptr); }},
     {"dyn_constrained_dynamics_derivatives", DYN_PART_CONSTRAINT_DERIVATIVES, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 3, sizes::square,
      DYN_CALL {
-       const dynConstraintDerivatives out = {sizeof out, x.out[0], x.out[1], x.out[2], nullptr, nullptr, nullptr};
-       return dyn_constrained_dynamics_derivatives(m, d, x.q, x.v, x.tau, x.fext, nullptr, &out, nullptr);
+       const dynConstraintDerivatives out = {sizeof out, x.out[0], x.out[1], x.out[2], nullptr, nullptr, nullptr, nullptr};
+       return dyn_constrained_dynamics_derivatives(m, d, x.q, x.v, x.tau, x.fext, nullptr, &out);
      }},
     {"dyn_constraint_impulse_derivatives", DYN_PART_CONSTRAINT_DERIVATIVES, uses_q | uses_v, Needs::nothing, false, 2, sizes::square,
      DYN_CALL {
-       const dynConstraintDerivatives out = {sizeof out, x.out[0], x.out[1], nullptr, nullptr, nullptr, nullptr};
-       return dyn_constraint_impulse_derivatives(m, d, x.q, x.v, nullptr, &out, nullptr);
+       const dynConstraintDerivatives out = {sizeof out, x.out[0], x.out[1], nullptr, nullptr, nullptr, nullptr, nullptr};
+       return dyn_constraint_impulse_derivatives(m, d, x.q, x.v, nullptr, &out);
      }},
     {"dyn_constraint_report", DYN_PART_CONSTRAINTS, uses_q, Needs::nothing, false, 0, sizes::none,
      DYN_CALL {

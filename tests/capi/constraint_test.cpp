@@ -33,7 +33,7 @@ struct Standing {
   }
   dynStatus solve(Numbers& ddq, Numbers& lambda, dynConstraintResult& r) {
     ddq.assign(std::size_t(m.nv()), 0), lambda.assign(12, 0);
-    return dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, ddq.data(), lambda.data(), &r);
+    return dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, with<dynConstrainedOutput>({0, ddq.data(), nullptr, lambda.data(), &r}));
   }
 };
 
@@ -128,7 +128,7 @@ TEST(Constraint, Refusals) {
   dynConstraintOptions o;
   dyn_constraint_options_init(&o);
   o.regularisation = nan;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constrained_dynamics(x.m, x.d, nullptr, nullptr, nullptr, nullptr, &o, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constrained_dynamics(x.m, x.d, nullptr, nullptr, nullptr, nullptr, &o, nullptr));
   dynProjectOptions p;
   dyn_project_options_init(&p);
   p.tolerance = 0;
@@ -163,7 +163,7 @@ TEST(Constraint, MoreThanThereIsRoomFor) {
   ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
   const dynConstraint c = make(DYN_CONSTRAINT_TYPE_POINT, 5);
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_constraint(m, d, 0, &c));
-  EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
   dyn_data_free(d), dyn_model_free(m);
   o.constraint_slots = -1;
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_load(DYN_MODELS_DIR "/robots/go2.urdf", &o, &m));

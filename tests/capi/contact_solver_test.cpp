@@ -193,9 +193,11 @@ TEST(ContactCompliance, Refuses) {
   EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_compliance(nan, 0, 1e-3, 0, &R, &b));
   EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_compliance(1, 0, 1e-3, HUGE_VAL, &R, &b));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_compliance(1, 0, 1e-3, 0, nullptr, &b));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_compliance_hertz(0, 1, 1, 1e-3, 0, &R, &b));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_compliance_hertz(1, 1, -1, 1e-3, 0, &R, &b));
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_compliance_hertz(1, nan, 1, 1e-3, 0, &R, &b));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_stiffness_hertz(0, 1, 1, &R, &b));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_stiffness_hertz(1, 1, -1, &R, &b));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_stiffness_hertz(1, nan, 1, &R, &b));
+  EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_contact_stiffness_hertz(1e200, 1, 1, &R, &b));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_stiffness_hertz(1, 1, 1, &R, nullptr));
   EXPECT_EQ(7, R);
   EXPECT_EQ(7, b);
 }

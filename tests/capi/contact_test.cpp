@@ -29,7 +29,7 @@ const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), ball = geometry(D
 TEST(ShapeContacts, BoxOnTheGround) {
   dynContact c[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -1;
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&ground, identity, &box, at(0, 0, 0.99).data(), 0, 0, c, &count)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 0.99).data(), nullptr, nullptr}), 0, 0, c, &count)) << dyn_last_error();
   ASSERT_EQ(4, count);
   for (int k = 0; k < 4; ++k) {
     EXPECT_NEAR(-0.01, c[k].distance, 1e-12);
@@ -39,9 +39,9 @@ TEST(ShapeContacts, BoxOnTheGround) {
     EXPECT_EQ(-1, c[k].pair);
     EXPECT_TRUE(k == 0 || c[k - 1].feature < c[k].feature);
   }
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&ground, identity, &box, at(0, 0, 1.1).data(), 0, 0, c, &count));
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 1.1).data(), nullptr, nullptr}), 0, 0, c, &count));
   EXPECT_EQ(0, count);
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&ground, identity, &box, at(0, 0, 1.1).data(), 0.2, 0, c, &count));
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 1.1).data(), nullptr, nullptr}), 0.2, 0, c, &count));
   EXPECT_EQ(4, count);
 }
 
@@ -49,7 +49,7 @@ TEST(ShapeContacts, BadArguments) {
   dynContact c[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -7;
   auto refused = [&](dynStatus status, const dynGeometry* a, const double* X, double margin, double tolerance, dynContact* out, int* n, std::initializer_list<std::string> words) {
-    EXPECT_EQ(status, dyn_geometry_contacts(&ground, identity, a, X, margin, tolerance, out, n));
+    EXPECT_EQ(status, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, a, identity, X, nullptr, nullptr}), margin, tolerance, out, n));
     EXPECT_TRUE(says(words)) << dyn_last_error();
     EXPECT_EQ(-7, count);
   };
@@ -108,20 +108,20 @@ TEST(ShapeSweep, BulletAndErrors) {
   dynImpact i = view_of<dynImpact>();
   const dynGeometry wall = geometry(DYN_SHAPE_TYPE_BOX, 1e-4, 2, 2);
   const double motion[6] = {1e4, 0, 0, 0, 0, 0}, turn[6] = {0, 0, 0, 1, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(&ball, at(-5, 0, 0).data(), motion, &wall, identity, nullptr, 1, 0, &i)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, at(-5, 0, 0).data(), identity, motion, nullptr}), 1, 0, &i)) << dyn_last_error();
   EXPECT_EQ(DYN_SWEEP_STATUS_HIT, i.status);
   EXPECT_NEAR((5 - 0.5 - 0.5e-4) / 1e4, i.time, 1e-10);
   EXPECT_NEAR(1, i.normal[0], 1e-9);
-  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(&ball, at(-5, 0, 0).data(), nullptr, &wall, identity, nullptr, 1, 0, &i));
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, at(-5, 0, 0).data(), identity, nullptr, nullptr}), 1, 0, &i));
   EXPECT_EQ(DYN_SWEEP_STATUS_NONE, i.status);
   EXPECT_EQ(1, i.time);
-  EXPECT_EQ(DYN_ERROR_UNSUPPORTED, dyn_geometry_sweep(&ground, identity, turn, &ball, at(0, 0, 1).data(), nullptr, 1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_UNSUPPORTED, dyn_geometry_sweep(with<dynGeometryPair>({0, &ground, &ball, identity, at(0, 0, 1).data(), turn, nullptr}), 1, 0, &i));
   EXPECT_TRUE(says({"half-space"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(&ball, identity, motion, &wall, identity, nullptr, -1, 0, &i));
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(&ball, identity, motion, &wall, identity, nullptr, nan, 0, &i));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(&ball, identity, motion, &wall, identity, nullptr, 1, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), -1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), nan, 0, &i));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), 1, 0, nullptr));
   const double bad[6] = {0, 0, nan, 0, 0, 0};
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(&ball, identity, bad, &wall, identity, nullptr, 1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, bad, nullptr}), 1, 0, &i));
   EXPECT_TRUE(says({"motion_a[2]"}));
 }
 
@@ -205,7 +205,7 @@ TEST_F(Scene, Rays) {
   const double origins[] = {0, 0, 9, 3, 0, 9, 9, 9, 9, 0, 0, 9, 0, 0, 0.5}, directions[] = {0, 0, -1, 0, 0, -2, 0, 0, -1, 0, 0, 1, 1, 0, 0};
   double t[5], normals[15];
   int shapes[5];
-  ASSERT_EQ(DYN_OK, dyn_rays(m, d, q.data(), origins, directions, 5, inf, ~0u, t, shapes, normals)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_rays(m, d, q.data(), with<dynRays>({0, 5, ~0u, origins, directions, inf}), t, shapes, normals)) << dyn_last_error();
   const double expected_t[] = {9 - 1.998, (9 - 1.1) / 2, 9, inf, 0};
   const int expected[] = {2, 3, 0, -1, 1};
   for (int k = 0; k < 5; ++k) {
@@ -216,18 +216,18 @@ TEST_F(Scene, Rays) {
     }
   }
   // not so far; of some groups
-  ASSERT_EQ(DYN_OK, dyn_rays(m, d, nullptr, origins, directions, 1, 6, ~0u, t, shapes, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_rays(m, d, nullptr, with<dynRays>({0, 1, ~0u, origins, directions, 6}), t, shapes, nullptr));
   EXPECT_TRUE(shapes[0] == -1 && t[0] == inf);
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_masks(m, d, 2, 2, 1));
-  ASSERT_EQ(DYN_OK, dyn_rays(m, d, nullptr, origins, directions, 1, inf, 1, nullptr, shapes, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_rays(m, d, nullptr, with<dynRays>({0, 1, 1, origins, directions, inf}), nullptr, shapes, nullptr));
   EXPECT_EQ(1, shapes[0]);
-  ASSERT_EQ(DYN_OK, dyn_rays(m, d, nullptr, nullptr, nullptr, 0, inf, 1, nullptr, nullptr, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_rays(m, d, nullptr, nullptr, directions, 1, inf, 1, t, shapes, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_rays(m, d, nullptr, origins, directions, -1, inf, 1, t, shapes, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_rays(m, d, nullptr, origins, directions, 1, 0, 1, t, shapes, nullptr));
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_rays(m, d, nullptr, origins, directions, 1, nan, 1, t, shapes, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_rays(m, d, nullptr, with<dynRays>({0, 0, 1, nullptr, nullptr, inf}), nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_rays(m, d, nullptr, with<dynRays>({0, 1, 1, nullptr, directions, inf}), t, shapes, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_rays(m, d, nullptr, with<dynRays>({0, -1, 1, origins, directions, inf}), t, shapes, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_rays(m, d, nullptr, with<dynRays>({0, 1, 1, origins, directions, 0}), t, shapes, nullptr));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_rays(m, d, nullptr, with<dynRays>({0, 1, 1, origins, directions, nan}), t, shapes, nullptr));
   const double zero[3] = {};
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_rays(m, d, nullptr, origins, zero, 1, inf, 1, t, shapes, nullptr));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_rays(m, d, nullptr, with<dynRays>({0, 1, 1, origins, zero, inf}), t, shapes, nullptr));
 }
 
 TEST_F(Scene, MasksSwitchPairs) {

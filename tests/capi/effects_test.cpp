@@ -92,7 +92,7 @@ TEST_F(Effects, BadArgumentsChangeNothing) {
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_effects(m, d, joint, &effects));
   }
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_effects(m, d, dyn_model_joint_id(m, "finger"), 0));
-  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "'finger' follows 'shoulder'"));
+  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "'finger' mimics 'shoulder'"));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_effects(m, d, 1, nullptr));
   EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_set_effects(nullptr, d, 0, 0));
   EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_set_effects(m, nullptr, 0, 0));

@@ -46,7 +46,7 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
   Data fresh(m);
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, fresh, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_data_set_state(m, fresh, nullptr, nullptr, nullptr, s.tau.data()));
-  if (dyn_constrained_dynamics(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr) != DYN_OK) return;
+  if (dyn_constrained_dynamics(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr) != DYN_OK) return;
   if (compute_derivatives(m, fresh, nullptr) != DYN_OK) return;  // near a singular configuration
   if (dyn_all_terms(m, fresh, DYN_TERM_ALL, nullptr, nullptr, nullptr) != DYN_OK) return;
   ASSERT_EQ(DYN_OK, dyn_com(m, fresh, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));

@@ -47,7 +47,7 @@ struct Arm {
     return b.finish();
   }
   void solve(const std::vector<dynIkTask>& tasks) {
-    EXPECT_EQ(DYN_OK, dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, q.data(), residuals.data(), &r)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, with<dynIkOutput>({0, q.data(), residuals.data(), &r}))) << dyn_last_error();
     EXPECT_TRUE(same_bits(q, field(m, d, "q")));
     double X[12];
     EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, tip, X)) << "placements are of the solution";
@@ -175,7 +175,7 @@ TEST(Ik, CentreOfMassOverFixedFeet) {
   dynIkResult r{};
   r.struct_size = sizeof r;
   Numbers residuals(2 * tasks.size());
-  ASSERT_EQ(DYN_OK, dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, q.data(), residuals.data(), &r)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, with<dynIkOutput>({0, q.data(), residuals.data(), &r}))) << dyn_last_error();
   EXPECT_EQ(DYN_IK_REASON_CONVERGED, r.reason) << r.residual_linear;
   EXPECT_LE(r.iterations, 10);
   ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, nullptr, nullptr, com.data(), nullptr, nullptr));
@@ -202,7 +202,7 @@ TEST(Ik, LimitsOfAFreeFlyer) {
   dynIkResult r{};
   r.struct_size = sizeof r;
   Numbers q(s.q);
-  ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), &t, 1, &o, q.data(), nullptr, &r)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), &t, 1, &o, with<dynIkOutput>({0, q.data(), nullptr, &r}))) << dyn_last_error();
   EXPECT_EQ(DYN_IK_REASON_LIMITS, r.reason);
   EXPECT_EQ(dyn_model_joint_id(m, "free"), r.joint);
   EXPECT_EQ(0.1, q[0]);
@@ -224,11 +224,11 @@ TEST(Ik, WhatCannotBeReachedIsALeastSquaresOptimum) {
       dynIkOptions o = make_options();
       o.restarts = 2, o.seed = seed;
       Numbers q(s.q), again(s.q);
-      ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, q.data(), nullptr, &r)) << dyn_last_error();
+      ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, with<dynIkOutput>({0, q.data(), nullptr, &r}))) << dyn_last_error();
       EXPECT_NE(DYN_IK_REASON_CONVERGED, r.reason);
       EXPECT_NE(DYN_IK_REASON_MAX_ITERATIONS, r.reason) << name;
       EXPECT_LE(r.optimality, 1e-5 * (1 + r.cost)) << name << " " << seed;
-      ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, again.data(), nullptr, &r));
+      ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, with<dynIkOutput>({0, again.data(), nullptr, &r})));
       EXPECT_TRUE(same_bits(q, again)) << "the same seed, the same result";
     }
   }
@@ -263,7 +263,7 @@ struct IkRefused : ::testing::Test {
   void expect(dynStatus status, const std::vector<std::string>& fragments) {
     const Snapshot before(m, d);
     Numbers solution(std::size_t(m.nq()), 7), residuals(6, 7);
-    EXPECT_EQ(status, dyn_ik(m, d, q, tasks.data(), count, &o, solution.data(), residuals.data(), &r)) << fragments[0];
+    EXPECT_EQ(status, dyn_ik(m, d, q, tasks.data(), count, &o, with<dynIkOutput>({0, solution.data(), residuals.data(), &r}))) << fragments[0];
     EXPECT_TRUE(says(fragments));
     EXPECT_TRUE(says({"dyn_ik"}));
     EXPECT_EQ("", before.differs(Snapshot(m, d), status == DYN_ERROR_NUMERIC));
@@ -309,9 +309,9 @@ TEST_F(IkRefused, Tasks) {
     expect(DYN_ERROR_ARGUMENT, {"ntasks is " + std::to_string(n)});
   }
   count = 3;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_ik(m, d, q, nullptr, 3, &o, nullptr, nullptr, &r));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_ik(m, d, q, nullptr, 3, &o, dyn_test::with<dynIkOutput>({0, nullptr, nullptr, &r})));
   EXPECT_TRUE(says({"tasks is NULL"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_ik(m, d, q, tasks.data(), 3, &o, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_ik(m, d, q, tasks.data(), 3, &o, nullptr));
   EXPECT_TRUE(says({"result is NULL", "required"}));
 }
 
@@ -355,7 +355,7 @@ TEST_F(IkRefused, NothingIsBroken) {
   for (double weight : {0.0, 1e-300, 1e140})
     for (double target : {0.0, 1e99}) {
       tasks[0].weight = weight, tasks[1].target[9] = target;
-      const dynStatus status = dyn_ik(m, d, q, tasks.data(), 3, &o, nullptr, nullptr, &r);
+      const dynStatus status = dyn_ik(m, d, q, tasks.data(), 3, &o, with<dynIkOutput>({0, nullptr, nullptr, &r}));
       EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC) << dyn_last_error();
       EXPECT_TRUE(finite(field(m, d, "q")));
     }
@@ -364,7 +364,7 @@ TEST_F(IkRefused, NothingIsBroken) {
   const Model rock = b.finish();
   Data still(rock);
   dynIkTask t = at(rock.nframes() - 1, 1, 0);
-  ASSERT_EQ(DYN_OK, dyn_ik(rock, still, nullptr, &t, 1, nullptr, nullptr, nullptr, &r)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_ik(rock, still, nullptr, &t, 1, nullptr, with<dynIkOutput>({0, nullptr, nullptr, &r}))) << dyn_last_error();
   EXPECT_EQ(DYN_IK_REASON_LOCAL_MINIMUM, r.reason);
 }
 

@@ -143,9 +143,9 @@ TEST(Image, ArgumentsAreChecked) {
 TEST(Image, AFileIsAnImage) {
   const Model heap = robots[2].load();
   size_t size = 0;
-  ASSERT_EQ(DYN_OK, dyn_model_save_memory(heap, DYN_FORMAT_DYNB, 0, nullptr, nullptr, nullptr, 0, &size));
+  ASSERT_EQ(DYN_OK, dyn_model_save_memory(heap, DYN_FORMAT_DYNB, nullptr, nullptr, 0, &size));
   std::vector<char> file(size);
-  ASSERT_EQ(DYN_OK, dyn_model_save_memory(heap, DYN_FORMAT_DYNB, 0, nullptr, nullptr, file.data(), size, &size));
+  ASSERT_EQ(DYN_OK, dyn_model_save_memory(heap, DYN_FORMAT_DYNB, nullptr, file.data(), size, &size));
   EXPECT_EQ(image_of(heap), file);
 }
 

@@ -30,14 +30,14 @@ dynDistance with_itself(const dynGeometry& g) {
   EXPECT_EQ(DYN_OK, dyn_geometry_distance(&g, identity, &g, identity, nullptr, &d)) << dyn_last_error();
   dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -1;
-  EXPECT_EQ(DYN_OK, dyn_geometry_contacts(&g, identity, &g, identity, 0, 0, contacts, &count)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &g, &g, identity, identity, nullptr, nullptr}), 0, 0, contacts, &count)) << dyn_last_error();
   EXPECT_TRUE(count >= 0 && count <= DYN_MAX_CONTACTS_PER_PAIR);
   for (int k = 0; k < count; ++k)
     for (const double x : {contacts[k].distance, contacts[k].position[0], contacts[k].position[1], contacts[k].position[2], contacts[k].normal[2]}) EXPECT_TRUE(std::isfinite(x));
   const double motion[6] = {1, 0, 0, 0, 0, 0};
   dynImpact impact{};
   impact.struct_size = sizeof impact;
-  EXPECT_EQ(DYN_OK, dyn_geometry_sweep(&g, identity, nullptr, &g, identity, motion, 1, 0, &impact)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &g, &g, identity, identity, nullptr, motion}), 1, 0, &impact)) << dyn_last_error();
   EXPECT_EQ(DYN_SWEEP_STATUS_HIT, impact.status);
   EXPECT_EQ(0, impact.time);
   return d;

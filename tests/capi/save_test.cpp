@@ -30,7 +30,7 @@ class Save : public testing::Test {
 TEST_F(Save, EveryFormatIsReadAgain) {
   const Model m = all_types();
   for (const char* name : {"m.urdf", "m.dynb"}) {
-    ASSERT_EQ(DYN_OK, dyn_model_save(m, file(name).c_str(), 0, nullptr, nullptr)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_model_save(m, file(name).c_str(), nullptr)) << dyn_last_error();
     dynLoadOptions options;
     dyn_load_options_init(&options);
     if (std::string_view(name) == "m.urdf") options.base = DYN_BASE_FIXED;
@@ -46,18 +46,18 @@ TEST_F(Save, ArgumentsAreChecked) {
   const Model m = chain(2);
   size_t size = 7;
   char byte;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save(m, nullptr, 0, nullptr, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save(m, file("m.sdf").c_str(), 0, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save(m, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save(m, file("m.sdf").c_str(), nullptr));
   EXPECT_NE(nullptr, std::strstr(dyn_last_error(), ".urdf"));
-  EXPECT_EQ(DYN_ERROR_FILE, dyn_model_save(m, "/nowhere/m.urdf", 0, nullptr, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, nullptr, 0, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, nullptr, 5, &size));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save_memory(m, dynFormat(0), 0, nullptr, nullptr, nullptr, 0, &size));
+  EXPECT_EQ(DYN_ERROR_FILE, dyn_model_save(m, "/nowhere/m.urdf", nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, nullptr, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, nullptr, 5, &size));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_save_memory(m, dynFormat(0), nullptr, nullptr, 0, &size));
   EXPECT_EQ(7u, size);
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, &byte, 1, &size));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, &byte, 1, &size));
   EXPECT_GT(size, 100u);
   std::vector<char> text(size);
-  ASSERT_EQ(DYN_OK, dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, text.data(), text.size(), &size));
+  ASSERT_EQ(DYN_OK, dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, text.data(), text.size(), &size));
   EXPECT_EQ(text.size(), size);
   EXPECT_EQ('<', text[0]);
 }
@@ -65,13 +65,13 @@ TEST_F(Save, ArgumentsAreChecked) {
 TEST_F(Save, StrictWritesNothing) {
   const Model m = all_types();
   Lines lines, strict;
-  ASSERT_EQ(DYN_OK, dyn_model_save(m, file("m.xml").c_str(), 0, Lines::add, &lines)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_model_save(m, file("m.xml").c_str(), with<dynSaveOptions>({0, 0, Lines::add, &lines}))) << dyn_last_error();
   ASSERT_TRUE(lines.lost());
   const auto before = fs::file_size(file("m.xml"));
-  EXPECT_EQ(DYN_ERROR_STRICT, dyn_model_save(m, file("m.xml").c_str(), 1, Lines::add, &strict));
+  EXPECT_EQ(DYN_ERROR_STRICT, dyn_model_save(m, file("m.xml").c_str(), with<dynSaveOptions>({0, 1, Lines::add, &strict})));
   EXPECT_EQ(lines.all, strict.all);
   EXPECT_EQ(before, fs::file_size(file("m.xml")));
-  EXPECT_EQ(DYN_ERROR_STRICT, dyn_model_save(m, file("other.xml").c_str(), 1, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_STRICT, dyn_model_save(m, file("other.xml").c_str(), with<dynSaveOptions>({0, 1, nullptr, nullptr})));
   EXPECT_FALSE(fs::exists(file("other.xml")));
 }
 

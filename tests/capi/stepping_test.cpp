@@ -29,6 +29,7 @@ struct Flight {
 TEST(Stepping, OptionsAreKept) {
   Flight f;
   dynStepOptions o;
+  dyn_step_options_init(&o);
   ASSERT_EQ(DYN_OK, dyn_data_step_options(f.m, f.d, &o));
   EXPECT_EQ(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, o.integrator);
   EXPECT_EQ(1e-3, o.dt);
@@ -105,6 +106,7 @@ TEST(Stepping, BadOptions) {
   EXPECT_EQ(DYN_ERROR_SIZE, dyn_data_step_report(f.m, f.d, &none));
   dyn_step_options_init(nullptr);
   dynStepOptions kept;
+  dyn_step_options_init(&kept);
   ASSERT_EQ(DYN_OK, dyn_data_step_options(f.m, f.d, &kept));
   EXPECT_EQ(1e-3, kept.dt);
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/with.hpp"
 #include "dyn.h"
 
 namespace dyn_test {
@@ -214,7 +215,7 @@ inline dynStatus take_step(const dynModel* m, dynData* d, dynIntegrator integrat
 }
 
 inline void compute_centroidal_and_regressors(const dynModel* m, dynData* d) {
-  ASSERT_EQ(DYN_OK, dyn_centroidal_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_centroidal_derivatives(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_centroidal_map_time_variation(m, d, nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_joint_torque_regressor(m, d, nullptr, nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_regressor(m, d, nullptr, nullptr));
@@ -225,11 +226,11 @@ inline void compute_other_derivatives(const dynModel* m, dynData* d, const doubl
   ASSERT_EQ(DYN_OK, dyn_vcom_derivatives(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_gravity_torque_derivatives(m, d, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_torque_derivatives(m, d, nullptr, fext, nullptr));
-  ASSERT_EQ(DYN_OK, dyn_rnea_second_order_product(m, d, nullptr, nullptr, nullptr, fext, lambda, nullptr, nullptr, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_rnea_second_order_product(m, d, nullptr, nullptr, nullptr, fext, lambda, nullptr));
 }
 // Forward before inverse: their tau and derivatives are of different accelerations, and the last call's are kept.
 inline dynStatus compute_derivatives(const dynModel* m, dynData* d, const double* fext) {
-  const dynStatus status = dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, fext, nullptr, nullptr, nullptr);
+  const dynStatus status = dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, fext, nullptr);
   return status == DYN_OK ? dyn_rnea_derivatives(m, d, nullptr, nullptr, nullptr, fext, nullptr, nullptr) : status;
 }
 
@@ -237,7 +238,7 @@ inline dynStatus compute_derivatives(const dynModel* m, dynData* d, const double
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, s.tau.data()));
-  ASSERT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, compute_derivatives(m, d, s.fext.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_ALL, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));

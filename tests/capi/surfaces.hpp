@@ -11,7 +11,7 @@ struct Surfaces {
     const double corner[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, height[] = {0, 0.1, 0, 0.2, 0.3, 0, 0, 0.1, 0};
     const std::int32_t side[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
     EXPECT_EQ(DYN_OK, dyn_mesh_from_arrays(corner, 4, side, 4, &pyramid));
-    EXPECT_EQ(DYN_OK, dyn_mesh_from_height_field(height, 3, 3, 1, 1, -1, &field));
+    EXPECT_EQ(DYN_OK, dyn_mesh_from_height_field(with<dynHeightField>({0, 3, 3, height, 1, 1, -1}), &field));
     dyn_mesh_hull(pyramid, &hull);
   }
   Surfaces(const Surfaces&) = delete;

@@ -45,7 +45,7 @@ inline void use(const dynModel* m) {
   dyn_rnea(m, d, nullptr, ones.data(), ones.data(), nullptr, nullptr);
   dyn_aba(m, d, nullptr, ones.data(), ones.data(), nullptr, nullptr);
   dyn_distances(m, d, nullptr, nullptr);
-  dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
+  dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
   for (int k = 0; k < 2; ++k) dyn_step(m, d);
   dyn_data_free(d);
 }
@@ -61,7 +61,7 @@ inline void load(const uint8_t* bytes, size_t size, dynBase base, const char* sr
   use(m);
   for (const dynFormat format : {DYN_FORMAT_URDF, DYN_FORMAT_MJCF, DYN_FORMAT_DYNB}) {
     size_t written = 0;
-    if (dyn_model_save_memory(m, format, 0, nullptr, nullptr, nullptr, 0, &written) != DYN_OK) continue;
+    if (dyn_model_save_memory(m, format, nullptr, nullptr, 0, &written) != DYN_OK) continue;
   }
   dyn_model_free(m);
 }

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/with.hpp"
 #include "dyn.h"
 
 namespace dyn_test {

@@ -32,7 +32,7 @@ double distance(const dynGeometry& a, const dynGeometry& b, const Pose& B) {
 
 Made height_field(const std::vector<double>& h, int columns, int rows, double x = 0.5, double y = 0.5, double bottom = -1) {
   dynMesh* m = nullptr;
-  const dynStatus status = dyn_mesh_from_height_field(h.data(), columns, rows, x, y, bottom, &m);
+  const dynStatus status = dyn_mesh_from_height_field(with<dynHeightField>({0, columns, rows, h.data(), x, y, bottom}), &m);
   EXPECT_EQ(status == DYN_OK, m != nullptr);
   return {status, status == DYN_OK ? "" : dyn_last_error(), MeshHandle(m)};
 }
@@ -92,12 +92,12 @@ TEST(MeshShapes, RaysClosestPointsSweepsAndContacts) {
   const double still[6] = {}, motion[6] = {1, 0, 0, 0, 0, 0};
   dynImpact impact{};
   impact.struct_size = sizeof impact;
-  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(&b, here.data(), still, &ball, side.data(), motion, 5, 0, &impact)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &b, &ball, here.data(), side.data(), still, motion}), 5, 0, &impact)) << dyn_last_error();
   EXPECT_EQ(DYN_SWEEP_STATUS_HIT, impact.status);
   EXPECT_NEAR(2.9, impact.time, 1e-3);
   dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
   int count = 0;
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&a, here.data(), &ball, above.data(), 0.1, 0, contacts, &count)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &ball, here.data(), above.data(), nullptr, nullptr}), 0.1, 0, contacts, &count)) << dyn_last_error();
   ASSERT_EQ(1, count);
   EXPECT_NEAR(0.05, contacts[0].distance, 1e-12);
   EXPECT_NEAR(0.525, contacts[0].position[2], 1e-12);
@@ -136,7 +136,7 @@ TEST(MeshShapes, BadHeightFields) {
   refused(DYN_ERROR_NONFINITE, "a step of", height_field({0, 0, 0, 0}, 2, 2, 1, inf));
   refused(DYN_ERROR_NONFINITE, "bottom", height_field({0, 0, 0, 0}, 2, 2, 1, 1, nan));
   refused(DYN_ERROR_LIMIT, "reaches", height_field(std::vector<double>(8, 0), 4, 2, 1e12, 1e12));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_from_height_field(nullptr, 2, 2, 1, 1, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_from_height_field(with<dynHeightField>({0, 2, 2, nullptr, 1, 1, 0}), nullptr));
 }
 
 TEST(MeshShapes, BadSurfaces) {

@@ -117,7 +117,7 @@ struct Work {
         tasks[2].type = DYN_IK_TASK_TYPE_POSTURE, tasks[2].posture = s.q.data(), tasks[2].priority = 1;
         dynIkResult result{};
         result.struct_size = sizeof result;
-        dyn_ik(m, d, s.q.data(), tasks, count, nullptr, nullptr, nullptr, &result);
+        dyn_ik(m, d, s.q.data(), tasks, count, nullptr, with<dynIkOutput>({0, nullptr, nullptr, &result}));
       });
     // errors
     for (const CallRow& row : call_rows) {
@@ -205,12 +205,12 @@ struct Work {
         layout.convention = c;
         int nq = 0, nv = 0;
         if (dyn_state_layout_sizes(m, &layout, &nq, &nv) != DYN_OK || std::size_t(nq + nv) > peer.size()) continue;  // ROS: joints of one coordinate
-        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, peer.data(), peer.data() + nq, nullptr, nullptr);
-        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr, J1.data(), J2.data(), nullptr, nullptr);
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, with<dynStateOutput>({0, peer.data(), peer.data() + nq, nullptr, nullptr}));
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr, with<dynStateOutput>({0, J1.data(), J2.data(), nullptr, nullptr}));
       }
       layout.joints = names.data(), layout.joints_count = names.size();
-      dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, peer.data(), nullptr, nullptr, nullptr);
-      dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
+      dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, with<dynStateOutput>({0, peer.data(), nullptr, nullptr, nullptr}));
+      dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, nullptr, nullptr, nullptr, nullptr, nullptr);
     });
     add("configurations", [this] {
       double* out = J1.data();
@@ -270,7 +270,7 @@ TEST(Allocations, NoneUnderConstraints) {
   dynConstraintResult result{};
   result.struct_size = sizeof result;
   dynConstraintDerivatives out{};
-  out.struct_size = sizeof out, out.ddq_dq = square.data(), out.lambda_dq = J.data();
+  out.struct_size = sizeof out, out.ddq_dq = square.data(), out.lambda_dq = J.data(), out.result = &result;
   dynConstraintReport report{};
   report.struct_size = sizeof report;
   dynConstraint c[8];
@@ -282,11 +282,11 @@ TEST(Allocations, NoneUnderConstraints) {
   dyn_constraint_init(&c[6], DYN_CONSTRAINT_TYPE_LIMIT), dyn_constraint_init(&c[7], DYN_CONSTRAINT_TYPE_FRICTION);
   c[6].first = 2, c[7].first = 3, c[7].force = 1;
   auto calls = [&] {
-    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, &out, &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, with<dynConstrainedOutput>({0, ddq.data(), nullptr, lambda.data(), &result}))) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, &out)) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_constraint_impulse(m, d, s.q.data(), s.v.data(), nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_constraint_impulse_derivatives(m, d, s.q.data(), s.v.data(), nullptr, &out, &result)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_constrained_inverse_dynamics(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, ddq.data(), lambda.data(), &result));
+    EXPECT_EQ(DYN_OK, dyn_constraint_impulse_derivatives(m, d, s.q.data(), s.v.data(), nullptr, &out)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constrained_inverse_dynamics(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, with<dynConstrainedOutput>({0, nullptr, ddq.data(), lambda.data(), &result})));
     EXPECT_EQ(DYN_OK, dyn_constraint_terms(m, d, s.q.data(), s.v.data(), lambda.data(), J.data(), lambda.data(), lambda.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus(m, d, s.q.data(), G.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus_factor(m, d, s.q.data(), J.data(), lambda.data())) << dyn_last_error();
@@ -356,10 +356,10 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   const long before = allocations, locked = locks;
   int count = 0, id = 0;
   std::int64_t pairs = 0;
-  dyn_geometry_contacts(&box, X, &drum, Y, 0.1, 0, contacts, &count);
+  dyn_geometry_contacts(with<dynGeometryPair>({0, &box, &drum, X, Y, nullptr, nullptr}), 0.1, 0, contacts, &count);
   EXPECT_GT(count, 2);
   dyn_geometry_ray(&drum, X, motion + 3, motion, &hit), dyn_geometry_closest_point(&drum, X, point, &near);
-  dyn_geometry_sweep(&box, X, nullptr, &drum, Y, motion, 1, 0, &impact);
+  dyn_geometry_sweep(with<dynGeometryPair>({0, &box, &drum, X, Y, nullptr, motion}), 1, 0, &impact);
   for (int step = 0; step < 20; ++step) {
     for (int k = 0; k < 1000; ++k) {
       const double lower[3] = {0.03 * k + 0.02 * step * (k % 7), 0.01 * ((k * step) % 50), 0}, upper[3] = {lower[0] + 0.1, lower[1] + 0.1, 0.1};
@@ -418,8 +418,8 @@ TEST(Allocations, NoneInAnyPairOfShapes) {
         const long before = allocations, locked = locks;
         int count = 0;
         const dynStatus status = dyn_geometry_distance(&a, X, &b, Y, nullptr, &d);
-        dyn_geometry_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count);
-        dyn_geometry_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact);
+        dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, nullptr}), 0.05, 0, contacts, &count);
+        dyn_geometry_sweep(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, motion}), 1, 0, &impact);
         dyn_geometry_ray(&b, Y, motion, up, &hit), dyn_geometry_closest_point(&b, Y, motion, &near);
         dyn_geometry_distance(&a, X, &b, nullptr, nullptr, &d), dyn_geometry_distance(&a, skew, &b, Y, nullptr, &d);
         EXPECT_EQ(before, allocations) << int(a.type) << " and " << int(b.type) << " at " << z << ": " << dyn_last_error();
@@ -546,8 +546,8 @@ TEST(Stack, IsBounded) {
       int count = 0;
       const std::pair<const char*, std::function<void()>> queries[] = {
           {"dyn_geometry_distance", [&] { dyn_geometry_distance(&a, X, &b, Y, nullptr, &d); }},
-          {"dyn_geometry_contacts", [&] { dyn_geometry_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count); }},
-          {"dyn_geometry_sweep", [&] { dyn_geometry_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact); }}};
+          {"dyn_geometry_contacts", [&] { dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, nullptr}), 0.05, 0, contacts, &count); }},
+          {"dyn_geometry_sweep", [&] { dyn_geometry_sweep(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, motion}), 1, 0, &impact); }}};
       for (const auto& [name, query] : queries)
         if (const std::size_t bytes = stack_of(query) - nothing; bytes > most)
           most = bytes, where = std::string(name) + ", types " + std::to_string(a.type) + " and " + std::to_string(b.type);
@@ -582,7 +582,7 @@ TEST(Warmup, NoPageIsMissingAfterIt) {
     }
     rusage before{}, after{};
     getrusage(RUSAGE_THREAD, &before), getrusage(RUSAGE_THREAD, &before);
-    dyn_rnea(m, d, nullptr, nullptr, nullptr, nullptr, nullptr), dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
+    dyn_rnea(m, d, nullptr, nullptr, nullptr, nullptr, nullptr), dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr);
     for (int k = 0; k < 5; ++k) dyn_step(m, d);
     dyn_rnea(m, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
     getrusage(RUSAGE_THREAD, &after);

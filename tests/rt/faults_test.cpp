@@ -65,7 +65,7 @@ TEST_F(Faults, NoMemoryWhileLoading) {
   if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
   const std::string urdf = content(std::string(DYN_MODELS_DIR) + "/robots/double_pendulum.urdf");
   const Model robot = dyn_test::robot("double_pendulum");
-  ASSERT_EQ(DYN_OK, dyn_model_save(robot, file("m.dynb").c_str(), 0, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_model_save(robot, file("m.dynb").c_str(), nullptr));
   const auto freed = [](dynModel* m, dynStatus s) { return dyn_model_free(m), s; };
   int counts[3] = {};
   counts[0] = without_memory("URDF", [&] {
@@ -92,13 +92,13 @@ TEST_F(Faults, NoMemoryWhileSaving) {
   const Model m = robot("gripper");
   for (const char* name : {"m.urdf", "m.xml", "m.dynb"}) {
     const std::string path = file(name);
-    ASSERT_EQ(DYN_OK, dyn_model_save(m, path.c_str(), 0, nullptr, nullptr)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_model_save(m, path.c_str(), nullptr)) << dyn_last_error();
     const std::string good = content(path);
-    without_memory(name, [&] { return dyn_model_save(m, path.c_str(), 0, nullptr, nullptr); });
+    without_memory(name, [&] { return dyn_model_save(m, path.c_str(), nullptr); });
     EXPECT_TRUE(good == content(path));
     const Model other = robot("double_pendulum");
     until_no_memory = 3;
-    const dynStatus status = dyn_model_save(other, path.c_str(), 0, nullptr, nullptr);
+    const dynStatus status = dyn_model_save(other, path.c_str(), nullptr);
     until_no_memory = -1;
     EXPECT_EQ(DYN_ERROR_MEMORY, status);
     EXPECT_TRUE(good == content(path)) << name;
@@ -166,13 +166,13 @@ int in_a_child(const std::function<int()>& f) {
 TEST_F(Faults, AFullDiskLeavesTheOldFile) {
   const Model small = robot("double_pendulum"), large = robot("humanoid", DYN_BASE_FLOATING);
   for (const char* name : {"m.urdf", "m.xml", "m.dynb"}) {
-    ASSERT_EQ(DYN_OK, dyn_model_save(small, file(name).c_str(), 0, nullptr, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_model_save(small, file(name).c_str(), nullptr));
     const std::string good = content(file(name));
     EXPECT_EQ(0, in_a_child([&] {
       signal(SIGXFSZ, SIG_IGN);
       const rlimit limit{4096, 4096};
       setrlimit(RLIMIT_FSIZE, &limit);
-      return dyn_model_save(large, file(name).c_str(), 0, nullptr, nullptr) == DYN_ERROR_FILE && std::strstr(dyn_last_error(), name) ? 0 : 1;
+      return dyn_model_save(large, file(name).c_str(), nullptr) == DYN_ERROR_FILE && std::strstr(dyn_last_error(), name) ? 0 : 1;
     })) << name;
     EXPECT_TRUE(good == content(file(name))) << name;
   }
@@ -183,9 +183,9 @@ TEST_F(Faults, AFullDiskLeavesTheOldFile) {
 TEST_F(Faults, KilledWhileSaving) {
   const Model one = robot("double_pendulum"), other = robot("humanoid", DYN_BASE_FLOATING);
   const std::string path = file("m.dynb");
-  ASSERT_EQ(DYN_OK, dyn_model_save(other, path.c_str(), 0, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_model_save(other, path.c_str(), nullptr));
   const std::string b = content(path);
-  ASSERT_EQ(DYN_OK, dyn_model_save(one, path.c_str(), 0, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_model_save(one, path.c_str(), nullptr));
   const std::string a = content(path);
   int ones = 0, others = 0;
   for (int round = 0; round < 100; ++round) {
@@ -194,7 +194,7 @@ TEST_F(Faults, KilledWhileSaving) {
     const pid_t child = fork();
     if (child == 0) {
       for (char go = 0;;) {
-        dyn_model_save(other, path.c_str(), 0, nullptr, nullptr), dyn_model_save(one, path.c_str(), 0, nullptr, nullptr);
+        dyn_model_save(other, path.c_str(), nullptr), dyn_model_save(one, path.c_str(), nullptr);
         if (!go++ && write(ready[1], &go, 1) != 1) _exit(1);
       }
     }
@@ -207,14 +207,14 @@ TEST_F(Faults, KilledWhileSaving) {
     ++(left == a ? ones : others);
   }
   EXPECT_GT(ones + others, 99);
-  EXPECT_EQ(DYN_OK, dyn_model_save(one, path.c_str(), 0, nullptr, nullptr));  // over what was left of the last
+  EXPECT_EQ(DYN_OK, dyn_model_save(one, path.c_str(), nullptr));  // over what was left of the last
   EXPECT_TRUE(a == content(path));
 }
 
 // What a save replaces is the file that links lead to, with its permissions; files beside it are the user's own.
 TEST_F(Faults, SavingReplacesOneFileAlone) {
   const Model one = robot("double_pendulum"), other = robot("humanoid", DYN_BASE_FLOATING);
-  const auto save = [&](const Model& m, const char* name) { return dyn_model_save(m, file(name).c_str(), 0, nullptr, nullptr); };
+  const auto save = [&](const Model& m, const char* name) { return dyn_model_save(m, file(name).c_str(), nullptr); };
   for (const char* name : {"m.urdf.part", "m.urdf.part0"}) std::ofstream(file(name)) << "mine";
   ASSERT_EQ(DYN_OK, save(one, "m.urdf")) << dyn_last_error();
   const std::string before = content(file("m.urdf"));
@@ -237,7 +237,7 @@ TEST_F(Faults, WhatMayNotBeWrittenStays) {
   fs::permissions(file("m.urdf"), fs::perms(0444)), fs::permissions(folder, fs::perms::all);
   const int refused = in_a_child([&] {
     if (getuid() == 0 && setuid(65534) != 0) return 2;  // root may write anything
-    return dyn_model_save(m, file("m.urdf").c_str(), 0, nullptr, nullptr) == DYN_ERROR_FILE && std::strstr(dyn_last_error(), "Permission denied") ? 0 : 1;
+    return dyn_model_save(m, file("m.urdf").c_str(), nullptr) == DYN_ERROR_FILE && std::strstr(dyn_last_error(), "Permission denied") ? 0 : 1;
   });
   EXPECT_EQ(0, refused);
   EXPECT_EQ("mine", content(file("m.urdf")));
@@ -316,8 +316,8 @@ TEST(Capacities, NothingIsWrittenBehindThem) {
   dyn_broad_phase_free(boxes);
 
   std::size_t size = 0;
-  ASSERT_EQ(DYN_OK, dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, nullptr, 0, &size));
-  expect_whole("dyn_model_save_memory", size, [&](void* to, std::size_t n) { return dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, to, n, &size); });
+  ASSERT_EQ(DYN_OK, dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, nullptr, 0, &size));
+  expect_whole("dyn_model_save_memory", size, [&](void* to, std::size_t n) { return dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, to, n, &size); });
   ASSERT_EQ(DYN_OK, dyn_model_image(m, 0, nullptr, 0, &size));
   expect_whole("dyn_model_image", size, [&](void* to, std::size_t n) { return dyn_model_image(m, 0, to, n, &size); });
   expect_whole("dyn_data_save_state", dyn_model_state_size(m), [&](void* to, std::size_t n) { return dyn_data_save_state(m, d, to, n); });

@@ -97,7 +97,7 @@ class Hots {
         distance.struct_size = sizeof distance;
         dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
         int count;
-        dyn_geometry_distance(&a, X, &b, Y, nullptr, &distance), dyn_geometry_contacts(&a, X, &b, Y, 0.01, 0, contacts, &count);
+        dyn_geometry_distance(&a, X, &b, Y, nullptr, &distance), dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, nullptr}), 0.01, 0, contacts, &count);
       });
     EXPECT_EQ(DYN_OK, dyn_broad_phase_new(40, 4000, 0.01, &boxes));
     for (int k = 0, id; k < 40; ++k) {
@@ -211,6 +211,7 @@ TEST(HotCalls, WithADeadline) {
     plays.push_back(std::make_unique<soak::Simulation>(scene));
     soak::Simulation* const play = plays.back().get();
     dynStepOptions o;
+    dyn_step_options_init(&o);
     dyn_step_options_init(&o);
     ASSERT_EQ(DYN_OK, dyn_data_step_options(play->m, play->d, &o));
     o.time_budget = 1e-4;

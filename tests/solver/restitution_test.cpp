@@ -101,11 +101,9 @@ TEST(Compliance, SpringRestsAndOscillates) {
     double crossing = 0, first = 0;
     int crossings = 0;
     for (int step = 0; step < 20000; ++step) {
-      double R = 0, b = 0;
-      if (hertz)
-        ASSERT_EQ(DYN_OK, dyn_contact_compliance_hertz(omega / (2 * pi), ratio, m, dt, z, &R, &b));
-      else
-        ASSERT_EQ(DYN_OK, dyn_contact_compliance(k, d, dt, z, &R, &b));
+      double R = 0, b = 0, stiffness = k, damping = d;
+      ASSERT_TRUE(!hertz || dyn_contact_stiffness_hertz(omega / (2 * pi), ratio, m, &stiffness, &damping) == DYN_OK);
+      ASSERT_EQ(DYN_OK, dyn_contact_compliance(stiffness, damping, dt, z, &R, &b));
       Scene s;
       s.G = {1 / m}, s.g = {v - gravity * dt}, s.friction = {0}, s.rows_of = {1}, s.compliance = {R}, s.bias = {b};
       const Answer a = solve(s, with(all_solvers[step % 3]));

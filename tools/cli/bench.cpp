@@ -85,7 +85,7 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"rnea_second_order_product",
        true,
        [=](S s) {
-         return dyn_rnea_second_order_product(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, s.tau.data(), nullptr, nullptr, nullptr, nullptr);
+         return dyn_rnea_second_order_product(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, s.tau.data(), nullptr);
        },
        {}},
       {"coriolis_matrix", true, [=](S s) { return dyn_coriolis_matrix(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
@@ -100,7 +100,7 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
        {}},
       {"aba_derivatives",
        true,
-       [=](S s) { return dyn_aba_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, nullptr, nullptr); },
+       [=](S s) { return dyn_aba_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr); },
        {}},
       {"energy", false, [=](S s) { return dyn_energy(m, d, s.q.data(), s.v.data(), nullptr, nullptr); }, {}},
       {"centroidal_map", false, [=](S s) { return dyn_centroidal_map(m, d, s.q.data(), s.v.data(), nullptr, nullptr, nullptr); }, {}},
@@ -116,7 +116,7 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"centroidal_derivatives",
        false,
        [=](S s) {
-         return dyn_centroidal_derivatives(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, nullptr, nullptr);
+         return dyn_centroidal_derivatives(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr);
        },
        {}},
       {"joint_torque_regressor",

@@ -56,7 +56,8 @@ void set_contacts(const Robot& robot, const Data& data, const ContactOptions& op
 
 json constrained_json(const Robot& robot, const Data& data, const double* q, const double* v, const double* tau, bool forces) {
   Vector ddq(static_cast<std::size_t>(robot.nv)), lambda(static_cast<std::size_t>(row_count(robot, data)));
-  check(dyn_constrained_dynamics(robot, data, q, v, tau, nullptr, nullptr, ddq.data(), lambda.data(), nullptr));
+  const dynConstrainedOutput out = {sizeof out, ddq.data(), nullptr, lambda.data(), nullptr};
+  check(dyn_constrained_dynamics(robot, data, q, v, tau, nullptr, nullptr, &out));
   return forces ? vector_json(lambda.data(), static_cast<int>(lambda.size())) : vector_json(ddq.data(), robot.nv);
 }
 

@@ -57,7 +57,8 @@ void convert(const RobotOptions& options, const Image& image, const std::string&
   const bool c = std::filesystem::path(out).extension() == ".c";
   if (!c && (image.narrow || image.nameless)) bad_usage("--narrow and --nameless are for C arrays: OUT ends in .c");
   std::vector<Line> lines;
-  const dynStatus status = c ? save_c(robot, image, out) : dyn_model_save(robot, out.c_str(), options.strict, collect, &lines);
+  const dynSaveOptions save = {sizeof save, options.strict, collect, &lines};
+  const dynStatus status = c ? save_c(robot, image, out) : dyn_model_save(robot, out.c_str(), &save);
   if (options.json) {
     check(status);
     json report = json::array();

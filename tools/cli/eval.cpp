@@ -104,7 +104,7 @@ json centroidal_inertia(const Context& c) {
 
 
 json forward_derivative(const Context& c, const char* name) {
-  return c.matrix(dyn_aba_derivatives(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr, nullptr, nullptr), name, c.robot.nv);
+  return c.matrix(dyn_aba_derivatives(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr), name, c.robot.nv);
 }
 
 json by_q(const Context& c, dynStatus (*call)(const dynModel*, dynData*, int, dynReference, double*, double*, double*)) {
@@ -131,7 +131,8 @@ json second_order(const Context& c, int which) {
   Vector tensor(square * static_cast<std::size_t>(c.robot.nv));
   double* x[4] = {};
   x[which] = tensor.data();
-  check(dyn_rnea_second_order_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, x[0], x[1], x[2], x[3]));
+  const dynSecondOrderDerivatives wanted = {sizeof wanted, x[0], x[1], x[2], x[3]};
+  check(dyn_rnea_second_order_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, &wanted));
   json out = json::array();
   for (std::size_t i = 0; i < tensor.size(); i += square) out.push_back(matrix_json(tensor.data() + i, c.robot.nv, c.robot.nv));
   return out;

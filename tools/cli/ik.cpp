@@ -103,7 +103,8 @@ void run(const Options& options) {
   dynIkResult result{};
   result.struct_size = sizeof result;
   Vector q(static_cast<std::size_t>(robot.nq)), residuals(2 * tasks.size());
-  check(dyn_ik(robot, data, state.q.data(), tasks.data(), static_cast<int>(tasks.size()), &o, q.data(), residuals.data(), &result));
+  const dynIkOutput out = {sizeof out, q.data(), residuals.data(), &result};
+  check(dyn_ik(robot, data, state.q.data(), tasks.data(), static_cast<int>(tasks.size()), &o, &out));
   if (result.reason != DYN_IK_REASON_CONVERGED && !options.best)
     fail("not reached: " + sentence(robot, result) + ". The error is " + short_number(result.residual_linear, 3) + " m and " +
          short_number(result.residual_angular, 3) + " rad; --best answers the best configuration.");

@@ -11,7 +11,7 @@ damping are Baumgarte's gains (1/s^2, 1/s), restitution that of impulses.
 from __future__ import annotations
 
 import ctypes
-from ctypes import byref, c_int
+from ctypes import addressof, byref, c_int
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .arrays import Numbers
     from .enums import JointTypeLike
 
+_outputs = abi.outputs_of(abi.ConstrainedOutput)
 _BETWEEN_JOINTS = (ConstraintType.COUPLING, ConstraintType.LIMIT, ConstraintType.FRICTION)
 
 
@@ -323,7 +324,7 @@ class ConstraintCalls(DataHandle):
         ddq, forces, result = np.empty(self.model.nv), np.empty(self._nrows()), abi.ConstraintResult()
         options = self._options(max_iterations, regularisation, tolerance)
         check(lib.dyn_constrained_dynamics(self._m, self._d, self._q(q), self._v(v), self._tau(tau), self._fext(fext), options,
-                                           address(ddq), address(forces), byref(result)))  # fmt: skip
+                                           _outputs(address(ddq), None, address(forces), addressof(result))))  # fmt: skip
         self.constraint_result = _result(result)
         return Constrained(ddq, forces)
 
@@ -336,7 +337,7 @@ class ConstraintCalls(DataHandle):
             if driven.shape != (self.model.nv,):
                 raise ArgumentError(f"actuated has shape {driven.shape}, but must have shape {(self.model.nv,)}.")
         check(lib.dyn_constrained_inverse_dynamics(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext), address(driven),
-                                                   address(tau), address(forces), byref(result)))  # fmt: skip
+                                                   _outputs(None, address(tau), address(forces), addressof(result))))  # fmt: skip
         self.constraint_result = _result(result)
         return Held(tau, forces)
 
@@ -391,7 +392,8 @@ class ConstraintCalls(DataHandle):
         for name, x in zip(ConstrainedDerivatives._fields, out):
             if with_tau or not name.endswith("tau"):
                 setattr(s, name, address(x))
-        check(call(byref(s), byref(result)))
+        s.result = addressof(result)
+        check(call(byref(s)))
         self.constraint_result = _result(result)
         return ConstrainedDerivatives(*out)
 
@@ -399,13 +401,13 @@ class ConstraintCalls(DataHandle):
         """Derivatives of constrained_dynamics by q, v, tau."""
         q, v, tau, fext = self._q(q), self._v(v), self._tau(tau), self._fext(fext)
         return self._derivatives(
-            lambda s, r: lib.dyn_constrained_dynamics_derivatives(self._m, self._d, q, v, tau, fext, None, s, r), True
+            lambda s: lib.dyn_constrained_dynamics_derivatives(self._m, self._d, q, v, tau, fext, None, s), True
         )
 
     def constraint_impulse_derivatives(self, q: Any = None, v: Any = None) -> ConstrainedDerivatives:
         """Derivatives of constraint_impulse by q and v; those by tau are zero."""
         q, v = self._q(q), self._v(v)
-        return self._derivatives(lambda s, r: lib.dyn_constraint_impulse_derivatives(self._m, self._d, q, v, None, s, r), False)
+        return self._derivatives(lambda s: lib.dyn_constraint_impulse_derivatives(self._m, self._d, q, v, None, s), False)
 
     def constraint_report(self, q: Any = None) -> Report:
         """Returns constraint diagnostics: rank, condition, and by name the redundant and contradictory rows."""

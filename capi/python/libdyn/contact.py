@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import byref, c_int, c_uint32, c_void_p
+from ctypes import addressof, byref, c_int, c_uint32, c_void_p
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .arrays import Integers, Numbers
 
 _MOST = 8  # contacts of a pair
+_pair = abi.outputs_of(abi.GeometryPair)
 
 
 class Contact(NamedTuple):
@@ -111,7 +112,8 @@ def geometry_contacts(
     A, B = _shape(a, "a"), _shape(b, "b")
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out, count = (abi.Contact * _MOST)(), c_int()
-    check(lib.dyn_geometry_contacts(byref(A), address(X_a), byref(B), address(X_b), margin, tolerance, out, byref(count)))
+    pair = _pair(addressof(A), addressof(B), address(X_a), address(X_b))
+    check(lib.dyn_geometry_contacts(pair, margin, tolerance, out, byref(count)))
     return [to_contact(c) for c in out[: count.value]]
 
 
@@ -145,7 +147,8 @@ def geometry_sweep(
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     V_a, V_b = (None if v is None else checked(v, (6,), name) for v, name in ((motion_a, "motion_a"), (motion_b, "motion_b")))
     out = abi.Impact()
-    check(lib.dyn_geometry_sweep(byref(A), address(X_a), address(V_a), byref(B), address(X_b), address(V_b), duration, margin, byref(out)))
+    pair = _pair(addressof(A), addressof(B), address(X_a), address(X_b), address(V_a), address(V_b))
+    check(lib.dyn_geometry_sweep(pair, duration, margin, byref(out)))
     vectors = (np.array(x) for x in (out.normal, out.point_a, out.point_b))
     return Impact(SweepStatus(out.status), out.time, out.distance, *vectors)
 
@@ -226,11 +229,9 @@ class ContactQueries(DataHandle):
         d = checked(np.asarray(directions, np.float64).T, o.shape, "directions (transposed)")
         n = o.shape[1]
         t, shapes, normals = np.empty(n), np.empty(n, np.int32), np.empty((3, n), order="F")
-        check(
-            lib.dyn_rays(
-                self._m, self._d, self._q(q), address(o), address(d), n, max_t, mask, address(t), address(shapes), address(normals)
-            )
-        )
+        rays = abi.initialized(abi.Rays)
+        rays.count, rays.origins, rays.directions, rays.max_t, rays.mask = n, address(o), address(d), max_t, mask
+        check(lib.dyn_rays(self._m, self._d, self._q(q), byref(rays), address(t), address(shapes), address(normals)))
         return Rays(t, shapes, normals.T)
 
     def set_shape_masks(self, shape: int | None, contype: int, conaffinity: int) -> None:

@@ -199,6 +199,6 @@ def contact_compliance(dt: float, stiffness: float = 0.0, damping: float = 0.0, 
 
 def contact_compliance_hertz(dt: float, frequency: float, damping_ratio: float, mass: float, gap: float = 0.0) -> tuple[float, float]:
     """The same from a frequency (Hz) and a damping ratio at an effective mass (kg)."""
-    R, b = c_double(), c_double()
-    check(lib.dyn_contact_compliance_hertz(frequency, damping_ratio, mass, dt, gap, byref(R), byref(b)))
-    return R.value, b.value
+    k, d = c_double(), c_double()
+    check(lib.dyn_contact_stiffness_hertz(frequency, damping_ratio, mass, byref(k), byref(d)))
+    return contact_compliance(dt, k.value, d.value, gap)

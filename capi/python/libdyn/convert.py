@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from .arrays import Numbers
     from .enums import AngleLike, ConventionLike
 
+_outputs = abi.outputs_of(abi.StateOutput)
+
 
 class State(NamedTuple):
     """q, v, a and tau; None: not given."""
@@ -152,5 +154,5 @@ class States(Configurations):
                     raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
             given.append(x)
         out = [None if x is None else np.zeros(n) for x, n in zip(given, (nq_out, nv_out, nv_out, nv_out))]
-        check(lib.dyn_state_layout_convert(self._m, byref(layout._layout), towards, *map(address, given), *map(address, out)))
+        check(lib.dyn_state_layout_convert(self._m, byref(layout._layout), towards, *map(address, given), _outputs(*map(address, out))))
         return State(*out)

@@ -10,7 +10,7 @@ those of priority 1 as far as they leave room.
 
 from __future__ import annotations
 
-from ctypes import byref
+from ctypes import addressof, byref
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -123,6 +123,7 @@ def posture(q: Any, *, weight: float = 1.0, weights: ArrayLike | None = None, pr
 
 
 _ik = lib.dyn_ik  # bound once: an attribute of the CDLL costs a look-up in every call
+_outputs = abi.outputs_of(abi.IkOutput)
 _SIZES = {IkTaskType.POSE: 6, IkTaskType.POSITION: 3, IkTaskType.ORIENTATION: 3, IkTaskType.COM: 3}
 
 
@@ -190,7 +191,7 @@ class InverseKinematics(DataHandle):
                 keep.append(checked(x, (m.nq,), name))
                 setattr(options, name, address(keep[-1]))
         solution, residuals, r = np.empty(m.nq), np.empty((len(given), 2)), abi.IkResult()
-        status = _ik(self._m, self._d, self._q(q), given, len(given), byref(options), address(solution), address(residuals), byref(r))
+        status = _ik(self._m, self._d, self._q(q), given, len(given), byref(options), _outputs(address(solution), address(residuals), addressof(r)))
         if status:
             fail(status)
         joint = m.joint_name(r.joint) if r.joint >= 0 else None

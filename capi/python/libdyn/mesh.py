@@ -111,7 +111,10 @@ class Mesh:
             raise SizeError(f"heights must have shape (rows, columns) and step be one or two numbers, but their shapes are {h.shape} and {steps.shape}.")
         x, y = np.broadcast_to(steps, 2).tolist()
         out = c_void_p()
-        check(lib.dyn_mesh_from_height_field(address(h), h.shape[1], h.shape[0], x, y, float(bottom), byref(out)))
+        field = abi.initialized(abi.HeightField)
+        field.columns, field.rows, field.heights = h.shape[1], h.shape[0], address(h)
+        field.step_x, field.step_y, field.bottom = x, y, float(bottom)
+        check(lib.dyn_mesh_from_height_field(byref(field), byref(out)))
         return cls(out.value)
 
     def __repr__(self) -> str:

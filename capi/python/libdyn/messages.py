@@ -19,6 +19,7 @@ DIFFERENT = {
     "dyn_data_new": "Model.data", "dyn_data_init": "Model.data", "dyn_data_size": "Model.data_size", "dyn_data_array": "Data.field",
     "dyn_data_pair": "Data.pair_reason", "dyn_data_effect_info": "Data.plan", "dyn_effect_count": "Data.plan", "dyn_field_id": "Data.field",
     "dyn_batch_new": "Model.batch", "dyn_batch_run": "dyn.Batch", "dyn_builder_new": "dyn.Builder", "dyn_builder_set_shape_rgba": "Builder.add_shape",
+    "dyn_contact_stiffness_hertz": "dyn.contact_compliance_hertz",
     "dyn_contact_solver_new": "dyn.ContactSolver", "dyn_contact_solver_init": "dyn.ContactSolver", "dyn_contact_solver_size": "ContactSolver.bytes",
     "dyn_broad_phase_new": "dyn.BroadPhase", "dyn_mesh_load": "dyn.load_mesh", "dyn_mesh_rgb": "Mesh.colours",
     "dyn_mesh_from_height_field": "Mesh.height_field", "dyn_model_load": "dyn.load", "dyn_model_load_string": "dyn.load_string",

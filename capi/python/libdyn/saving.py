@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from ctypes import byref, c_size_t, create_string_buffer
+from ctypes import byref, c_size_t, c_void_p, cast, create_string_buffer
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import abi
@@ -25,8 +25,12 @@ class SaveLine(NamedTuple):
     message: str
 
 
-def _teller(lines: list[SaveLine]):
-    return abi.SaveReport(lambda _, level, message: lines.append(SaveLine(kind(ReportLevel, level), in_python(message.decode("utf-8", "replace")))))
+def _options(strict: bool, lines: list[SaveLine]) -> abi.SaveOptions:
+    options = abi.initialized(abi.SaveOptions)
+    options.strict = bool(strict)
+    options.call = abi.SaveReport(lambda _, level, message: lines.append(SaveLine(kind(ReportLevel, level), in_python(message.decode("utf-8", "replace")))))
+    options.report = cast(options.call, c_void_p).value
+    return options
 
 
 class Saving(ModelHandle):
@@ -39,15 +43,15 @@ class Saving(ModelHandle):
         if b"\0" in name:
             raise ArgumentError(f"path holds a zero character: {path!r}.")
         lines: list[SaveLine] = []
-        check(lib.dyn_model_save(self._m, name, bool(strict), _teller(lines), None))
+        check(lib.dyn_model_save(self._m, name, byref(_options(strict, lines))))
         return lines
 
     def to_bytes(self, format: FormatLike, strict: bool = False) -> bytes:
         """Returns the bytes that save writes."""
-        kind, size, none = member(Format, format, "format"), c_size_t(), _teller([])
-        check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, None, 0, byref(size)))
+        kind, size, options = member(Format, format, "format"), c_size_t(), _options(strict, [])
+        check(lib.dyn_model_save_memory(self._m, kind, byref(options), None, 0, byref(size)))
         out = create_string_buffer(size.value)
-        check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, out, len(out), byref(size)))
+        check(lib.dyn_model_save_memory(self._m, kind, byref(options), out, len(out), byref(size)))
         return out.raw
 
     def image(self, narrow: bool = False, names: bool = True) -> bytes:

@@ -65,7 +65,9 @@ int main(int argc, char** argv) {
   dynStepReport report;
   dynIkTask task;
   dynIkResult found;
+  dynIkOutput solved;
   dynConstraintResult constrained;
+  dynConstrainedOutput motion;
   dynDistance distance;
   dynGeometry ball;
   dynArray array;
@@ -101,11 +103,15 @@ int main(int argc, char** argv) {
   dyn_ik_task_init(&task);
   task.type = DYN_IK_TASK_TYPE_POSITION, task.frame = dyn_model_frame_id(model, "forearm"), task.target[9] = 0.2, task.target[11] = 1.3;
   found.struct_size = sizeof found;
-  check(dyn_ik(model, data, q, &task, 1, NULL, x, NULL, &found));
+  dyn_ik_output_init(&solved);
+  solved.solution = x, solved.result = &found;
+  check(dyn_ik(model, data, q, &task, 1, NULL, &solved));
   printf("ik reason %d\n", (int)found.reason);
   constrained.struct_size = sizeof constrained;
+  dyn_constrained_output_init(&motion);
+  motion.ddq = x, motion.lambda = lambda, motion.result = &constrained;
   check(dyn_data_set_constraint_enabled(model, data, 0, 1));
-  check(dyn_constrained_dynamics(model, data, q, v, a, NULL, NULL, x, lambda, &constrained));
+  check(dyn_constrained_dynamics(model, data, q, v, a, NULL, NULL, &motion));
   show("constrained", x, 2), show("lambda", lambda, 1);
   printf("rows %d %d\n", constrained.rows, constrained.rank);
   check(dyn_data_set_constraint_enabled(model, data, 0, 0));

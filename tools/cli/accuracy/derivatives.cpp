@@ -55,8 +55,9 @@ std::vector<DerivativeCost> derivative_sweep(const Scene& scene) {
   std::vector<DerivativeCost> out;
   if (nv == 0) return out;
   Vector exact(2 * square), found(2 * square), coarse(2 * square);
+  const dynAbaDerivatives wanted = {sizeof wanted, exact.data(), exact.data() + square, nullptr};
   const auto analytic = [&] {
-    check(dyn_aba_derivatives(robot, data, scene.start.q.data(), scene.start.v.data(), scene.start.tau.data(), nullptr, exact.data(), exact.data() + square, nullptr));
+    check(dyn_aba_derivatives(robot, data, scene.start.q.data(), scene.start.v.data(), scene.start.tau.data(), nullptr, &wanted));
   };
   out.push_back({"analytic", 0, 0, median_time(analytic)});
   double largest = 0;

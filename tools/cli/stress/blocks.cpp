@@ -35,9 +35,9 @@ double arch_sinks(int count, double thickness, double duration, Curve& curve) {
   }
   Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   play.set_state(q);
-  dynStepOptions options = play.stepping();
+  dynStepOptions options = play.step_options();
   options.max_iterations = 200;  // more rows than are solved by one matrix: sweeps
-  play.set_stepping(options);
+  play.set_step_options(options);
   const auto crown = static_cast<std::size_t>(7 * (count / 2) + 2);
   double sunk = 0;
   for (int k = 0; k < static_cast<int>(duration / 1e-3) && std::abs(sunk) < 0.05; ++k) {

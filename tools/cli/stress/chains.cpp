@@ -16,12 +16,12 @@ Model chain(int n, double tip = 1) {
   std::string parent;
   for (int k = 0; k < n; ++k) {
     const std::string joint = "j" + std::to_string(k);
-    b.joint(hinge(joint, parent, {0, 0, 1}, at(k ? 1 : 0, 0, 0)));
+    b.add_joint(hinge(joint, parent, {0, 0, 1}, at(k ? 1 : 0, 0, 0)));
     const double m = k + 1 == n ? tip : 1;
-    b.body("rod" + std::to_string(k), joint, m, {0.5, 0, 0}, diagonal(0, m / 12, m / 12));
+    b.add_body("rod" + std::to_string(k), joint, m, {0.5, 0, 0}, diagonal(0, m / 12, m / 12));
     parent = joint;
   }
-  return b.gravity({0, -g, 0}).finish();
+  return b.set_gravity({0, -g, 0}).finish();
 }
 
 struct Arm : Data {
@@ -46,7 +46,7 @@ struct Arm : Data {
   }
   double condition(const Vector& q) {
     const double high = largest(crba(q).data());
-    return high * largest(minverse(q).data());
+    return high * largest(minv(q).data());
   }
 };
 
@@ -82,10 +82,10 @@ double round_trip(Arm& arm, const Vector& q, double condition, std::mt19937& dic
 double disagreement(Arm& arm, const Vector& q, double condition, std::mt19937& dice) {
   const Vector v = numbers(arm.n, dice), tau = numbers(arm.n, dice);
   const Vector ddq = arm.aba(q, v, tau).copy();
-  Vector rest = arm.nonlinear_effects(q, v).copy();
+  Vector rest = arm.compute_nle(q, v).copy();
   for (std::size_t k = 0; k < arm.n; ++k) rest[k] = tau[k] - rest[k];
-  arm.crba(q), arm.factorize();
-  Vector other = arm.solve(rest);
+  arm.crba(q), arm.cholesky();
+  Vector other = arm.cholesky_solve(rest);
   for (std::size_t k = 0; k < arm.n; ++k) other[k] -= ddq[k];
   return size_of(other) / size_of(ddq) / (eps * condition);
 }

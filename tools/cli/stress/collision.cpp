@@ -43,7 +43,7 @@ double outside(const Shape& s, const double* p) {
 // witnesses outside of their shapes (10 eps), and the distance where it is known.
 void look(Outcome& out, const Shape& a, const Shape& b, double expected = NAN, double allowed = 1.5e-8) {
   const auto one_way = [&](const Shape& p, const Shape& q) {
-    const dynDistance d = dyn::shape_distance(dyn::geometry(p.type, p.size), p.X, dyn::geometry(q.type, q.size), q.X);
+    const dynDistance d = dyn::geometry_distance(dyn::geometry(p.type, p.size), p.X, dyn::geometry(q.type, q.size), q.X);
     const double gap = std::hypot(d.point_b[0] - d.point_a[0], d.point_b[1] - d.point_a[1], d.point_b[2] - d.point_a[2]);
     const double length = std::hypot(d.normal[0], d.normal[1], d.normal[2]);
     const double far = std::max({1.0, std::abs(p.X[9]), std::abs(p.X[10]), std::abs(p.X[11])});

@@ -9,15 +9,15 @@ namespace cli::stress {
 namespace {
 
 void tighten(Play& play, double tolerance) {
-  dynStepOptions options = play.stepping();
+  dynStepOptions options = play.step_options();
   options.tolerance = tolerance;
-  play.set_stepping(options);
+  play.set_step_options(options);
 }
 
 // A flat box on a plane, gravity turned by angle.
 Play box_on_plane(double mu, double angle, double dt) {
   Builder b("incline");
-  b.gravity({g * std::sin(angle), 0, -g * std::cos(angle)});
+  b.set_gravity({g * std::sin(angle), 0, -g * std::cos(angle)});
   add_ground(b);
   add_box(b, "box", 1, {0.2, 0.2, 0.1}, material(mu));
   Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, dt);
@@ -76,7 +76,7 @@ Outcome sphere_rolls() {
   out.picture = {"time, s", "x, m", false, {}};
   Curve& curve = out.curve("x");
   const double t = 2 / (7 * 0.2 * g), x = t - 0.1 * g * t * t;
-  play.set_stepping(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 5);
+  play.set_step_options(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 5);
   for (int k = 0; k < 5; ++k) play.advance(0.1), curve.add(play.time(), play.q()[0]);
   return out.compare(x + 5.0 / 7 * (0.5 - t), play.q()[0]);
 }
@@ -95,7 +95,7 @@ Outcome sphere_final_speed() {
 Outcome block_stops() {
   Play play = box_on_plane(0.4, 0, 1e-3);
   play.set_state(dyn::held, Vector{1, 0, 0, 0, 0, 0});
-  play.set_stepping(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 3);
+  play.set_step_options(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 3);
   Outcome out;
   out.picture = {"time, s", "x, m", false, {}};
   Curve& curve = out.curve("x");
@@ -221,8 +221,8 @@ Outcome cards() {
       Vector q;
       for (const double side : {-1.0, 1.0}) {  // in the x-z plane
         const std::string name = side < 0 ? "left" : "right";
-        b.joint(slide(name + "_x", "", {1, 0, 0}, at(3 * side, 0, 3))).joint(slide(name + "_z", name + "_x", {0, 0, 1})).joint(hinge(name + "_turn", name + "_z", {0, 1, 0}));
-        b.body(name, name + "_turn", 1, {0, 0, 0}, box_inertia(1, {1e-3, 1, length}));
+        b.add_joint(slide(name + "_x", "", {1, 0, 0}, at(3 * side, 0, 3))).add_joint(slide(name + "_z", name + "_x", {0, 0, 1})).add_joint(hinge(name + "_turn", name + "_z", {0, 1, 0}));
+        b.add_body(name, name + "_turn", 1, {0, 0, 0}, box_inertia(1, {1e-3, 1, length}));
         add_shape(b, name, DYN_SHAPE_TYPE_CAPSULE, {r, length, 0}, material(mu));
         q.insert(q.end(), {side * (length / 2 * s + r - 3), length / 2 * c + r - 3, -side * angle});  // (shapes that overlap at q = 0 are not tested)
       }

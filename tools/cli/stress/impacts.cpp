@@ -14,9 +14,9 @@ Model ball(double e) {
 }
 
 void set_accuracy(Play& play, double dt, double accuracy) {
-  dynStepOptions options = play.stepping();
+  dynStepOptions options = play.step_options();
   options.dt = dt, options.accuracy = accuracy, options.tolerance = 1e-13;
-  play.set_stepping(options);
+  play.set_step_options(options);
 }
 
 // A thin disc on its rim: its lower face through its centre of mass.
@@ -124,16 +124,16 @@ Outcome elastic_balls() {
 // Equal balls that touch, e = 1, the first one at 1 m/s: Moreau's law, all impacts at once.
 Outcome cradle() {
   Builder b("cradle");
-  b.gravity({0, 0, 0});
+  b.set_gravity({0, 0, 0});
   for (int k = 0; k < 3; ++k) add_sphere(b, "ball" + std::to_string(k), 1, 0.1, material(0, 1));
   Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   Vector q, v(18);
   for (int k = 0; k < 3; ++k) q.insert(q.end(), {0.2 * k, 0, 0, 0, 0, 0, 1});
   v[0] = 1;
   play.set_state(q, v);
-  dynStepOptions options = play.stepping();
+  dynStepOptions options = play.step_options();
   options.tolerance = 1e-15;
-  play.set_stepping(options);
+  play.set_step_options(options);
   play.step();
   Outcome out;
   return out.compare(-1.0 / 3, play.v()[0]).compare(2.0 / 3, play.v()[6]).compare(2.0 / 3, play.v()[12]).compare(0.5, play.energy().kinetic);

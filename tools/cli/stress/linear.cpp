@@ -20,20 +20,20 @@ double potential(double angle) { return stiffness / 2 * (diagonal_at(angle) - sl
 
 Model sprung_four_bar() {
   Builder b("sprung_four_bar");
-  b.gravity({0, 0, 0});
+  b.set_gravity({0, 0, 0});
   const Vector3 about_z{0, 0, 1};
   const auto rod = [&](const std::string& name, const std::string& joint, double length, double from) {
-    b.body(name, joint, 1, {from + length / 2, 0, 0}, diagonal(0, length * length / 12, length * length / 12));
+    b.add_body(name, joint, 1, {from + length / 2, 0, 0}, diagonal(0, length * length / 12, length * length / 12));
   };
-  b.joint(hinge("left", "", about_z)).joint(hinge("right", "", about_z, at(base, 0, 0)));
+  b.add_joint(hinge("left", "", about_z)).add_joint(hinge("right", "", about_z, at(base, 0, 0)));
   rod("left_rod", "left", 1, 0), rod("right_rod", "right", 1, 0);
-  b.joint(hinge("foot", "", about_z));
+  b.add_joint(hinge("foot", "", about_z));
   JointSpec spring = slide("spring", "foot", {1, 0, 0});
   spring.stiffness = {stiffness}, spring.spring_reference = {slack};
-  b.joint(spring).joint(hinge("corner", "spring", about_z));
+  b.add_joint(spring).add_joint(hinge("corner", "spring", about_z));
   rod("coupler", "corner", base, -base);
-  b.constraint("right_top", connect({0, 0, 0}, {1, 0, 0}), "coupler", "right_rod");
-  b.constraint("left_top", connect({-base, 0, 0}, {1, 0, 0}), "coupler", "left_rod");
+  b.add_constraint("right_top", connect({0, 0, 0}, {1, 0, 0}), "coupler", "right_rod");
+  b.add_constraint("left_top", connect({-base, 0, 0}, {1, 0, 0}), "coupler", "left_rod");
   return b.finish();
 }
 Vector at_angle(double angle) {
@@ -93,13 +93,13 @@ struct Bicycle {
   static std::array<double, 9> moments(double xx, double yy, double zz, double xz) { return {xx, 0, xz, 0, yy, 0, xz, 0, zz}; }
   Model build() const {
     Builder b("bicycle");
-    b.gravity({0, 0, g});
+    b.set_gravity({0, 0, g});
     const Vector3 about_y{0, 1, 0};
-    b.joint(slide("x", "", {1, 0, 0})).joint(slide("y", "x", {0, 1, 0})).joint(hinge("yaw", "y", {0, 0, 1})).joint(hinge("lean", "yaw", {1, 0, 0}));
-    b.joint(hinge("rear_spin", "lean", about_y, at(0, 0, -rear))).body("rear_wheel", "rear_spin", 2, {0, 0, 0}, moments(0.0603, 0.12, 0.0603, 0));
-    b.joint(hinge("pitch", "lean", about_y, at(0, 0, -rear))).body("frame", "pitch", 85, {0.3, 0, -0.9 + rear}, moments(9.2, 11, 2.8, 2.4));
-    b.joint(hinge("steering", "pitch", steer, at(w + c, 0, rear))).body("fork", "steering", 4, {0.9 - w - c, 0, -0.7}, moments(0.05892, 0.06, 0.00708, -0.00756));
-    b.joint(hinge("front_spin", "steering", about_y, at(-c, 0, -front))).body("front_wheel", "front_spin", 3, {0, 0, 0}, moments(0.1405, 0.28, 0.1405, 0));
+    b.add_joint(slide("x", "", {1, 0, 0})).add_joint(slide("y", "x", {0, 1, 0})).add_joint(hinge("yaw", "y", {0, 0, 1})).add_joint(hinge("lean", "yaw", {1, 0, 0}));
+    b.add_joint(hinge("rear_spin", "lean", about_y, at(0, 0, -rear))).add_body("rear_wheel", "rear_spin", 2, {0, 0, 0}, moments(0.0603, 0.12, 0.0603, 0));
+    b.add_joint(hinge("pitch", "lean", about_y, at(0, 0, -rear))).add_body("frame", "pitch", 85, {0.3, 0, -0.9 + rear}, moments(9.2, 11, 2.8, 2.4));
+    b.add_joint(hinge("steering", "pitch", steer, at(w + c, 0, rear))).add_body("fork", "steering", 4, {0.9 - w - c, 0, -0.7}, moments(0.05892, 0.06, 0.00708, -0.00756));
+    b.add_joint(hinge("front_spin", "steering", about_y, at(-c, 0, -front))).add_body("front_wheel", "front_spin", 3, {0, 0, 0}, moments(0.1405, 0.28, 0.1405, 0));
     return b.finish();
   }
 

@@ -11,7 +11,7 @@ constexpr Vector3 about_z{0, 0, 1};
 // A uniform rod along x of its frame, from the origin.
 void rod(Builder& b, const std::string& name, const std::string& joint, double length, double mass) {
   const double I = mass * length * length / 12;
-  b.body(name, joint, mass, {length / 2, 0, 0}, diagonal(0, I, I));
+  b.add_body(name, joint, mass, {length / 2, 0, 0}, diagonal(0, I, I));
 }
 
 }  // namespace
@@ -23,17 +23,17 @@ namespace {
 // windows parallelograms in a row, uprights from (i, 0), couplers on top: rods of 1 m, 1 kg in the x-y plane. The uprights begin upright.
 Play windows(int count) {
   Builder b("four_bars");
-  b.gravity({0, -g, 0});
+  b.set_gravity({0, -g, 0});
   for (int i = 0; i <= count; ++i) {
     const std::string k = std::to_string(i);
-    b.joint(hinge("upright" + k, "", about_z, at(i, 0, 0)));
+    b.add_joint(hinge("upright" + k, "", about_z, at(i, 0, 0)));
     rod(b, "upright_rod" + k, "upright" + k, 1, 1);
     if (i == count) break;
-    b.joint(hinge("coupler" + k, "upright" + k, about_z, at(1, 0, 0)));
+    b.add_joint(hinge("coupler" + k, "upright" + k, about_z, at(1, 0, 0)));
     rod(b, "coupler_rod" + k, "coupler" + k, 1, 1);
   }
   for (int i = 0; i < count; ++i)
-    b.constraint("corner" + std::to_string(i), connect({1, 0, 0}, {1, 0, 0}), "coupler_rod" + std::to_string(i), "upright_rod" + std::to_string(i + 1));
+    b.add_constraint("corner" + std::to_string(i), connect({1, 0, 0}, {1, 0, 0}), "coupler_rod" + std::to_string(i), "upright_rod" + std::to_string(i + 1));
   Play play(b.finish(), DYN_INTEGRATOR_REFERENCE, 0.05);
   Vector q, v;
   for (int i = 0; i <= count; ++i) {
@@ -48,7 +48,7 @@ Play windows(int count) {
 Outcome four_bars(bool angles) {
   constexpr int count = 40;
   Play play = windows(count);
-  play.set_stepping(DYN_INTEGRATOR_REFERENCE, 0.05, 1e-11);  // 4e-9 in all; less is beyond rounding near singular configurations
+  play.set_step_options(DYN_INTEGRATOR_REFERENCE, 0.05, 1e-11);  // 4e-9 in all; less is beyond rounding near singular configurations
   Outcome out;
   out.picture = {"time, s", "x of B0, m", false, {}};
   Curve& curve = out.curve("x");
@@ -79,26 +79,26 @@ Play bricard(bool six_rows) {
   const Vector3 P[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
   const Vector3 axes[] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
   Builder b("bricard");
-  b.gravity({0, -g, 0});
+  b.set_gravity({0, -g, 0});
   std::string parent;
   Vector3 along{};
   for (std::size_t k = 0; k < 5; ++k) {
     const Vector3 before = along;
     for (std::size_t i = 0; i < 3; ++i) along[i] = P[k + 1][i] - P[k][i];
     const std::string joint = "hinge" + std::to_string(k);
-    b.joint(hinge(joint, parent, axes[k], at(before[0], before[1], before[2])));
+    b.add_joint(hinge(joint, parent, axes[k], at(before[0], before[1], before[2])));
     const auto I = [&](std::size_t i) { return (1 - along[i] * along[i]) / 12; };
-    b.body("rod" + std::to_string(k), joint, 1, {along[0] / 2, along[1] / 2, along[2] / 2}, diagonal(I(0), I(1), I(2)));
+    b.add_body("rod" + std::to_string(k), joint, 1, {along[0] / 2, along[1] / 2, along[2] / 2}, diagonal(I(0), I(1), I(2)));
     parent = joint;
   }
   if (six_rows) {
-    b.constraint("end", connect(along, P[5]), "rod4");
-    b.constraint("axis", connect({along[0] + 1, along[1], along[2]}, {P[5][0] + 1, P[5][1], P[5][2]}), "rod4");
+    b.add_constraint("end", connect(along, P[5]), "rod4");
+    b.add_constraint("axis", connect({along[0] + 1, along[1], along[2]}, {P[5][0] + 1, P[5][1], P[5][2]}), "rod4");
   } else {
     dynConstraint c = connect(along, P[5]);
     c.type = DYN_CONSTRAINT_TYPE_LOOP, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
     for (std::size_t i = 0; i < 3; ++i) c.axis[i] = axes[5][i];
-    b.constraint("end", c, "rod4");
+    b.add_constraint("end", c, "rod4");
   }
   Play play(b.finish());
   play.set_state(play.model().neutral());
@@ -146,32 +146,32 @@ struct Squeezer {
   // Angles of the test set: beta, Theta, gamma, Phi, delta, Omega, epsilon. The third body hangs on the spring, a telescope from C.
   static Model build() {
     Builder b("squeezer");
-    b.gravity({0, 0, 0});
-    const auto body = [&](const char* name, const char* joint, double mass, double I, double x, double y) { b.body(name, joint, mass, {x, y, 0}, diagonal(I / 2, I / 2, I)); };
-    b.joint(hinge("beta", "", about_z));
+    b.set_gravity({0, 0, 0});
+    const auto body = [&](const char* name, const char* joint, double mass, double I, double x, double y) { b.add_body(name, joint, mass, {x, y, 0}, diagonal(I / 2, I / 2, I)); };
+    b.add_joint(hinge("beta", "", about_z));
     body("K1", "beta", 0.04325, 2.194e-6, ra, 0);
-    b.joint(hinge("theta", "beta", about_z, at(rr, 0, 0)));
+    b.add_joint(hinge("theta", "beta", about_z, at(rr, 0, 0)));
     body("K2", "theta", 0.00365, 4.410e-7, -da, 0);
-    b.joint(hinge("spring_angle", "", about_z, at(xc, yc, 0)));
+    b.add_joint(hinge("spring_angle", "", about_z, at(xc, yc, 0)));
     JointSpec spring = slide("spring", "spring_angle", {1, 0, 0});
     spring.stiffness = {c0}, spring.spring_reference = {l0};
-    b.joint(spring).joint(hinge("spring_end", "spring", about_z));
+    b.add_joint(spring).add_joint(hinge("spring_end", "spring", about_z));
     body("K3", "spring_end", 0.02373, 5.255e-6, sb - sd, sc - sa);  // from D: (sb, -sa) - (sd, -sc)
-    b.joint(hinge("delta", "", about_z, at(xa, ya, 0)));
+    b.add_joint(hinge("delta", "", about_z, at(xa, ya, 0)));
     body("K5", "delta", 0.07050, 1.169e-5, ta, tb);
-    b.joint(hinge("phi", "delta", about_z, at(zt, 0, 0)));
+    b.add_joint(hinge("phi", "delta", about_z, at(zt, 0, 0)));
     body("K4", "phi", 0.00706, 5.667e-7, 0, ea - e);
-    b.joint(hinge("epsilon", "", about_z, at(xa, ya, 0)));
+    b.add_joint(hinge("epsilon", "", about_z, at(xa, ya, 0)));
     body("K7", "epsilon", 0.05498, 1.912e-5, -ub, -ua);
-    b.joint(hinge("omega", "epsilon", about_z, at(0, -u, 0)));
+    b.add_joint(hinge("omega", "epsilon", about_z, at(0, -u, 0)));
     body("K6", "omega", 0.00706, 5.667e-7, zf - fa, 0);
-    b.constraint("B", connect({-sd, sc, 0}, {xb, yb, 0}), "K3");
-    b.constraint("K3_K2", connect({-sd, sc - ss, 0}, {-d, 0, 0}), "K3", "K2");
-    b.constraint("K4_K2", connect({0, -e, 0}, {-d, 0, 0}), "K4", "K2");
-    b.constraint("K6_K2", connect({zf, 0, 0}, {-d, 0, 0}), "K6", "K2");
+    b.add_constraint("B", connect({-sd, sc, 0}, {xb, yb, 0}), "K3");
+    b.add_constraint("K3_K2", connect({-sd, sc - ss, 0}, {-d, 0, 0}), "K3", "K2");
+    b.add_constraint("K4_K2", connect({0, -e, 0}, {-d, 0, 0}), "K4", "K2");
+    b.add_constraint("K6_K2", connect({zf, 0, 0}, {-d, 0, 0}), "K6", "K2");
     return b.finish();
   }
-  std::size_t index(const char* joint) const { return static_cast<std::size_t>(model.joint(model.joint_id(joint)).idx_q); }
+  std::size_t index(const char* joint) const { return static_cast<std::size_t>(model.joint_info(model.joint_id(joint)).idx_q); }
 };
 
 }  // namespace
@@ -214,18 +214,18 @@ namespace {
 Outcome governor(dynIntegrator integrator, double dt, double duration, double expected) {
   Builder b("governor");
   const double side = 0.01, rod_mass = 0.3, along = rod_mass * side * side / 6, across = rod_mass * (1 + side * side) / 12;
-  b.joint(hinge("shaft", "", {0, 0, 1})).body("shaft_bar", "shaft", rod_mass, {0, 0, 0.5}, diagonal(across, across, along));
-  b.joint(slide("slider", "shaft", {0, 0, 1})).body("slider_block", "slider", 3, {0, 0, 0}, diagonal(0.005, 0.005, 0.005));
+  b.add_joint(hinge("shaft", "", {0, 0, 1})).add_body("shaft_bar", "shaft", rod_mass, {0, 0, 0.5}, diagonal(across, across, along));
+  b.add_joint(slide("slider", "shaft", {0, 0, 1})).add_body("slider_block", "slider", 3, {0, 0, 0}, diagonal(0.005, 0.005, 0.005));
   Vector q = {0, 0.5}, v = {2 * pi, 0};
   for (const double sign : {1.0, -1.0}) {
     const std::string name = sign > 0 ? "right" : "left";
-    b.joint(hinge(name + "_foot", "slider", {0, -1, 0}, turned({0, 0, 1}, sign > 0 ? 0 : pi, {sign * 0.05, 0, 0})));
+    b.add_joint(hinge(name + "_foot", "slider", {0, -1, 0}, turned({0, 0, 1}, sign > 0 ? 0 : pi, {sign * 0.05, 0, 0})));
     JointSpec spring = slide(name + "_spring", name + "_foot", {1, 0, 0});
     spring.stiffness = {8e5}, spring.damping = {4e4}, spring.spring_reference = {0.5};
-    b.joint(spring).joint(hinge(name + "_middle", name + "_spring", {0, -1, 0}));
-    b.body(name + "_rod", name + "_middle", rod_mass, {0, 0, 0}, diagonal(along, across, across));
-    b.body(name + "_ball", name + "_middle", 5, {0.5, 0, 0}, no_inertia());
-    b.constraint(name + "_top", connect({-0.5, 0, 0}, {sign * 0.05, 0, 1}), name + "_rod", "shaft_bar");
+    b.add_joint(spring).add_joint(hinge(name + "_middle", name + "_spring", {0, -1, 0}));
+    b.add_body(name + "_rod", name + "_middle", rod_mass, {0, 0, 0}, diagonal(along, across, across));
+    b.add_body(name + "_ball", name + "_middle", 5, {0.5, 0, 0}, no_inertia());
+    b.add_constraint(name + "_top", connect({-0.5, 0, 0}, {sign * 0.05, 0, 1}), name + "_rod", "shaft_bar");
     q.insert(q.end(), {pi / 6, 0.5, -pi / 3}), v.insert(v.end(), {0, 0, 0});
   }
   Play play(b.finish(), integrator, dt);

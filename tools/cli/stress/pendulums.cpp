@@ -12,8 +12,8 @@ Model pendulum(int links) {
   std::string parent;
   for (int k = 0; k < links; ++k) {
     const std::string joint = "hinge" + std::to_string(k);
-    b.joint(hinge(joint, parent, {0, -1, 0}, at(0, 0, k ? -1 : 0)));
-    b.body("bob" + std::to_string(k), joint, 1, {0, 0, -1}, no_inertia());
+    b.add_joint(hinge(joint, parent, {0, -1, 0}, at(0, 0, k ? -1 : 0)));
+    b.add_body("bob" + std::to_string(k), joint, 1, {0, 0, -1}, no_inertia());
     parent = joint;
   }
   return b.finish();

@@ -74,7 +74,7 @@ struct Prism {
 // Largest of what is wrong, by what is allowed.
 void look(Outcome& out, const Prism& a, const Prism& b) {
   const auto geometry = [](const Prism& p) { return dyn::geometry(DYN_SHAPE_TYPE_CONVEX, {1, 1, 1}, 0, p.hull.get()); };
-  const dynDistance d = dyn::shape_distance(geometry(a), a.X, geometry(b), b.X);
+  const dynDistance d = dyn::geometry_distance(geometry(a), a.X, geometry(b), b.X);
   const double expected = signed_distance(a.in_world(), b.in_world());
   const double gap = std::hypot(d.point_b[0] - d.point_a[0], d.point_b[1] - d.point_a[1], d.point_b[2] - d.point_a[2]);
   if (d.status == DYN_DISTANCE_STATUS_FAILED) out.off_by(HUGE_VAL);

@@ -12,7 +12,7 @@ constexpr double eps = 2.220446049250313e-16;
 
 Model ball_joint() {
   Builder b("ball");
-  b.joint("ball", DYN_JOINT_TYPE_SPHERICAL).body("link", "ball", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
+  b.add_joint("ball", DYN_JOINT_TYPE_SPHERICAL).add_body("link", "ball", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
   return b.finish();
 }
 
@@ -45,7 +45,7 @@ Outcome rotations_values() {
 // Where the angles of a gimbal have lost an axis: refused, or accelerations that inverse dynamics confirms.
 Outcome gimbal() {
   Builder b("gimbal");
-  b.joint("angles", DYN_JOINT_TYPE_SPHERICAL_ZYX).body("link", "angles", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
+  b.add_joint("angles", DYN_JOINT_TYPE_SPHERICAL_ZYX).add_body("link", "angles", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
   Data data(b.finish());
   Outcome out;
   const Vector v = {0.3, -0.2, 0.5}, tau = {1, 2, 3};
@@ -81,7 +81,7 @@ Outcome quaternion_sign() {
 namespace {
 Outcome norm_drift(int steps, int every = 1) {
   Builder b("box");
-  b.gravity({0, 0, 0});
+  b.set_gravity({0, 0, 0});
   add_free(b, "box", 10, box_inertia(10, {0.1, 0.4, 0.9}));
   Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   play.set_state(play.model().neutral(), Vector{0, 0, 0, 0.1, 5, 0.1});
@@ -106,8 +106,8 @@ Outcome inertias() {
   const auto wrong = [&](bool refused, double mass, const std::array<double, 9>& I, bool free) {
     try {
       Builder b("inertias");
-      b.joint("first", free ? DYN_JOINT_TYPE_FREE_FLYER : DYN_JOINT_TYPE_REVOLUTE);
-      b.body("culprit", "first", mass, {0, 0, 0}, I);
+      b.add_joint("first", free ? DYN_JOINT_TYPE_FREE_FLYER : DYN_JOINT_TYPE_REVOLUTE);
+      b.add_body("culprit", "first", mass, {0, 0, 0}, I);
       const Model m = b.finish();
       Data data(m);
       const Vector q = m.neutral(), zero(static_cast<std::size_t>(m.nv()));
@@ -187,10 +187,10 @@ std::array<double, 9> inertia_in(const Units& u, double x, double y, double z) {
 Outcome units_pendulum() {
   return in_units([](const Units& u) {
     Builder b("pendulum");
-    b.gravity({0, 0, -gravity_in(u)});
+    b.set_gravity({0, 0, -gravity_in(u)});
     for (int k = 0; k < 2; ++k) {
-      b.joint(hinge("j" + std::to_string(k), k ? "j0" : "", {0, 1, 0}, at(0, 0, k ? -u.length : 0)));
-      b.body("b" + std::to_string(k), "j" + std::to_string(k), u.mass, {0, 0, -0.5 * u.length}, inertia_in(u, 0.1, 0.1, 0.1));
+      b.add_joint(hinge("j" + std::to_string(k), k ? "j0" : "", {0, 1, 0}, at(0, 0, k ? -u.length : 0)));
+      b.add_body("b" + std::to_string(k), "j" + std::to_string(k), u.mass, {0, 0, -0.5 * u.length}, inertia_in(u, 0.1, 0.1, 0.1));
     }
     Play play(b.finish(), DYN_INTEGRATOR_RK4, 1e-3 * u.time);
     play.set_state(Vector{1, 0.5});
@@ -203,13 +203,13 @@ Outcome units_pendulum() {
 Outcome units_mechanism() {
   return in_units([](const Units& u) {
     Builder b("four_bar");
-    b.gravity({0, -gravity_in(u), 0});
+    b.set_gravity({0, -gravity_in(u), 0});
     const auto bar = [&](const std::string& name, const std::string& parent, double x, double length) {
-      b.joint(hinge(name, parent, {0, 0, 1}, at(x * u.length, 0, 0)));
-      b.body(name + "_bar", name, u.mass, {length / 2 * u.length, 0, 0}, inertia_in(u, 0, length * length / 12, length * length / 12));
+      b.add_joint(hinge(name, parent, {0, 0, 1}, at(x * u.length, 0, 0)));
+      b.add_body(name + "_bar", name, u.mass, {length / 2 * u.length, 0, 0}, inertia_in(u, 0, length * length / 12, length * length / 12));
     };
     bar("crank", "", 0, 1), bar("coupler", "crank", 1, 3), bar("rocker", "", 3, 2.5);
-    b.constraint("corner", connect({3 * u.length, 0, 0}, {2.5 * u.length, 0, 0}), "coupler_bar", "rocker_bar");
+    b.add_constraint("corner", connect({3 * u.length, 0, 0}, {2.5 * u.length, 0, 0}), "coupler_bar", "rocker_bar");
     Play play(b.finish(), DYN_INTEGRATOR_RK4, 1e-3 * u.time);
     // crank up: the corner by the intersection of two circles about (0, 1) and (3, 0)
     const double d = std::hypot(3.0, 1.0), along = (9 - 6.25 + d * d) / (2 * d), across = std::sqrt(9 - along * along);
@@ -224,7 +224,7 @@ Outcome units_mechanism() {
 Outcome sliding_in_units(int steps, std::span<const Units> others = units) {
   return in_units([steps](const Units& u) {
     Builder b("sliding");
-    b.gravity({0, 0, -gravity_in(u)});
+    b.set_gravity({0, 0, -gravity_in(u)});
     add_ground(b);
     const auto I = [&](double x) { return inertia_in(u, x, x, x); };
     add_free(b, "ball", u.mass, I(0.004)), add_shape(b, "ball", DYN_SHAPE_TYPE_SPHERE, {0.1 * u.length, 0, 0}, material(0.2));
@@ -234,9 +234,9 @@ Outcome sliding_in_units(int steps, std::span<const Units> others = units) {
     const double L = u.length, v = u.length / u.time;
     play.set_state(Vector{0, 0, 0.1 * L, 0, 0, 0, 1, 0, L, 0.1 * L, 0, 0, 0, 1, 0.02 * L, L, 0.3 * L, 0, 0, 0, 1},
                    Vector{v, 0, 0, 0, 0, 0, v, 0.5 * v, 0, 0, 0, 0, v, 0.5 * v, 0, 0, 0, 0});
-    dynStepOptions options = play.stepping();
+    dynStepOptions options = play.step_options();
     options.tolerance = 1e-15;
-    play.set_stepping(options);
+    play.set_step_options(options);
     play.steps(steps);
     Vector out;
     for (const std::size_t body : {0u, 7u, 14u})
@@ -251,7 +251,7 @@ Outcome units_bounces_exact() {
     const double L = u.length, v = u.length / u.time, w = 1 / u.time;
     const dynMaterial m = material(0.5, 0.3);
     Builder b("bounces");
-    b.gravity({0, 0, -gravity_in(u)});
+    b.set_gravity({0, 0, -gravity_in(u)});
     add_ground(b, m);
     add_free(b, "capsule", u.mass, inertia_in(u, 0.02, 0.02, 0.003)), add_shape(b, "capsule", DYN_SHAPE_TYPE_CAPSULE, {0.05 * L, 0.3 * L, 0}, m);
     add_free(b, "ellipsoid", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)), add_shape(b, "ellipsoid", DYN_SHAPE_TYPE_ELLIPSOID, {0.1 * L, 0.07 * L, 0.05 * L}, m);
@@ -278,17 +278,17 @@ Outcome units_rows_exact() {
       return c;
     };
     Builder b("rows");
-    b.gravity({0, 0, -gravity_in(u)});
+    b.set_gravity({0, 0, -gravity_in(u)});
     Vector q;
     const double masses[] = {1, 1e3, 1, 1e-3, 1};
     for (int k = 0; k < 5; ++k) {
       const std::string name = "ball" + std::to_string(k);
       add_free(b, name, masses[k] * u.mass, inertia_in(u, 0.004, 0.004, 0.004));
-      b.constraint("rod" + std::to_string(k), distance(0.3), name, k ? "ball" + std::to_string(k - 1) : "");
+      b.add_constraint("rod" + std::to_string(k), distance(0.3), name, k ? "ball" + std::to_string(k - 1) : "");
       q.insert(q.end(), {0.3 * (k + 1) * L + (k == 4 ? 0.03 * L : 0), 0, 0, 0, 0, 0, 1});
     }
     add_free(b, "rod", u.mass, inertia_in(u, 0.01, 1.0 / 12, 1.0 / 12));
-    b.constraint("left", connect({-0.5 * L, 0, 0}, {0, 0, 0}), "rod").constraint("right", connect({0.5 * L, 0, 0}, {1.1 * L, 0, 0}), "rod");
+    b.add_constraint("left", connect({-0.5 * L, 0, 0}, {0, 0, 0}), "rod").add_constraint("right", connect({0.5 * L, 0, 0}, {1.1 * L, 0, 0}), "rod");
     q.insert(q.end(), {0.5 * L, 0.01 * L, 0, 0, 0, 0, 1});
     Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
     play.set_state(q);

@@ -9,12 +9,12 @@ namespace {
 // A four-bar whose corner is closed so many times.
 Model four_bar(int closures) {
   Builder b("four_bar");
-  b.gravity({0, -g, 0}).constraint_slots(0);
+  b.set_gravity({0, -g, 0}).set_constraint_slots(0);
   const auto bar = [&](const std::string& name, const std::string& parent, double x, double length) {
-    b.joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0))).body(name + "_bar", name, 1, {length / 2, 0, 0}, diagonal(0.01, length * length / 12, length * length / 12));
+    b.add_joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0))).add_body(name + "_bar", name, 1, {length / 2, 0, 0}, diagonal(0.01, length * length / 12, length * length / 12));
   };
   bar("crank", "", 0, 1), bar("coupler", "crank", 1, 3), bar("rocker", "", 3, 2.5);
-  for (int k = 0; k < closures; ++k) b.constraint("corner" + std::to_string(k), connect({3, 0, 0}, {2.5, 0, 0}), "coupler_bar", "rocker_bar");
+  for (int k = 0; k < closures; ++k) b.add_constraint("corner" + std::to_string(k), connect({3, 0, 0}, {2.5, 0, 0}), "coupler_bar", "rocker_bar");
   return b.finish();
 }
 
@@ -45,17 +45,17 @@ Outcome four_bar_in_space() {
   const auto start = tree.project(Vector{1.2, -0.9, 1.4}, Vector{1, 0.3, 0.2});
   const auto reference = tree.constrained_dynamics(start.q, start.v, Vector(3));
   Builder b("bodies");
-  b.gravity({0, -g, 0});
+  b.set_gravity({0, -g, 0});
   const char* names[] = {"crank", "coupler", "rocker"};
   const double lengths[] = {1, 3, 2.5};
   for (int k = 0; k < 3; ++k) {
     const double l = lengths[k];
-    b.joint(names[k], DYN_JOINT_TYPE_FREE_FLYER).body(std::string(names[k]) + "_bar", names[k], 1, {l / 2, 0, 0}, diagonal(0.01, l * l / 12, l * l / 12));
+    b.add_joint(names[k], DYN_JOINT_TYPE_FREE_FLYER).add_body(std::string(names[k]) + "_bar", names[k], 1, {l / 2, 0, 0}, diagonal(0.01, l * l / 12, l * l / 12));
   }
   const auto tie = [&](const std::string& name, const Vector3& x, const Vector3& y, const std::string& first, const std::string& second) {
     dynConstraint c = connect(x, y);
     c.type = DYN_CONSTRAINT_TYPE_LOOP, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
-    b.constraint(name, c, first, second);
+    b.add_constraint(name, c, first, second);
   };
   tie("O", {0, 0, 0}, {0, 0, 0}, "crank_bar", ""), tie("A", {0, 0, 0}, {1, 0, 0}, "coupler_bar", "crank_bar");
   tie("B", {3, 0, 0}, {2.5, 0, 0}, "coupler_bar", "rocker_bar"), tie("C", {0, 0, 0}, {3, 0, 0}, "rocker_bar", "");
@@ -81,9 +81,9 @@ Outcome four_bar_in_space() {
 // A rod of 1 m, its ends held at points 1.001 m apart: the least-squares place, said to be one.
 Outcome contradictory_rows() {
   Builder b("rod");
-  b.gravity({0, 0, 0});
+  b.set_gravity({0, 0, 0});
   add_free(b, "rod", 1, diagonal(0.01, 1.0 / 12, 1.0 / 12));
-  b.constraint("left", connect({-0.5, 0, 0}, {0, 0, 0}), "rod").constraint("right", connect({0.5, 0, 0}, {1.001, 0, 0}), "rod");
+  b.add_constraint("left", connect({-0.5, 0, 0}, {0, 0, 0}), "rod").add_constraint("right", connect({0.5, 0, 0}, {1.001, 0, 0}), "rod");
   Play play(b.finish(), DYN_INTEGRATOR_RK4, 1e-3);
   Data data(play.model(), DYN_PART_CONSTRAINTS);
   Outcome out;
@@ -98,13 +98,13 @@ Outcome contradictory_rows() {
 // Crank and rod of one length: the slider stands on the crank's axis at 90 degrees, where it may stay and the crank turn on. Four such passages.
 Outcome slider_crank() {
   Builder b("slider_crank");
-  b.gravity({0, 0, 0});
+  b.set_gravity({0, 0, 0});
   const auto bar = [&](const std::string& name, const std::string& parent, double x) {
-    b.joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0))).body(name + "_bar", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
+    b.add_joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0))).add_body(name + "_bar", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
   };
   bar("crank", "", 0), bar("rod", "crank", 1);
-  b.joint(slide("slider", "", {1, 0, 0})).body("block", "slider", 1, {0, 0, 0}, no_inertia());
-  b.constraint("pin", connect({1, 0, 0}, {0, 0, 0}), "rod_bar", "block");
+  b.add_joint(slide("slider", "", {1, 0, 0})).add_body("block", "slider", 1, {0, 0, 0}, no_inertia());
+  b.add_constraint("pin", connect({1, 0, 0}, {0, 0, 0}), "rod_bar", "block");
   Play play(b.finish(), DYN_INTEGRATOR_REFERENCE, 0.01);
   const double angle = pi / 4, rate = 2;
   play.set_state(Vector{angle, -2 * angle, 2 * std::cos(angle)}, Vector{rate, -2 * rate, -2 * std::sin(angle) * rate});
@@ -124,12 +124,12 @@ Outcome slider_crank() {
 namespace {
 Builder two_links() {
   Builder b("arm");
-  b.gravity({0, -g, 0});
+  b.set_gravity({0, -g, 0});
   for (int k = 0; k < 2; ++k) {
     const std::string name = k ? "elbow" : "shoulder";
-    b.joint(hinge(name, k ? "shoulder" : "", {0, 0, 1}, at(k, 0, 0))).body(name + "_link", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
+    b.add_joint(hinge(name, k ? "shoulder" : "", {0, 0, 1}, at(k, 0, 0))).add_body(name + "_link", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
   }
-  b.frame("tip", "elbow_link", at(1, 0, 0));
+  b.add_frame("tip", "elbow_link", at(1, 0, 0));
   return b;
 }
 }  // namespace
@@ -153,8 +153,8 @@ Outcome stretched_arm() {
 // rows may be off by, r, lets the tip move by 2 sqrt(r): that and no more.
 Outcome stretched_arm_at_wall() {
   Builder b = two_links();
-  b.joint(slide("wall", "", {0, 1, 0}, at(2, 0, 0))).body("block", "wall", 1, {0, 0, 0}, no_inertia());
-  b.constraint("hand", connect({1, 0, 0}, {0, 0, 0}), "elbow_link", "block");
+  b.add_joint(slide("wall", "", {0, 1, 0}, at(2, 0, 0))).add_body("block", "wall", 1, {0, 0, 0}, no_inertia());
+  b.add_constraint("hand", connect({1, 0, 0}, {0, 0, 0}), "elbow_link", "block");
   Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   Outcome out;
   out.picture = {"time, s", "m", true, {{"rows", {}, {}}, {"tip", {}, {}}}};

@@ -65,7 +65,7 @@ inline void add_shape(Builder& b, const std::string& body, dynShapeType type, co
 inline void add_ground(Builder& b, const dynMaterial& m = material(0), const Placement& X = at(0, 0, 0)) { add_shape(b, "", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, m, X); }
 // A body that flies freely.
 inline void add_free(Builder& b, const std::string& name, double mass, const std::array<double, 9>& inertia) {
-  b.joint(name + "_joint", DYN_JOINT_TYPE_FREE_FLYER).body(name, name + "_joint", mass, {0, 0, 0}, inertia);
+  b.add_joint(name + "_joint", DYN_JOINT_TYPE_FREE_FLYER).add_body(name, name + "_joint", mass, {0, 0, 0}, inertia);
 }
 inline void add_box(Builder& b, const std::string& name, double mass, const Vector3& size, const dynMaterial& m) {
   add_free(b, name, mass, box_inertia(mass, size));
@@ -82,7 +82,7 @@ struct Play : Data {
   explicit Play(const Model& model, dynIntegrator integrator = DYN_INTEGRATOR_REFERENCE, double dt = 0.1)
       : Data(model, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_KINEMATICS | DYN_PART_CENTROIDAL) {
     set_effects(DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING);
-    set_stepping(integrator, dt);
+    set_step_options(integrator, dt);
   }
   // f(time) before the first step of dt and after each of them.
   template <class F>

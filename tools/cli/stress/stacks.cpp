@@ -24,9 +24,9 @@ struct Stack {
     Vector q;
     for (std::size_t k = 0; k < m.size(); ++k) q.insert(q.end(), {0, 0, side * (0.5 + static_cast<double>(k)), 0, 0, 0, 1});
     play.set_state(q);
-    dynStepOptions options = play.stepping();
+    dynStepOptions options = play.step_options();
     options.tolerance = 1e-9;
-    play.set_stepping(options);
+    play.set_step_options(options);
   }
   void run(Curve* depth = nullptr) {
     for (int k = 0; k < 1000; ++k) {
@@ -79,16 +79,16 @@ struct Table {
   static Model build(double x, double y) {
     Builder b("table");
     add_ground(b);
-    b.joint("table_joint", DYN_JOINT_TYPE_FREE_FLYER).body("table", "table_joint", mass, {x, y, 0}, box_inertia(mass, {2 * a, 2 * b_, 0.05}));
+    b.add_joint("table_joint", DYN_JOINT_TYPE_FREE_FLYER).add_body("table", "table_joint", mass, {x, y, 0}, box_inertia(mass, {2 * a, 2 * b_, 0.05}));
     for (const double i : {-1.0, 1.0})
       for (const double j : {-1.0, 1.0}) add_shape(b, "table", DYN_SHAPE_TYPE_SPHERE, {foot, 0, 0}, material(0.5), at(i * a, j * b_, -height + foot));
     return b.finish();
   }
   Table(double cx, double cy) : x(cx), y(cy), play(build(cx, cy), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3) {
     play.set_state(Vector{0, 0, height, 0, 0, 0, 1});
-    dynStepOptions options = play.stepping();
+    dynStepOptions options = play.step_options();
     options.tolerance = 1e-12;
-    play.set_stepping(options);
+    play.set_step_options(options);
     play.steps(100);
   }
 };

@@ -9,7 +9,7 @@ namespace {
 // Uniform, 10 kg, 0.1 x 0.4 x 0.9 m (Peters and Hsu 2014).
 Play box(double gravity, const Vector3& velocity, const Vector3& rate, double dt = 0.1) {
   Builder b("box");
-  b.gravity({0, 0, -gravity});
+  b.set_gravity({0, 0, -gravity});
   add_free(b, "box", 10, box_inertia(10, {0.1, 0.4, 0.9}));
   Play play(b.finish(), DYN_INTEGRATOR_REFERENCE, dt);
   play.set_state(play.model().neutral(), Vector{velocity[0], velocity[1], velocity[2], rate[0], rate[1], rate[2]});
@@ -32,7 +32,7 @@ void draw_rates(Outcome& out, Play& play, int steps, int first = 3) {
 // Pinned at the origin.
 Play top(double mass, const Vector3& com, const std::array<double, 9>& inertia, const Vector& q, const Vector& v, double dt) {
   Builder b("top");
-  b.joint("pin", DYN_JOINT_TYPE_SPHERICAL).body("top", "pin", mass, com, inertia);
+  b.add_joint("pin", DYN_JOINT_TYPE_SPHERICAL).add_body("top", "pin", mass, com, inertia);
   Play play(b.finish(), DYN_INTEGRATOR_REFERENCE, dt);
   play.set_state(q, v);
   return play;
