@@ -29,9 +29,11 @@ struct Failure {
 std::string one_line(std::string text);  // without control characters
 [[noreturn]] inline void fail(const std::string& message) { throw Failure{1, one_line(message)}; }
 [[noreturn]] inline void bad_usage(const std::string& message) { throw Failure{2, one_line(message)}; }
+// The library's last error, with options of the command for options of loading: "--fixed" for "base fixed".
+std::string library_error();
 // Fails with the library's sentence.
 inline void check(dynStatus status) {
-  if (status != DYN_OK) fail(dyn_last_error());
+  if (status != DYN_OK) fail(library_error());
 }
 
 // Checks of options, which say what is wrong: an empty text is none; a number in decimals; a whole one, 0 or more.

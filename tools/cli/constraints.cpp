@@ -46,7 +46,7 @@ void set_contacts(const Robot& robot, const Data& data, const ContactOptions& op
     for (std::string word; in >> word;) {
       dynConstraint c;
       dyn_constraint_init(&c, type);
-      if ((c.first = dyn_model_frame_id(robot, word.c_str())) < 0) fail(dyn_last_error());
+      if ((c.first = dyn_model_frame_id(robot, word.c_str())) < 0) fail(library_error());
       check(dyn_data_set_constraint(robot, data, slot++, &c));
     }
   };

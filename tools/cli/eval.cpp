@@ -335,7 +335,7 @@ void run(const Options& options) {
   if (parts & DYN_PART_CONSTRAINTS) set_contacts(robot, data, options.contacts);
   const State state = read_state(robot, options.state);
   int frame = -1;
-  if (!options.frame.empty() && (frame = dyn_model_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
+  if (!options.frame.empty() && (frame = dyn_model_frame_id(robot, options.frame.c_str())) < 0) fail(library_error());
 
   const Context context{robot,          data,           state,          frame,           reference,
                         state.q.data(), state.v.data(), state.a.data(), state.tau.data()};

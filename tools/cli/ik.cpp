@@ -88,7 +88,7 @@ void run(const Options& options) {
   }
   const Robot robot(options.robot);
   for (std::size_t k = 0; k < options.frames.size(); ++k)
-    if ((tasks[k].frame = dyn_model_frame_id(robot, options.frames[k].c_str())) < 0) fail(dyn_last_error());
+    if ((tasks[k].frame = dyn_model_frame_id(robot, options.frames[k].c_str())) < 0) fail(library_error());
   const Data data(robot, DYN_PART_IK);
   const State state = read_state(robot, options.state);
   if (options.stay) {

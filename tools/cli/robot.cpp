@@ -105,7 +105,7 @@ Vector field(const Robot& robot, const Data& data, const char* name) {
   dynArray array{};
   array.struct_size = sizeof array;
   const dynField id = dyn_field_id(name);
-  if (id < 0) fail(dyn_last_error());
+  if (id < 0) fail(library_error());
   check(dyn_data_array(robot, data, id, &array));
   Vector out;
   for (int j = 0; j < array.cols; ++j)

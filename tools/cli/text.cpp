@@ -68,6 +68,15 @@ std::string one_line(std::string text) {
   return text;
 }
 
+std::string library_error() {
+  std::string text = dyn_last_error();
+  for (const char* base : {"fixed", "floating"}) {
+    const std::string option = std::string("base ") + base;
+    for (std::size_t at; (at = text.find(option)) != std::string::npos;) text.replace(at, option.size(), std::string("--") + base);
+  }
+  return text;
+}
+
 std::string not_empty(const std::string& text) { return text.empty() ? "the text is empty" : ""; }
 
 std::string number_of(const std::string& text, double& x) {

@@ -87,6 +87,7 @@ _WORDS = re.compile(
     r"|(?P<function>dyn_[a-z0-9_]+)"
     r"|(?P<type>\bdyn[A-Z]\w+)"
     r"|(?P<null>\bNULL\b)"
+    r"|\bbase (?P<base>fixed|floating)\b"
 )
 
 
@@ -102,6 +103,8 @@ def _word(found: re.Match) -> str:
         return ""
     if kind == "null":
         return "None"
+    if kind == "base":
+        return f'base="{found["base"]}"'
     if kind == "some":
         return f"members of dyn.{_PREFIXES.get(found['some'], '')}"
     if kind == "more":

@@ -105,7 +105,7 @@ def test_resuming(tmp_path):
     assert third["points"] == again["points"]
     assert "another scene" in run("accuracy", *PENDULUM, "--duration", "0.3", "--resume", kept, status=1)
     kept.write_text("not json\n")
-    assert "no file of points" in run(*words, status=1)
+    assert "is not a file of points" in run(*words, status=1)
 
 
 def test_resumed_points_are_measured_from_one_reference(tmp_path):
