@@ -187,7 +187,7 @@ TEST(Batch, Arguments) {
   c.x.struct_size = sizeof c.x, c.algorithm = DYN_ALGORITHM_CHOLESKY_SOLVE, c.x.b = nullptr, refused(DYN_ERROR_ARGUMENT, {"solve", "b is NULL"});
   for (int which : {-1, batch_algorithms, 1 << 30}) {
     c.algorithm = dynAlgorithm(which);
-    refused(DYN_ERROR_ARGUMENT, {"dyn_batch_run", "algorithm " + std::to_string(which)});
+    refused(DYN_ERROR_ARGUMENT, {"dyn_batch_run", "algorithm is " + std::to_string(which)});
     dynAlgorithmInfo info{};
     info.struct_size = sizeof info;
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_algorithm_info(m, dynAlgorithm(which), &info));

@@ -87,7 +87,7 @@ TEST(Constraint, Refusals) {
   };
   auto with = [&](dynConstraint c, auto change) { return change(c), c; };
   const dynConstraint point = make(DYN_CONSTRAINT_TYPE_POINT, foot);
-  refuse(make(dynConstraintType(77), foot), DYN_ERROR_ARGUMENT, {"slot 5", "type is 77"});
+  refuse(make(dynConstraintType(77), foot), DYN_ERROR_ARGUMENT, {"slot 5", "type 77 does not exist"});
   refuse(make(DYN_CONSTRAINT_TYPE_POINT, 1000), DYN_ERROR_ARGUMENT, {"frame 1000"});
   refuse(make(DYN_CONSTRAINT_TYPE_POINT, foot, foot), DYN_ERROR_INVALID, {"same body", "FL_foot"});
   refuse(make(DYN_CONSTRAINT_TYPE_POINT, 0, 0), DYN_ERROR_INVALID, {"same body"});

@@ -124,7 +124,7 @@ TEST(Srdf, DisabledPairs) {
   const Loaded l = srdf.load();
   ASSERT_EQ(DYN_OK, l.status) << l.error;
   EXPECT_EQ((std::vector<Pair>{{"base", "upper", "Adjacent"}, {"hand", "base", ""}}), pairs(l.model.get()));
-  EXPECT_TRUE(l.reports("1 x <disable_collisions> of a pair that is there before", DYN_REPORT_LEVEL_INFO, 4));
+  EXPECT_TRUE(l.reports("1 x <disable_collisions> of a pair that is disabled already", DYN_REPORT_LEVEL_INFO, 4));
   EXPECT_TRUE(l.reports("link 'tip' and itself", DYN_REPORT_LEVEL_WARNING, 5));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_disabled_pair(l.model.get(), 2, nullptr, nullptr, nullptr));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_disabled_pair(l.model.get(), -1, nullptr, nullptr, nullptr));

@@ -51,7 +51,7 @@ const Case cases[] = {
     {"Empty", "", DYN_ERROR_PARSE, {"empty"}},
     {"Blank", " \n\t ", DYN_ERROR_PARSE, {"empty"}},
     {"Words", "hello\nworld", DYN_ERROR_PARSE, {"not XML"}},
-    {"Path", "models/robot.urdf", DYN_ERROR_PARSE, {"not XML", "dyn_model_load"}},
+    {"Path", "models/robot.urdf", DYN_ERROR_PARSE, {"not XML", "load a path as a file"}},
     {"Mjcf", "<?xml version=\"1.0\"?><!-- x --><mujocoinclude/>", DYN_ERROR_PARSE, {"MJCF", "include"}},
     {"Sdf", "<sdf version=\"1.6\"/>", DYN_ERROR_UNSUPPORTED, {"SDF"}},
     {"OtherRoot", "\n<robots/>", DYN_ERROR_PARSE, {"line 2", "<robots>", "<robot>"}},

@@ -201,7 +201,7 @@ TEST(MeshErrors, Arrays) {
   refused(s, DYN_ERROR_LIMIT, "the limit is 1e+30");
   s = box(1, 1, 1);
   s.triangles[4] = 8;
-  refused(s, DYN_ERROR_ARGUMENT, "triangle 1 has the vertex 8: there are 0 to 7");
+  refused(s, DYN_ERROR_ARGUMENT, "triangle 1 has the vertex 8: give 0 to 7");
   s.triangles[4] = -1;
   refused(s, DYN_ERROR_ARGUMENT, "triangle 1 has the vertex -1");
   refused({{0, 0, 0, 1, 1, 1, 2, 2, 2}, {0, 1, 2}}, DYN_ERROR_INVALID, "no triangle has an area");
