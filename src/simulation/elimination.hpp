@@ -48,7 +48,7 @@ struct Elimination {
 
   static std::ptrdiff_t entry_capacity(Index segments) { 
     const std::ptrdiff_t count = segments;
-    return std::min(count * (count - 1) / 2, tuning::elimination::entries_a_segment * count) + 1;
+    return std::min<std::ptrdiff_t>(count * (count - 1) / 2, tuning::elimination::entries_a_segment * count) + 1;
   }
   // Room for eight segments a constraint on average; larger islands use another solver.
   static std::ptrdiff_t run_capacity(const Model& m, Index constraints) { 

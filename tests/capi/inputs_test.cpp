@@ -153,7 +153,7 @@ TEST_F(Refused, WhatIsPeculiarToOneCall) {
   for (int bad : {-1, 6, 77}) {
     Prepared p(call_row("dyn_step"), m, other);
     std::memcpy(&p.x.integrator, &bad, sizeof bad);
-    expect(p, DYN_ERROR_ARGUMENT, {"step_options", "integrator is " + std::to_string(bad), "DYN_INTEGRATOR_RK4"});
+    expect(p, DYN_ERROR_ARGUMENT, {"step_options", "integrator is " + std::to_string(bad), "_RK4"});
   }
   for (std::uint32_t mask : {0x2000u, 0x80000000u, 0xffffffffu}) {
     Prepared p(call_row("dyn_all_terms"), m, other);
