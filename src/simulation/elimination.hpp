@@ -46,12 +46,12 @@ struct Elimination {
   bool* merged;                   // constraints and positions whose list is part of another
   Index max_entries, max_runs;
 
-  static std::ptrdiff_t entry_capacity(Index segments) { 
+  static std::ptrdiff_t entry_capacity(Index segments) {
     const std::ptrdiff_t count = segments;
     return std::min<std::ptrdiff_t>(count * (count - 1) / 2, tuning::elimination::entries_a_segment * count) + 1;
   }
   // Room for eight segments a constraint on average; larger islands use another solver.
-  static std::ptrdiff_t run_capacity(const Model& m, Index constraints) { 
+  static std::ptrdiff_t run_capacity(const Model& m, Index constraints) {
     return std::ptrdiff_t(std::min(m.n.carriers / segment_size + 2, tuning::elimination::runs_a_constraint)) * constraints + m.n.nv;
   }
 
