@@ -63,7 +63,8 @@ template <class T, class Part>
 Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
-  const std::uint32_t acting = d.acting, implicit = springs ? implicit_effects(true) : implicit_effects(false);
+  constexpr std::uint32_t always = implicit_effects(false), with_springs = implicit_effects(true);
+  const std::uint32_t acting = d.acting, implicit = springs ? with_springs : always;
   springs = springs && (d.acting & DYN_EFFECT_SPRINGS);
   if (d.acting & implicit) {
     d.armature = d.net + m.n.nv;
