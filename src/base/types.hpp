@@ -25,7 +25,7 @@ using Index = std::int32_t;
 #endif
 #endif
 
-// What is one with its caller. DYN_SMALL: the compiler decides, where memory for code is dear.
+// Forces inlining; with DYN_SMALL the compiler decides (small flash).
 #if DYN_SMALL
 #define DYN_INLINE inline
 #define DYN_INLINE_LAMBDA

@@ -141,7 +141,7 @@ inline dynParts complete_parts(const Model& m, dynParts p) {
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_CHOLESKY) : p;
 }
 
-// Bytes of the arena (a multiple of 64). possible: parts that a program may ask for, with what they imply. Where memory for code is dear it is
+// Bytes of the arena (a multiple of 64). possible: parts that a program may ask for, with what they imply. Where flash is small it is
 // a few, and what lays out the others is left out. simulation/data_layout.hpp defines both functions.
 template <class T, dynParts possible = DYN_PART_ALL>
 std::size_t data_bytes(const Model& m, dynParts parts);
