@@ -6,7 +6,7 @@
 
 #include "dyn.h"
 #include "algorithm/declarations.hpp"
-#include "base/pack.hpp"
+#include "base/simd_memory.hpp"
 #include "model/builder.hpp"
 #include "model/dynb.hpp"
 #include "structs.hpp"
@@ -39,17 +39,17 @@ inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
 inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
-  using P = Pack<double, widest_pack>;
-  using Four = Pack<double, 4>;
-  constexpr Index w = widest_pack;
-  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_some(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
+  using P = Simd<double, block_lanes>;
+  using Four = Simd<double, 4>;
+  constexpr Index w = block_lanes;
+  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
   std::ptrdiff_t i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;
     for (; i + 4 * w <= n; i += 4 * w)
       a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0, d = d + P::load(x + i + 3 * w) * 0.0;
     a = (a + b) + (c + d);
-    sum = sum + four_of<0>(a) + four_of<w - 4>(a);
+    sum = sum + slice4<0>(a) + slice4<w - 4>(a);
   }
   for (; i + 4 < n; i += 4) sum = sum + Four::load(x + i) * 0.0;
   if ((sum[0] + sum[1]) + (sum[2] + sum[3]) == 0) return n;

@@ -84,8 +84,8 @@ struct Island {
       }
     });
   }
-  DYN_INLINE Pack<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv, const double* z) const {
-    using P = Pack<double, row_lanes>;
+  DYN_INLINE Simd<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv, const double* z) const {
+    using P = Simd<double, row_lanes>;
     P sum = P::zero();
     const double* y = a.Y;
     for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);

@@ -206,7 +206,7 @@ inline void invalidate_sleep(Data<double>& d) {
 }
 
 // Arrays over shapes are read four at a time.
-inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Wide::lanes; }
+inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Double4::lanes; }
 
 // Largest island that is solved by its dense Delassus matrix.
 inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
