@@ -31,10 +31,10 @@ DYN_INLINE Mat3<T> transpose(const Mat3<T>& A) {
 #if DYN_LANES == 4
 template <>
 DYN_INLINE Mat3<double> transpose(const Mat3<double>& A) {
-  Mat3<double> B;
-  Double4 rest;
-  transpose4(A.x.v, A.y.v, A.z.v, Double4::zero(), B.x.v, B.y.v, B.z.v, rest);
-  return B;
+  const Double4 a = A.x.v, b = A.y.v, c = A.z.v, zero = Double4::zero();
+  const Double4 ab02 = shuffle<0, 4, 2, 6>(a, b), ab13 = shuffle<1, 5, 3, 7>(a, b);        // a0 b0 a2 b2, a1 b1 . .
+  const Double4 cz02 = shuffle<0, 4, 2, 6>(c, zero), cz13 = shuffle<1, 5, 3, 7>(c, zero);  // c0 0 c2 0, c1 0 . 0
+  return {{shuffle<0, 1, 4, 5>(ab02, cz02)}, {shuffle<0, 1, 4, 5>(ab13, cz13)}, {shuffle<2, 3, 6, 7>(ab02, cz02)}};
 }
 #endif
 
