@@ -1,7 +1,11 @@
 // Every function of dyn.h that works on a model and a data, as one table: name, parts, inputs, outputs, what must be fresh.
+// Algorithms that no row describes have rows made of dyn_algorithm_info.
 #pragma once
 
+#include <functional>
+
 #include "capi/support.hpp"
+#include "common/every.hpp"
 
 namespace dyn_test {
 
@@ -29,8 +33,8 @@ struct CallRow {
   Needs needs;
   bool out_required;
   int outputs;
-  std::size_t (*size)(const dynModel*, int output);
-  dynStatus (*call)(const dynModel*, dynData*, const Arguments&);
+  std::function<std::size_t(const dynModel*, int output)> size;
+  std::function<dynStatus(const dynModel*, dynData*, const Arguments&)> call;
 };
 
 namespace sizes {
@@ -73,7 +77,7 @@ inline dynStatus solve_nothing(const dynModel* m, dynData* d, const Arguments& x
 }
 
 #define DYN_CALL [](const dynModel* m, dynData* d, [[maybe_unused]] const Arguments& x) -> dynStatus
-inline const CallRow call_rows[] = {
+inline const CallRow described_calls[] = {
     {"dyn_data_set_state", 0, uses_q | uses_v | uses_a | uses_tau, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_data_set_state(m, d, x.q, x.v, x.a, x.tau); }},
     {"dyn_data_warm_up", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_warm_up(m, d); }},
@@ -247,6 +251,45 @@ inline const CallRow call_rows[] = {
     {"dyn_data_array", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_array(m, d, x.field, x.array); }},
 };
 #undef DYN_CALL
+
+inline CallRow algorithm_row(dynAlgorithm algorithm) {
+  const auto info_of = [=](const dynModel* m) {
+    dynAlgorithmInfo info{};
+    info.struct_size = sizeof info;
+    EXPECT_EQ(DYN_OK, dyn_algorithm_info(m, algorithm, &info)) << dyn_last_error();
+    return info;
+  };
+  const dynAlgorithmInfo info = info_of(nullptr);
+  static std::set<std::string> names;
+  const std::string inputs = " " + std::string(info.inputs) + " ";
+  unsigned uses = 0;
+  for (const auto& [name, bit] : {std::pair{"q", uses_q}, {"v", uses_v}, {"a", uses_a}, {"tau", uses_tau}, {"fext", uses_fext}, {"b", uses_b},
+                                  {"frame", uses_frame}, {"joint", uses_joint}, {"reference", uses_reference}})
+    if (inputs.find(" " + std::string(name) + " ") != std::string::npos) uses |= bit;
+  const auto size = [=](const dynModel* m, int k) {
+    const dynAlgorithmInfo x = info_of(m);
+    return std::size_t(x.rows[k]) * std::size_t(x.cols[k]) * std::size_t(x.pages[k]);
+  };
+  const auto call = [=](const dynModel* m, dynData* d, const Arguments& x) {
+    dynBatchArrays arrays;
+    dyn_batch_arrays_init(&arrays);
+    arrays.q = x.q, arrays.v = x.v, arrays.a = x.a, arrays.tau = x.tau, arrays.fext = x.fext, arrays.b = x.b;
+    arrays.frame = x.frame, arrays.joint = x.joint, arrays.reference = x.reference;
+    std::copy_n(x.out, 4, arrays.out);
+    return dyn_algorithm_run(m, d, algorithm, &arrays);
+  };
+  return {names.insert("dyn_" + std::string(info.name)).first->c_str(), info.part, uses, Needs::nothing, false, info.outputs, size, call};
+}
+
+inline const std::vector<CallRow> call_rows = [] {
+  std::vector<CallRow> rows(std::begin(described_calls), std::end(described_calls));
+  const auto described = [&](const std::string& name) { return std::any_of(rows.begin(), rows.end(), [&](const CallRow& r) { return name == r.name; }); };
+  for (const dynAlgorithm algorithm : every<dynAlgorithm>("dynAlgorithm")) {
+    const CallRow row = algorithm_row(algorithm);
+    if (algorithm != DYN_ALGORITHM_INTEGRATE && algorithm != DYN_ALGORITHM_DIFFERENCE && !described(row.name)) rows.push_back(row);
+  }
+  return rows;
+}();
 
 // Distances of pairs that are not tested, rays that hit nothing.
 inline bool may_be_infinite(const CallRow& row) {

@@ -1,6 +1,7 @@
 // What dyn.h declares is there for programs: names, values and sentences of enumerations, the interface as JSON.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -144,7 +145,7 @@ TEST(Reflection, JointTypesHaveTheSizesThatModelsHave) {
   EXPECT_STREQ(planar.chain, "prismatic axis_x, prismatic axis_y, revolute axis");
   EXPECT_EQ(planar.axis, 1);
   EXPECT_EQ(planar.axis2, 0);
-  EXPECT_EQ(dyn_joint_type_info(dynJointType(14), &planar), DYN_ERROR_ARGUMENT);
+  EXPECT_EQ(dyn_joint_type_info(dynJointType(1000), &planar), DYN_ERROR_ARGUMENT);
   EXPECT_NE(std::strstr(dyn_last_error(), "_FREE_FLYER"), nullptr);
 }
 
@@ -187,6 +188,100 @@ TEST(Reflection, ConstraintTypesAndIntegratorsHaveInfos) {
     ASSERT_EQ(dyn_integrator_info(dynIntegrator(value.value), &info), DYN_OK);
     EXPECT_GT(info.order, 0);
   });
+}
+
+// The array that an effect names is the one that brings it into a model.
+TEST(Reflection, EffectsNameTheirArrays) {
+  int arrays = 0;
+  each_value("dynEffects", [&](const dynEnumValueInfo& value) {
+    dynEffectTypeInfo info = {};
+    info.struct_size = sizeof info;
+    if (!std::has_single_bit(unsigned(value.value))) {
+      EXPECT_EQ(dyn_effect_type_info(unsigned(value.value), &info), DYN_ERROR_ARGUMENT);
+      return;
+    }
+    ASSERT_EQ(dyn_effect_type_info(unsigned(value.value), &info), DYN_OK) << dyn_last_error();
+    EXPECT_EQ(info.bit, unsigned(value.value));
+    EXPECT_STRNE(info.absent, "");
+    EXPECT_EQ(std::strlen(info.quantity) > 0, info.array >= 0);
+    if (info.array < 0) return;
+    ++arrays;
+    dynBuilder* builder = nullptr;
+    dynModel* model = nullptr;
+    dynData* data = nullptr;
+    ASSERT_EQ(dyn_builder_new("one", &builder), DYN_OK);
+    dynJointSpec spec;
+    dyn_joint_spec_init(&spec);
+    const double one = 1, com[3] = {}, inertia[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    spec.name = "joint", spec.type = DYN_JOINT_TYPE_REVOLUTE;
+    const std::pair<dynModelArray, const double**> members[] = {{DYN_MODEL_ARRAY_ARMATURE, &spec.armature}, {DYN_MODEL_ARRAY_DAMPING, &spec.damping},
+                                                                {DYN_MODEL_ARRAY_FRICTION, &spec.friction}, {DYN_MODEL_ARRAY_STIFFNESS, &spec.stiffness}};
+    for (const auto& [array, member] : members)
+      if (array == info.array) *member = &one;
+    ASSERT_EQ(dyn_builder_add_joint(builder, &spec), DYN_OK) << dyn_last_error();
+    ASSERT_EQ(dyn_builder_add_body(builder, "body", "joint", nullptr, 1, com, inertia), DYN_OK);
+    ASSERT_EQ(dyn_builder_finish(builder, &model), DYN_OK) << dyn_last_error();
+    EXPECT_EQ(*dyn_model_array(model, dynModelArray(info.array)), 1);
+    ASSERT_EQ(dyn_data_new(model, 0, &data), DYN_OK);
+    ASSERT_EQ(dyn_data_set_effects(model, data, 0, DYN_EFFECT_ALL), DYN_OK);
+    std::uint32_t acting = 0;
+    ASSERT_EQ(dyn_data_effects(model, data, 0, &acting), DYN_OK);
+    EXPECT_EQ(acting & ~std::uint32_t(DYN_EFFECT_SLEEPING), info.bit);
+    dyn_data_free(data), dyn_model_free(model), dyn_builder_free(builder);
+  });
+  EXPECT_GE(arrays, 4);
+  dynEffectTypeInfo info = {};
+  info.struct_size = sizeof info;
+  for (const std::uint32_t bit : {0u, 3u, 1u << 30, 1u << 31}) EXPECT_EQ(dyn_effect_type_info(bit, &info), DYN_ERROR_ARGUMENT) << bit;
+}
+
+TEST(Reflection, ContactSolversHaveInfos) {
+  each_value("dynContactSolverType", [](const dynEnumValueInfo& value) {
+    dynContactSolverTypeInfo info = {};
+    info.struct_size = sizeof info;
+    ASSERT_EQ(dyn_contact_solver_type_info(dynContactSolverType(value.value), &info), DYN_OK);
+    EXPECT_EQ(info.refined, value.value != DYN_CONTACT_SOLVER_TYPE_PGS);
+    EXPECT_EQ(std::strlen(info.sentence) > 0, true);
+  });
+}
+
+// Data with the part of an algorithm, and no other, computes it; data without is refused. Fields tell the same part of their producer.
+TEST(Reflection, AlgorithmsNameThePartThatTheyNeed) {
+  dynLoadOptions options;
+  dyn_load_options_init(&options);
+  options.base = DYN_BASE_FIXED;
+  dynModel* model = nullptr;
+  ASSERT_EQ(dyn_model_load(DYN_MODELS_DIR "/robots/go2.urdf", &options, &model), DYN_OK) << dyn_last_error();
+  const std::vector<double> q(std::size_t(dyn_model_nq(model)), 0.1);
+  each_value("dynAlgorithm", [&](const dynEnumValueInfo& value) {
+    dynAlgorithmInfo info = {};
+    info.struct_size = sizeof info;
+    ASSERT_EQ(dyn_algorithm_info(model, dynAlgorithm(value.value), &info), DYN_OK);
+    std::vector<double> out[4];
+    dynBatchArrays arrays;
+    dyn_batch_arrays_init(&arrays);
+    arrays.q = arrays.v = arrays.a = arrays.tau = arrays.q1 = arrays.b = q.data(), arrays.joint = arrays.frame = 1, arrays.dt = 1e-3;
+    for (int k = 0; k < info.outputs; ++k) out[k].resize(std::size_t(info.rows[k] * info.cols[k] * info.pages[k])), arrays.out[k] = out[k].data();
+    const auto with_parts = [&](dynParts parts) {
+      dynData* data = nullptr;
+      EXPECT_EQ(dyn_data_new(model, parts, &data), DYN_OK);
+      const dynStatus status = dyn_algorithm_run(model, data, dynAlgorithm(value.value), &arrays);
+      dyn_data_free(data);
+      return status;
+    };
+    EXPECT_EQ(with_parts(info.part ? info.part : dynParts(DYN_PART_FRAMES)), DYN_OK) << dyn_last_error();
+    if (!info.part) return;
+    EXPECT_EQ(with_parts(info.part == DYN_PART_MASS || info.part == DYN_PART_INVERSE ? DYN_PART_ENERGY : DYN_PART_INVERSE), DYN_ERROR_PART);
+    for (int k = 0; k < dyn_field_count(); ++k) {
+      dynFieldInfo field = {};
+      field.struct_size = sizeof field;
+      ASSERT_EQ(dyn_field_info(k, &field), DYN_OK);
+      if (field.producer == "dyn_" + std::string(info.name)) {
+        EXPECT_EQ(field.part, info.part) << field.name;
+      }
+    }
+  });
+  dyn_model_free(model);
 }
 
 TEST(Reflection, AnAlgorithmRunsByItsNumber) {
