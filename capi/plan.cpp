@@ -41,7 +41,8 @@ int acts(const Model&, const Data<double>& d) { return (d.acting & bit) != 0; }
 template <class E>
 constexpr Row of_coefficients() {
   return {E::bit, "", [](const Model& m) { return count(E::of(m), m.n.nv); }, acts<E::bit>, [](const Model& m, dynParts parts) {
-            return std::is_same_v<E, effect::Armature> ? sizeof(double) * std::size_t(m.n.nv) : joint_bytes<E::bit>(m, parts);  // all data has armature
+            constexpr bool in_all_data = std::is_same_v<E, effect::Armature>;
+            return in_all_data ? sizeof(double) * std::size_t(m.n.nv) : joint_bytes<E::bit>(m, parts);
           }};
 }
 

@@ -1,4 +1,4 @@
-"""The rows of dynAlgorithm, of the comments of its values and the prototypes of dyn.h: algorithms.inc, for capi/batch_algorithms.cpp.
+"""Rows of dynAlgorithm, made of its comments and of prototypes in dyn.h: algorithms.inc, for capi/batch_algorithms.cpp.
 
 A comment is  PART: inputs -> outputs; after FUNCTIONS  (dyn.h says how). An output is a name and one to three sizes.
 """
@@ -64,8 +64,8 @@ class Algorithm:
                     arguments.append(self.given(p, outputs))
             call = f'{name}({", ".join(arguments)})'
             steps.append(f"{before}return {call};" if last else f"if (const dynStatus s = {call}) return s;")
-        return ("[]([[maybe_unused]] const dynModel* model, [[maybe_unused]] dynData* data, [[maybe_unused]] const dynBatchArrays& x)"
-                f' -> dynStatus {{ {" ".join(steps)} }}')
+        parameters = ", ".join(f"[[maybe_unused]] {p}" for p in ("const dynModel* model", "dynData* data", "const dynBatchArrays& x"))
+        return f'[]({parameters}) -> dynStatus {{ {" ".join(steps)} }}'
 
     def row(self, functions):
         outputs = ",\n      ".join(self.extent(output) for output in self.outputs)

@@ -41,5 +41,5 @@ def test_a_wrong_name_is_answered_by_the_nearest():
 def test_eval_names_the_nearest_quantity():
     words = [CLI, "eval", MODELS / "robots/panda.urdf", "--fixed", "--compute", "taau"]
     refused = subprocess.run(words, capture_output=True, text=True)
-    assert refused.returncode == 1
+    assert refused.returncode == 2
     assert 'unknown name "taau" (did you mean "tau"?)' in refused.stderr and len(refused.stderr) < 150
