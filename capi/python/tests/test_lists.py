@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from conftest import CAPI, MODELS
-from test_cli import CLI
+from command import CLI
 
 import libdyn as dyn
 from libdyn.choices import member
