@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "effect/list.hpp"
 #include "model/colour.hpp"
 #include "model/load.hpp"
 #include "handles.hpp"
@@ -299,13 +300,15 @@ const double* dyn_model_array(const dynModel* model, dynModelArray which) {
     case DYN_MODEL_ARRAY_UPPER_LIMIT: return m.upper_limit();
     case DYN_MODEL_ARRAY_VELOCITY_LIMIT: return m.velocity_limit();
     case DYN_MODEL_ARRAY_EFFORT_LIMIT: return m.effort_limit();
-    case DYN_MODEL_ARRAY_ARMATURE: return m.armature();
-    case DYN_MODEL_ARRAY_DAMPING: return m.damping();
-    case DYN_MODEL_ARRAY_FRICTION: return m.friction();
-    case DYN_MODEL_ARRAY_STIFFNESS: return m.stiffness();
     case DYN_MODEL_ARRAY_SPRING_REFERENCE: return m.spring_reference();
     case DYN_MODEL_ARRAY_GRAVITY: return m.gravity;
+    default: break;
   }
+  const double* coefficients = nullptr;
+  for_each_coefficient([&]<class E>() {
+    if (which == E::array) coefficients = E::of(m);
+  });
+  if (coefficients) return coefficients;
   fail(DYN_ERROR_ARGUMENT, "dyn_model_array: %d is no dynModelArray", int(which));
   return nullptr;
 }

@@ -664,9 +664,7 @@ DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joi
    wrenches always have room, because they may come at any time. */
 typedef struct dynEffectInfo {
   uint32_t struct_size;
-  /* gravity, armature, damping, springs, friction, limits, mimic, contact, constraints, actuators, wrenches,
-     gravity_compensation, fluid, sleeping */
-  const char* name;
+  const char* name; /* as in dyn_effect_type_info; besides gravity, mimic, contact, constraints, wrenches */
   int32_t present; /* joints, pairs, constraints, actuators or links of the model that may have the effect */
   /* non-zero: the effect acts. Contact: pairs tested (shapes, where pairs are not listed); constraints:
      enabled slots; sleeping: trees of bodies that may sleep. */
@@ -2177,62 +2175,82 @@ DYN_API void dyn_batch_free(dynBatch* batch); /* NULL is allowed */
 /* dyn_data_set_effects for every thread's data. */
 DYN_API dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects);
 
-/* DYN_ALGORITHM_X computes what dyn_x does: inputs -> out[0], out[1], ... Values are never renumbered. */
+/* DYN_ALGORITHM_X computes what dyn_x does. Values are never renumbered. Each comment is
+     PART: inputs -> out[0], out[1], ...; after FUNCTIONS
+   with the part of data that it needs, the size of each output, and the calls that it makes first. A third
+   size counts matrices one after another. b is the right-hand side of CHOLESKY_SOLVE, and lambda of
+   RNEA_SECOND_ORDER_PRODUCT. COM reads v and a for vcom and acom alone. */
 typedef enum dynAlgorithm {
-  DYN_ALGORITHM_FRAME_PLACEMENT = 0,                /* frame; q -> placement 12 */
-  DYN_ALGORITHM_FRAME_PLACEMENTS = 1,               /* q -> placements 12 x nframes */
-  DYN_ALGORITHM_FRAME_VELOCITY = 2,                 /* frame, reference; q, v -> velocity 6 */
-  DYN_ALGORITHM_FRAME_ACCELERATION = 3,             /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION = 4,   /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_ALGORITHM_JOINT_JACOBIANS = 5,                /* q -> J 6 x nv */
-  DYN_ALGORITHM_JOINT_JACOBIANS_TIME_VARIATION = 6, /* q, v -> dJ 6 x nv */
-  DYN_ALGORITHM_FRAME_JACOBIAN = 7,                 /* frame, reference; q -> J 6 x nv */
-  DYN_ALGORITHM_FRAME_JACOBIAN_TIME_VARIATION = 8,  /* frame, reference; q, v -> dJ 6 x nv */
-  DYN_ALGORITHM_COM = 9, /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
-  DYN_ALGORITHM_JCOM = 10,                          /* q -> Jcom 3 x nv */
-  DYN_ALGORITHM_SUBTREE_COM = 11,                   /* joint; q -> com 3, mass 1 */
-  DYN_ALGORITHM_SUBTREE_JCOM = 12,                  /* joint; q -> J 3 x nv */
-  DYN_ALGORITHM_RNEA = 13,                          /* q, v, a, fext -> tau nv */
-  DYN_ALGORITHM_NLE = 14,                           /* q, v -> nle nv */
-  DYN_ALGORITHM_GRAVITY_TORQUE = 15,                /* q -> g nv */
-  DYN_ALGORITHM_STATIC_TORQUE = 16,                 /* q, fext -> tau nv */
-  DYN_ALGORITHM_CORIOLIS_MATRIX = 17,               /* q, v -> C nv x nv */
-  DYN_ALGORITHM_ABA = 18,                           /* q, v, tau, fext -> ddq nv */
-  DYN_ALGORITHM_CRBA = 19,                          /* q -> M nv x nv */
-  DYN_ALGORITHM_CHOLESKY_SOLVE = 20,                /* q, b -> x nv: M^-1 b, with dyn_crba and dyn_cholesky */
-  DYN_ALGORITHM_MINV = 21,                          /* q -> Minv nv x nv */
-  DYN_ALGORITHM_RNEA_DERIVATIVES = 22,              /* q, v, a, fext -> dtau_dq, dtau_dv: nv x nv */
-  DYN_ALGORITHM_ABA_DERIVATIVES = 23,               /* q, v, tau, fext -> ddq_dq, ddq_dv, ddq_dtau: nv x nv */
-  DYN_ALGORITHM_ENERGY = 24,                        /* q, v -> kinetic 1, potential 1 */
-  DYN_ALGORITHM_KINETIC_ENERGY = 25,                /* q, v -> kinetic 1 */
-  DYN_ALGORITHM_POTENTIAL_ENERGY = 26,              /* q -> potential 1 */
-  DYN_ALGORITHM_CENTROIDAL_MAP = 27,                /* q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
-  DYN_ALGORITHM_CENTROIDAL_MAP_TIME_VARIATION = 28, /* q, v -> dAg 6 x nv */
-  DYN_ALGORITHM_CENTROIDAL_MOMENTUM = 29,           /* q, v -> hg 6 */
-  DYN_ALGORITHM_CENTROIDAL_MOMENTUM_TIME_VARIATION = 30, /* q, v, a -> dhg 6 */
-  DYN_ALGORITHM_CENTROIDAL_DERIVATIVES = 31, /* q, v, a -> dh_dq, dhdot_dq, dhdot_dv, dhdot_da: 6 x nv */
-  DYN_ALGORITHM_JOINT_TORQUE_REGRESSOR = 32,        /* q, v, a -> Y nv x nparameters */
-  DYN_ALGORITHM_STATIC_REGRESSOR = 33,              /* q -> Y 3 x nparameters */
-  DYN_ALGORITHM_KINETIC_ENERGY_REGRESSOR = 34,      /* q, v -> y nparameters */
-  DYN_ALGORITHM_POTENTIAL_ENERGY_REGRESSOR = 35,    /* q -> y nparameters */
-  DYN_ALGORITHM_JOINT_BODY_REGRESSOR = 36,          /* joint; q, v, a -> Y 6 x 10 */
-  DYN_ALGORITHM_FRAME_BODY_REGRESSOR = 37,          /* frame; q, v, a -> Y 6 x 10 */
+  DYN_ALGORITHM_FRAME_PLACEMENT = 0, /* KINEMATICS: frame; q -> placement 12; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_PLACEMENTS = 1, /* FRAMES: q -> placements 12 x nframes; after dyn_forward_kinematics */
+  /* KINEMATICS: frame, reference; q, v -> velocity 6; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_VELOCITY = 2,
+  /* KINEMATICS: frame, reference; q, v, a -> acceleration 6; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_ACCELERATION = 3,
+  /* KINEMATICS: frame, reference; q, v, a -> acceleration 6; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION = 4,
+  DYN_ALGORITHM_JOINT_JACOBIANS = 5,                /* JACOBIANS: q -> J 6 x nv */
+  DYN_ALGORITHM_JOINT_JACOBIANS_TIME_VARIATION = 6, /* JACOBIANS: q, v -> dJ 6 x nv */
+  /* KINEMATICS: frame, reference; q -> J 6 x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_JACOBIAN = 7,
+  /* KINEMATICS: frame, reference; q, v -> dJ 6 x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_JACOBIAN_TIME_VARIATION = 8,
+  DYN_ALGORITHM_COM = 9,                            /* COM: q, v, a -> com 3, vcom 3, acom 3 */
+  DYN_ALGORITHM_JCOM = 10,                          /* COM: q -> Jcom 3 x nv */
+  DYN_ALGORITHM_SUBTREE_COM = 11,                   /* COM: joint; q -> com 3, mass 1; after dyn_com */
+  DYN_ALGORITHM_SUBTREE_JCOM = 12,                  /* COM: joint; q -> J 3 x nv; after dyn_com */
+  DYN_ALGORITHM_RNEA = 13,                          /* INVERSE: q, v, a, fext -> tau nv */
+  DYN_ALGORITHM_NLE = 14,                           /* INVERSE: q, v -> nle nv */
+  DYN_ALGORITHM_GRAVITY_TORQUE = 15,                /* INVERSE: q -> g nv */
+  DYN_ALGORITHM_STATIC_TORQUE = 16,                 /* INVERSE: q, fext -> tau nv */
+  DYN_ALGORITHM_CORIOLIS_MATRIX = 17,               /* CORIOLIS: q, v -> C nv x nv */
+  DYN_ALGORITHM_ABA = 18,                           /* FORWARD: q, v, tau, fext -> ddq nv */
+  DYN_ALGORITHM_CRBA = 19,                          /* MASS: q -> M nv x nv */
+  DYN_ALGORITHM_CHOLESKY_SOLVE = 20,                /* CHOLESKY: q, b -> x nv; after dyn_crba, dyn_cholesky */
+  DYN_ALGORITHM_MINV = 21,                          /* MINV: q -> Minv nv x nv */
+  /* INVERSE_DERIVATIVES: q, v, a, fext -> dtau_dq nv x nv, dtau_dv nv x nv */
+  DYN_ALGORITHM_RNEA_DERIVATIVES = 22,
+  /* FORWARD_DERIVATIVES: q, v, tau, fext -> ddq_dq nv x nv, ddq_dv nv x nv, ddq_dtau nv x nv */
+  DYN_ALGORITHM_ABA_DERIVATIVES = 23,
+  DYN_ALGORITHM_ENERGY = 24,                        /* ENERGY: q, v -> kinetic 1, potential 1 */
+  DYN_ALGORITHM_KINETIC_ENERGY = 25,                /* ENERGY: q, v -> kinetic 1 */
+  DYN_ALGORITHM_POTENTIAL_ENERGY = 26,              /* ENERGY: q -> potential 1 */
+  DYN_ALGORITHM_CENTROIDAL_MAP = 27,                /* CENTROIDAL: q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MAP_TIME_VARIATION = 28, /* CENTROIDAL: q, v -> dAg 6 x nv */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM = 29,           /* CENTROIDAL: q, v -> hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM_TIME_VARIATION = 30,/* CENTROIDAL: q, v, a -> dhg 6 */
+  /* CENTROIDAL: q, v, a -> dh_dq 6 x nv, dhdot_dq 6 x nv, dhdot_dv 6 x nv, dhdot_da 6 x nv */
+  DYN_ALGORITHM_CENTROIDAL_DERIVATIVES = 31,
+  DYN_ALGORITHM_JOINT_TORQUE_REGRESSOR = 32,        /* REGRESSOR: q, v, a -> Y nv x nparameters */
+  DYN_ALGORITHM_STATIC_REGRESSOR = 33,              /* REGRESSOR: q -> Y 3 x nparameters */
+  DYN_ALGORITHM_KINETIC_ENERGY_REGRESSOR = 34,      /* REGRESSOR: q, v -> y nparameters */
+  DYN_ALGORITHM_POTENTIAL_ENERGY_REGRESSOR = 35,    /* REGRESSOR: q -> y nparameters */
+  /* KINEMATICS: joint; q, v, a -> Y 6 x 10; after dyn_forward_kinematics */
+  DYN_ALGORITHM_JOINT_BODY_REGRESSOR = 36,
+  /* KINEMATICS: frame; q, v, a -> Y 6 x 10; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_BODY_REGRESSOR = 37,
   DYN_ALGORITHM_INTEGRATE = 38,                     /* q, v -> out nq */
-  DYN_ALGORITHM_GRAVITY_TORQUE_DERIVATIVES = 39,    /* q -> dg_dq nv x nv */
-  DYN_ALGORITHM_STATIC_TORQUE_DERIVATIVES = 40,     /* q, fext -> dstatic_torque_dq nv x nv */
-  DYN_ALGORITHM_VCOM_DERIVATIVES = 41,              /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
-  DYN_ALGORITHM_FRAME_VELOCITY_DERIVATIVES = 42,    /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
-  /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  DYN_ALGORITHM_GRAVITY_TORQUE_DERIVATIVES = 39,    /* INVERSE_DERIVATIVES: q -> dg_dq nv x nv */
+  /* INVERSE_DERIVATIVES: q, fext -> dstatic_torque_dq nv x nv */
+  DYN_ALGORITHM_STATIC_TORQUE_DERIVATIVES = 40,
+  DYN_ALGORITHM_VCOM_DERIVATIVES = 41,              /* COM: q, v -> dvcom_dq 3 x nv, dvcom_dv 3 x nv */
+  /* KINEMATICS: frame, reference; q, v -> dv_dq 6 x nv, dv_dv 6 x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_VELOCITY_DERIVATIVES = 42,
+  /* KINEMATICS: frame, reference; q, v, a -> da_dq 6 x nv, da_dv 6 x nv, da_da 6 x nv; after
+     dyn_forward_kinematics */
   DYN_ALGORITHM_FRAME_ACCELERATION_DERIVATIVES = 43,
-  /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  /* KINEMATICS: frame, reference; q, v, a -> da_dq 6 x nv, da_dv 6 x nv, da_da 6 x nv; after
+     dyn_forward_kinematics */
   DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44,
-  /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
+  /* SECOND_ORDER: b; q, v, a, fext -> dqdq nv x nv, dvdv nv x nv, dqdv nv x nv, dadq nv x nv */
   DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT = 45,
-  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
+  /* SECOND_ORDER: q, v, a, fext -> d2tau_dqdq nv x nv x nv, d2tau_dvdv nv x nv x nv, d2tau_dqdv nv x nv x
+     nv, d2tau_dadq nv x nv x nv */
   DYN_ALGORITHM_RNEA_SECOND_ORDER_DERIVATIVES = 46,
-  DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,       /* frame, reference; q -> H nv matrices 6 x nv */
-  DYN_ALGORITHM_DIFFERENCE = 48,                    /* q, q1 -> v nv: q1 (-) q */
-  DYN_ALGORITHM_STEP = 49                           /* dt, integrator; q, v, tau -> q nq, v nv */
+  /* JACOBIANS: frame, reference; q -> H 6 x nv x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,
+  DYN_ALGORITHM_DIFFERENCE = 48,                    /* q, q1 -> v nv */
+  DYN_ALGORITHM_STEP = 49                           /* SIMULATION: dt, integrator; q, v, tau -> q nq, v nv */
 } dynAlgorithm;
 
 /* Inputs and outputs. An algorithm ignores inputs that it does not read. An output may be an input with rows
@@ -2267,6 +2285,8 @@ typedef struct dynAlgorithmInfo {
   const char* output[4];    /* names */
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
   int32_t pages[4];         /* matrices one after another; 1 for others */
+  dynParts part;            /* of data that it needs; 0: none */
+  const char* precondition; /* calls that it makes first: "dyn_crba dyn_cholesky"; "": none */
 } dynAlgorithmInfo;
 /* Describes an algorithm. */
 DYN_API dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info);
@@ -2407,6 +2427,30 @@ typedef struct dynIntegratorInfo {
   const char* sentence;
 } dynIntegratorInfo;
 DYN_API dynStatus dyn_integrator_info(dynIntegrator integrator, dynIntegratorInfo* info);
+
+/* An effect of joints and links. */
+typedef struct dynEffectTypeInfo {
+  uint32_t struct_size;
+  uint32_t bit;           /* DYN_EFFECT_... */
+  dynParts part;          /* data without this part never has the effect; 0: all data may have it */
+  int32_t implicit;       /* Euler steps take it at their end: 0 none, 1 all, 2 IMPLICIT_FAST alone */
+  int32_t array;          /* the dynModelArray of its numbers, one a degree of freedom; -1: it has none */
+  const char* name;       /* "damping" */
+  const char* quantity;   /* what the array holds: "dry friction"; "" without an array */
+  const char* absent;     /* why a model does not have it: "no joint has damping" */
+  const char* sentence;
+} dynEffectTypeInfo;
+/* Describes the effect of one DYN_EFFECT_... bit. */
+DYN_API dynStatus dyn_effect_type_info(uint32_t bit, dynEffectTypeInfo* info);
+
+/* A contact solver. */
+typedef struct dynContactSolverTypeInfo {
+  uint32_t struct_size;
+  int32_t refined;  /* 1: Newton's method finishes what it finds */
+  const char* name; /* "admm" */
+  const char* sentence;
+} dynContactSolverTypeInfo;
+DYN_API dynStatus dyn_contact_solver_type_info(dynContactSolverType type, dynContactSolverTypeInfo* info);
 
 /* The whole header as JSON, in its order. Each value is a list of objects; doc is the comment:
      constants   name, value, doc

@@ -277,14 +277,14 @@ void Builder::Impl::add_joint(const JointSpec& s) {
   check_vector(who, "upper limit", s.upper, nq, -HUGE_VAL);
   check_vector(who, "velocity limit", s.velocity, nv, 0);
   check_vector(who, "effort limit", s.effort, nv, 0);
-  check_vector(who, "armature", s.armature, nv, 0);
-  check_vector(who, "damping", s.damping, nv, 0);
-  check_vector(who, "friction", s.friction, nv, 0);
-  check_vector(who, "stiffness", s.stiffness, nv, 0);
+#define COEFFICIENT(name, has, sentence) check_vector(who, #name, s.name, nv, 0);
+#include "effect/coefficients.def"
   check_vector(who, "spring reference", s.spring_reference, nq, -HUGE_VAL);
   check_range(who, s.lower, s.upper);
-  for (const auto& [what, x] : {std::pair{"armature", &s.armature}, {"damping", &s.damping}, {"friction", &s.friction}, {"stiffness", &s.stiffness},
-                                {"spring reference", &s.spring_reference}})
+  for (const auto& [what, x] : {
+#define COEFFICIENT(name, has, sentence) std::pair{#name, &s.name},
+#include "effect/coefficients.def"
+           std::pair{"spring reference", &s.spring_reference}})
     for (double a : *x)
       if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");
   check_springs(who, s, entry.elements), check_balls(who, s, entry.elements);
