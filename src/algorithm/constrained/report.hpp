@@ -1,6 +1,6 @@
 // Constraint diagnostics: rank, condition, and dependent rows, from the eigenvectors of the Delassus matrix with unit diagonal.
 // Eigenvectors of eigenvalue 0 are combinations of rows that no motion changes: C along them cannot be removed. As many count as zero
-// as steps leave out rows (redundant_rows.hpp). What a misalignment of that size moves in C is then no contradiction.
+// as steps leave out rows (redundant_rows.hpp). An error of ten times their misalignment is no contradiction.
 #pragma once
 
 #include <algorithm>
@@ -43,11 +43,12 @@ template <class T, class Out>
 Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report, Out&& rows_out) {
   using std::abs;
   using std::sqrt;
-  constexpr double rounding = 1e-10, participating = 1e-6, little = 0.1, exact = 1e-7;
+  constexpr double rounding = 1e-10, participating = 1e-6, little = 0.1, exact = 1e-7, explained = 10;
   if (const Index failed = constraint_factor(m, d)) return failed;
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   propagate_rows(m, d);
   const Index left_out = drop_redundant_rows(m, d, misalignment_tolerance);
+  const double agreement = std::max(exact, explained * double(d.row_moved[0]) * own_length(m));
   keep_all_rows(m, d), propagate_rows(m, d);
   const Index n = active_rows(m, d);
   const std::ptrdiff_t ld = padded_rows(n);
@@ -79,8 +80,7 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
   // the left_out smallest eigenvalues count as zero
   for (Index k = 0; k < n; ++k) along[k] = A[ld * k + k];
   std::sort(along, along + n);
-  const double last = left_out > 0 ? double(along[left_out - 1]) : 0, zero = std::max(rounding, last * (1 + rounding));
-  const double agreement = last > rounding ? std::max(exact, misalignment_tolerance * own_length(m)) : exact;
+  const double zero = std::max(rounding, left_out > 0 ? double(along[left_out - 1]) * (1 + rounding) : 0);
 
   report.rows = n, report.rank = 0;
   report.smallest = report.largest = 0;
