@@ -16,7 +16,7 @@ struct Island {
   Index constraint_count;
   double h;
   const double* v_before;
-  Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
+  Index rows = 0, equalities = 0, boxes = 0, contacts = 0, dropped = 0;  // dropped: redundant rows of equalities
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double inconsistency = 0;  // inconsistency of the equalities, relative to the speed
@@ -39,6 +39,8 @@ struct Island {
   // island.cpp: numbers rows, fills vectors
   void assign_rows();
   void fill();
+  void drop_redundant();
+  void keep_all();
 
   // dense Delassus matrix (island_solve.cpp)
   void matrix();

@@ -137,14 +137,23 @@ void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T
   }
 }
 
+// Clears the dropped rows of a constraint in its propagated columns.
+template <class T>
+void clear_dropped(const ConstraintInstance<T>& s, T* y) {
+  for (Index r = 0; r < s.rows; ++r)
+    if (s.dropped >> r & 1)
+      for (Index n = 0; n < s.support_count; ++n) y[row_lanes * n + r] = T(0);
+}
+
 template <class T>
 void propagate_rows(const Model& m, Data<T>& d) {
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index k) {
-    if (m.has_mimic) eliminate_constraint(m, d, s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k));
-    else propagate(m, d, s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k));
+    T* y = propagated_jacobian_of(m, d, k);
+    if (m.has_mimic) eliminate_constraint(m, d, s, supporting_dofs_of(m, d, k), y);
+    else propagate(m, d, s, supporting_dofs_of(m, d, k), y);
+    if (s.dropped) clear_dropped(s, y);
   });
 }
-
 
 // Calls f.template operator()<rows>().
 template <class F>
