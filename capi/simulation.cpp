@@ -100,8 +100,8 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (!(options->accuracy >= 0))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt", options->accuracy);
   if (const dynStatus s = check_value(options->solver, "dyn_data_set_step_options", "solver")) return s;
-  if (options->max_iterations < 1)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more", int(options->max_iterations));
+  if (options->max_iterations < 0)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more, or 0 for the default", int(options->max_iterations));
   if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;
   if (!(options->tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
   if (!call.finite("sleep_speed", &options->sleep_speed, 1) || !call.finite("sleep_time", &options->sleep_time, 1)) return call.status;

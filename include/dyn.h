@@ -1928,12 +1928,12 @@ typedef struct dynStepOptions {
      of dt. */
   double accuracy;
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
-  /* of the solver, per island and step; default 100. ADMM and NEWTON restart when short of the tolerance,
-     then the other one is tried. Islands of more than 240 rows may take three times as many (not PGS), jammed
-     ones nine times as many more. In the end the best impulses act: in their cones, with their residual in
-     the report. */
+  /* of the solver, for each island and step, over everything that it tries: sweeps, Newton steps, fall-backs.
+     Then the best impulses act: in their cones, with their residual in the report. Default 0: 100; 1200 with
+     a tolerance or an accuracy. Without a tolerance ADMM and NEWTON begin with accelerated sweeps, which end
+     where the residual stops falling. */
   int32_t max_iterations;
-  double tolerance;            /* of the solver's residual (dynContactReport); default 1e-9 */
+  double tolerance;            /* of the solver's residual (dynContactReport); 0: 1e-4, 1e-9 with accuracy */
   double sleep_speed;          /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;           /* s, > 0; default 0.5 */
   int32_t visit_sleepers; /* non-zero: steps compute sleeping islands too, with the same bits; default 0 */

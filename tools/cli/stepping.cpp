@@ -91,8 +91,8 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   add_robot_options(command, options.robot);
   command.add_option("--integrator", options.integrator, one_of("dynIntegrator"))->capture_default_str();
   command.add_option("--solver", options.solver, "Solver of contacts, limits and constraints: " + one_of("dynContactSolverType"))->capture_default_str();
-  command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops")->check(decimal)->capture_default_str();
-  command.add_option("--max-iterations", options.max_iterations, "Iterations of the solver, per island and step; then the best impulses act")->check(whole)->capture_default_str();
+  command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops; 0: 1e-4 of the largest velocity")->check(decimal)->capture_default_str();
+  command.add_option("--max-iterations", options.max_iterations, "Iterations of the solver, per island and step, over all that it tries; then the best impulses act; 0: 100, or 1200 with --tolerance")->check(whole)->capture_default_str();
   command.add_option("--time-budget", options.time_budget, "Seconds of the solver in a step; then the best impulses act; 0: no limit, and repeatable results")->check(decimal)->capture_default_str();
   command.add_flag("--ground", options.ground, "Add the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
@@ -104,8 +104,8 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
 void check_stepping(const SteppingOptions& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
   if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
-  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a positive number.");
-  if (options.max_iterations < 1) bad_usage("--max-iterations must be 1 or more.");
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a number, 0 or more.");
+  if (options.max_iterations < 0) bad_usage("--max-iterations must be 0 or more.");
   if (!(options.time_budget >= 0) || !std::isfinite(options.time_budget)) bad_usage("--time-budget must be a number of seconds, 0 or more.");
   check_lists(options.state);
   parse_list("--ctrl", options.ctrl);

@@ -25,7 +25,7 @@ const Solver& solver_named(const std::string& name);
 struct ContactSolver {
   dynContactSolverType type;
   double tolerance;
-  int max_iterations = 100;
+  int max_iterations = 0;
   double time_budget = 0;  // s a step; 0: none
 };
 void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger = false);
@@ -36,8 +36,8 @@ struct SteppingOptions {
   StateOptions state;
   EffectOptions effects;
   std::string integrator = "semi_implicit_euler", solver = "admm", configuration;
-  double duration = 0, dt = 1e-3, tolerance = 1e-9, time_budget = 0;
-  int max_iterations = 100;
+  double duration = 0, dt = 1e-3, tolerance = 0, time_budget = 0;
+  int max_iterations = 0;
   bool ground = false;
   std::vector<std::string> ctrl;
 };
