@@ -176,11 +176,17 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
 
 }  // namespace
 
+// Rollback compares them with the versions that it restores.
+void Call::remember_stamps() {
+  static_assert(std::size_t(Stage::Acceleration) == std::size_t(Stage::Position) + 2);
+  std::memcpy(kinematic_stamps, d().stamp + std::size_t(Stage::Position), sizeof kinematic_stamps);
+}
+
 bool Call::inputs(const double* q, const double* v, const double* a, const double* tau) {
   const Model& m = this->m();
   Data<double>& x = d();
   const Index nq = m.n.nq, nv = m.n.nv;
-  was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
+  remember_stamps();
   double *const kept_q = x.backup, *const kept_v = kept_q + nq, *const kept_a = kept_v + nv, *const kept_tau = kept_a + nv;
   bool good = true;
   unsigned replaced = 0;
@@ -230,7 +236,7 @@ bool Call::nonzero(const double* q) {
 
 void Call::begin_step() {
   Data<double>& x = d();
-  was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
+  remember_stamps();
   x.invalidate(Stage::Ddq), x.invalidate(Stage::Factor);  // their buffers are the step's
   simulation::with_active_trees(x, [&](const auto& part) {
     part.for_each_group(m(), [&](const Trees& t) {
@@ -279,9 +285,10 @@ void Call::rollback() {
   if (stepping) copy_out(backup, m().n.na, x.act);
   // the buffers behind the frame queries held the old state
   x.invalidate(Stage::Position), x.invalidate(Stage::Velocity), x.invalidate(Stage::Acceleration);
-  if (was_acceleration) forward_kinematics<2>(m(), x);
-  else if (was_velocity) forward_kinematics<1>(m(), x);
-  else if (was_position) forward_kinematics<0>(m(), x);
+  const auto was_fresh = [&](Stage s) { return kinematic_stamps[std::size_t(s) - std::size_t(Stage::Position)] == x.newest(s); };
+  if (was_fresh(Stage::Acceleration)) forward_kinematics<2>(m(), x);
+  else if (was_fresh(Stage::Velocity)) forward_kinematics<1>(m(), x);
+  else if (was_fresh(Stage::Position)) forward_kinematics<0>(m(), x);
   changed = 0;
 }
 

@@ -37,8 +37,8 @@ inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0
                                live_contact_solver = 0x746e6f63626e7964u;
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
-// The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
-inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
+// Sums of 0 times each of x[0 .. n-1]: zero where all are finite.
+inline Simd<double, 4> zero_times(const double* x, std::ptrdiff_t n) {
   using P = Simd<double, block_lanes>;
   using Four = Simd<double, 4>;
   constexpr Index w = block_lanes;
@@ -52,8 +52,14 @@ inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
     sum = sum + slice4<0>(a) + slice4<w - 4>(a);
   }
   for (; i + 4 < n; i += 4) sum = sum + Four::load(x + i) * 0.0;
-  if ((sum[0] + sum[1]) + (sum[2] + sum[3]) == 0) return n;
-  for (i = 0; i < n; ++i)
+  return sum;
+}
+inline bool all_zero(const Simd<double, 4>& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
+
+// The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
+inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
+  if (all_zero(zero_times(x, n))) return n;
+  for (std::ptrdiff_t i = 0; i < n; ++i)
     if (!(x[i] * 0.0 == 0)) return i;
   return n;
 }
@@ -199,6 +205,7 @@ class Call {
   void end_search();
 
  private:
+  void remember_stamps();
   // what went wrong, if anything did
   void enter(const dynModel* model, dynData* data, dynParts part);
   bool not_finite(const char* name, const double* x, Index k);
@@ -211,7 +218,7 @@ class Call {
   unsigned changed = 0;            // inputs that this call replaced
   std::uint64_t before[input_count];  // their versions
   bool stepping = false;
-  bool was_position = false, was_velocity = false, was_acceleration = false;
+  std::uint64_t kinematic_stamps[3];  // what the placements, velocities and accelerations were computed for, before the call
 };
 
 inline void copy_out(const double* from, std::ptrdiff_t n, double* to) {

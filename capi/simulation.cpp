@@ -21,8 +21,20 @@ const char* joint_at(const Model& m, Index k, bool in_v) {
   return name;
 }
 
+// Whether the state that steps left is finite, where trees are awake.
+bool has_finite_state(const Model& m, const Data<double>& d) {
+  Pack<double, 4> sum = Pack<double, 4>::zero();
+  simulation::with_active_trees(d, [&](const auto& part) {
+    part.for_each_group(m, [&](const Trees& t) {
+      sum = sum + zero_times(d.v + t.v, t.v_end - t.v);
+      sum = sum + zero_times(d.q + t.q, t.q_end - t.q);
+    });
+  });
+  return all_zero(sum);
+}
+
 // The error of steps that ended at t: from their return value and the state that they left.
-dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function, double t) {
+[[gnu::cold, gnu::noinline]] dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function, double t) {
   if (answer > 0)
     return fail(DYN_ERROR_NUMERIC, "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,
                 m.string(m.joints()[answer].name), t);
@@ -38,7 +50,6 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
       if (const Index n = finite_count(d.q + t.q, t.q_end - t.q); t.q + n < t.q_end) bad_q = std::min(bad_q, t.q + n);
     });
   });
-  if (bad_v == m.n.nv && bad_q == m.n.nq) return DYN_OK;
   return fail(DYN_ERROR_NUMERIC, "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt", function,
               joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
 }
@@ -49,7 +60,7 @@ void begin_report(Call& call) {
 }
 
 // One step of h; the state is as before after an error.
-dynStatus make_step(Call& call, const char* function, double h) {
+DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   simulation::Workspace& w = *d.step;
@@ -59,7 +70,11 @@ dynStatus make_step(Call& call, const char* function, double h) {
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
   w.expired = nullptr;
-  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d), status;
+  if (answer || !has_finite_state(m, d)) [[unlikely]] {
+    const dynStatus status = explain(m, d, answer, function, d.time[0]);
+    call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
+    return status;
+  }
   call.end_step();
   simulation::end_sleep(m, d, h);
   record_forces(m, d);
@@ -77,7 +92,7 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   if (d.step->report.steps == 0) call.rollback();
   else call.end_step();
   record_forces(m, d);
-  return explain(m, d, answer, function, d.time[0]);
+  return answer || !has_finite_state(m, d) ? explain(m, d, answer, function, d.time[0]) : DYN_OK;
 }
 
 }  // namespace
