@@ -126,6 +126,7 @@ dynLoadOptions capi::defaults() {
   dynLoadOptions o{};
   o.gravity[2] = -9.81;
   o.constraint_slots = 8;
+  o.meshes = DYN_MESH_USE_AUTO;
   return o;
 }
 

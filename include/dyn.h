@@ -172,15 +172,18 @@ typedef enum dynBase {
 } dynBase;
 
 /* Replacement of the collision meshes of a robot file. Equal meshes are kept once. Hulls and triangles have a
-   line each in the load report. */
+   line each in the load report. HULL and TRIANGLES refuse a mesh that cannot be read. */
 typedef enum dynMeshUse {
-  /* Names alone (default): no file is opened, and their pairs are not tested (DYN_PAIR_REASON_MESH). */
+  /* Names alone: no file is opened, and their pairs are not tested (DYN_PAIR_REASON_MESH). */
   DYN_MESH_USE_NONE = 0,
   /* Convex hulls, shapes of type CONVEX of at most 65,536 vertices; a mesh that is not convex is a warning
      with hull_volume_ratio and hull_depth of dynMeshInfo. */
   DYN_MESH_USE_HULL = 1,
   /* Triangles, shapes of type TRIANGLES; a mesh that encloses nothing is a warning. */
-  DYN_MESH_USE_TRIANGLES = 2
+  DYN_MESH_USE_TRIANGLES = 2,
+  /* Default: HULL for each mesh that can be read, NONE for each other one. The others are warnings of the load
+     report, and an error when strict. */
+  DYN_MESH_USE_AUTO = 3
 } dynMeshUse;
 
 typedef struct dynLoadOptions {
@@ -192,8 +195,7 @@ typedef struct dynLoadOptions {
   size_t package_dirs_count;
   double gravity[3]; /* m/s^2, world axes; default (0, 0, -9.81). An MJCF file's own counts unless changed. */
   const char* srdf;                /* path of an SRDF for this robot; NULL: none */
-  /* HULL and TRIANGLES need libdyn_mesh.so. A mesh that cannot be read is then an error. */
-  dynMeshUse meshes;
+  dynMeshUse meshes;               /* default AUTO; hulls and triangles need libdyn_mesh.so */
   int32_t constraint_slots;        /* spare slots for constraints, 0 to 1000; default 8 */
   /* contact points that a step can hold, 1 to 10^6; default 0: see dyn_builder_set_contact_capacity */
   int32_t contact_capacity;
@@ -1481,14 +1483,17 @@ DYN_API dynStatus dyn_geometry_distance(const dynGeometry* a, const double place
                                         const dynDistanceOptions* options, dynDistance* out);
 
 /* Pairs of a robot's collision shapes. Never tested: pairs of one body, and of a body and its parent. The
-   world is nobody's parent, but a link fixed to the world is the parent of a joint's link on it. Joints on
-   one another without mass between them, as those of one body of an MJCF, count as one. A model of more than
-   1,000 shapes lists only some pairs: wanted (dyn_builder_add_pair), disabled and overlapping ones. Its other
-   pairs are tested, if their masks match, in steps and by dyn_contacts. Functions that number pairs
-   (dyn_distances, dyn_smooth_distances, dyn_collisions) then return DYN_ERROR_LIMIT. */
+   world is nobody's parent, but a link fixed to the world is the parent of a joint's link on it, except in an
+   MJCF. Joints on one another without mass between them, as those of one body of an MJCF, count as one. The
+   flag filterparent="disable" of an MJCF pairs parents, too. A model of more than 1,000 shapes lists only some
+   pairs: wanted (dyn_builder_add_pair), disabled and overlapping ones. Its other pairs are tested, if their
+   masks match, in steps and by dyn_contacts. Functions that number pairs (dyn_distances,
+   dyn_smooth_distances, dyn_collisions) then return DYN_ERROR_LIMIT. */
 typedef enum dynPairReason {
   DYN_PAIR_REASON_TESTED = 0,   /* The pair is tested. */
-  /* The shapes overlap in the neutral configuration, and neither flies freely relative to the other. */
+  /* The shapes overlap in the neutral configuration and in at least 31 of 32 random ones within the limits, and
+     neither flies freely relative to the other. The load report names their links. Never given to shapes of an
+     MJCF, nor to those of a URDF with an SRDF that disables pairs: these files list the pairs themselves. */
   DYN_PAIR_REASON_OVERLAPS = 1,
   DYN_PAIR_REASON_MESH = 2, /* A shape is a mesh of which only the file's name is known: see dynMeshUse. */
   DYN_PAIR_REASON_OFF = 3,      /* The pair is switched off in the data. */

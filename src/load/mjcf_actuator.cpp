@@ -121,6 +121,10 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
       leave_out(why);
       continue;
     }
+    if (joint_nv(joint->spec.type) > 1 && (actuator.spec.kp != 0 || actuator.spec.bias[1] != 0)) {
+      leave_out("its force depends on the length of a transmission to a ball or free joint, which is not supported");
+      continue;
+    }
     read_range(reader, *e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
     read_range(reader, *e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
     if (actuator.spec.time_constant > 0 || actuator.spec.integrates) read_range(reader, *e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);

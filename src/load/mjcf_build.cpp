@@ -1,5 +1,6 @@
 // Passes an MJCF model to the builder. A joint's frame lies at its anchor with the body's axes at qpos 0. Several joints of one
 // body become a chain; links, shapes and sites attach to the last one.
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -70,11 +71,11 @@ void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const Mj
 }
 
 // joints: names that sites must not have, because both are frames.
-void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const std::set<std::string>& joints) {
+void add_shapes_and_sites(Builder& builder, MjcfBody& body, PairFilter filter, bool world, const std::set<std::string>& joints) {
   for (MjcfGeom& g : body.geoms) {
     if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL) continue;  // a visual plane has no extent to draw
     g.shape.body = world ? "universe" : body.name;
-    g.shape.placement = placement(g.X);
+    g.shape.placement = placement(g.X), g.shape.filter = filter;
     with_location(g.place, [&] { builder.shape(g.shape); });
   }
   for (MjcfSite& s : body.sites) {
@@ -86,11 +87,12 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const st
   }
 }
 
-// A joint's coordinates from MuJoCo's, where quaternions are (w, x, y, z).
+// A joint's coordinates from MuJoCo's, where quaternions are (w, x, y, z), and a zero one is the identity.
 std::vector<double> coordinates(const MjcfJoint& j, const double* qpos) {
   const size_t nq = size_t(joint_nq(j.spec.type));
   std::vector<double> q(qpos, qpos + nq);
   if (nq >= 4) q.insert(q.end(), q[nq - 4]), q.erase(q.end() - 5);
+  if (nq >= 4 && std::all_of(q.end() - 4, q.end(), [](double x) { return x == 0; })) q.back() = 1;
   return q;
 }
 
@@ -166,7 +168,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) joints.insert(j.spec.name);
-  for (size_t i = 0; i < robot.bodies.size(); ++i) add_shapes_and_sites(builder, robot.bodies[i], i == 0, joints);
+  for (size_t i = 0; i < robot.bodies.size(); ++i) add_shapes_and_sites(builder, robot.bodies[i], robot.filter, i == 0, joints);
   for (const MjcfExclude& x : robot.excludes) {
     for (const std::string& name : x.bodies) check_body(robot, x.place, name);
     with_location(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });

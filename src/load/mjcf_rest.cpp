@@ -38,7 +38,9 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
         if (off) file.robot.gravity = {0, 0, 0};
       } else if (off && is({"contact", "limit", "constraint", "frictionloss", "spring", "damper", "passive", "actuation", "equality"})) {
         reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used: switch effects off in the data");
-      } else if (off && is({"clampctrl", "filterparent"})) {
+      } else if (name == "filterparent") {
+        file.robot.filter = off ? PairFilter::SameBody : PairFilter::Mujoco;
+      } else if (off && is({"clampctrl"})) {
         reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used");
       } else {
         reader.report.info(a->GetLineNum(), "<flag " + name + ">: not used");

@@ -1,6 +1,7 @@
 // An MJCF model as values, and the steps between file and builder.
 #pragma once
 
+#include "collision_mesh.hpp"
 #include "colour.hpp"
 #include "model/constraints.hpp"
 #include "algorithm/actuators.hpp"
@@ -130,6 +131,7 @@ struct MjcfRobot {
   std::vector<MjcfPair> pairs;
   double density = 0, viscosity = 0;
   std::array<double, 3> wind = {0, 0, 0};
+  PairFilter filter = PairFilter::Mujoco;  // <flag filterparent>
 };
 
 // Meshes and height fields by the names that geoms use.
@@ -141,6 +143,8 @@ class MjcfAssets {
   const Element& model(const Element& e, const std::string& name) const;
   // Sets the geom's mesh by name. needed: the mass is needed, so the file must be read.
   void mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom);
+  // The mesh by name, read.
+  const meshes::Mesh& mesh(const Element& e, const std::string& name);
   // Sets the geom's height field by name. Returns false, with a report entry, if its format is not supported.
   bool height_field(const Element& e, const std::string& name, MjcfGeom& geom);
   // Colour of a geom: its own, else that of its material; 0: none.
@@ -151,8 +155,10 @@ class MjcfAssets {
     Element* element;
     std::shared_ptr<const meshes::Mesh> mesh;
     std::string path;
+    std::optional<CollisionMesh> collision = std::nullopt;
   };
   Entry& find(std::map<std::string, Entry>& all, const char* kind, const Element& e, const std::string& name) const;
+  Entry& mesh_entry(const Element& e, const std::string& name);
   void read(Entry& entry) const;
 
   MjcfSource& source_;
@@ -196,6 +202,11 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_mass.cpp
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner);
 std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot);
+MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g);  // at density 1
+// mjcf_fit.cpp: sizes and pose of a primitive that is fitted to a mesh; bounds: to its box, not to its inertia.
+void fit_mjcf_geom(const meshes::Mesh& mesh, bool bounds, double scale, MjcfGeom& geom);
+// mjcf_builtin.cpp: corners of a <mesh builtin>. Nothing if its type is not supported.
+std::optional<std::vector<double>> mjcf_builtin_corners(const Reader& reader, const Element& e);
 // mjcf_rest.cpp: sections beside the bodies
 void read_mjcf_option(MjcfFile& file, Element& e);
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);

@@ -387,6 +387,8 @@ void Builder::configuration_of_joints(const std::string& name, const std::vector
   impl->configurations.push_back(std::move(entry));
 }
 
+void Builder::allow_massless_joints() { impl->allow_massless = true; }
+
 void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
   const std::string who = "pair '" + body1 + "', '" + body2 + "'";
   const auto frame = [&](const std::string& body) { return body == "universe" ? 0 : impl->find({body, DYN_FRAME_TYPE_BODY}, who); };

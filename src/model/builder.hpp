@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dyn.h"
+#include "model/pair_filter.hpp"
 #include "shape/material.hpp"
 
 namespace dyn {
@@ -66,6 +67,7 @@ struct Shape {
   dynMaterial material = shape::default_material();
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
   std::uint32_t colour = 0;                              // colour.hpp
+  PairFilter filter = PairFilter::Guess;
 };
 
 // nq and nv of a type with no parts.
@@ -109,6 +111,7 @@ class Builder {
   void report(dynReportLevel level, int line, const std::string& message);
   // first and second name frames, or joints; "": the universe, or none.
   void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second);
+  void allow_massless_joints();  // finish() reports joints that move no inertia; without this it throws
   void constraint_slots(int spare);
   void contact_capacity(int contacts);  // of a step; 0: by its shapes
   // joint: its name. (builder_actuator.cpp)

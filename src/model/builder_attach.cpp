@@ -90,6 +90,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.actuators.push_back(std::move(a));
   }
   for (const PairEntry& p : other.pairs) next.pairs.push_back({p.shape1 + shapes_before, p.shape2 + shapes_before, p.material});
+  next.allow_massless |= other.allow_massless;
   next.constraint_slots = std::max(next.constraint_slots, other.constraint_slots);
   if (next.contact_capacity > 0) next.contact_capacity = std::min(next.contact_capacity + other.contact_capacity, max_contacts);
   next.reports.insert(next.reports.end(), other.reports.begin(), other.reports.end());

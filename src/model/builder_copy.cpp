@@ -87,7 +87,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     const ShapeRecord& r = m.shapes()[k];
     Shape s{m.string(r.name), r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
-    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material], s.colour = r.colour;
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material], s.colour = r.colour, s.filter = PairFilter(r.filter);
     if (r.surface >= 0) {
       SurfacePtr& surface = surfaces[{dynShapeType(r.type), r.surface}];
       if (!surface) surface = surface_of(m, k);
@@ -98,6 +98,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   for (Index k = 0; k < m.n.reports; ++k) {
     const ReportRecord& r = m.reports()[k];
     impl->reports.push_back({r.level, r.line, m.string(r.message)});
+    impl->allow_massless |= impl->reports.back().message.starts_with(massless_report);
   }
   for (Index k = 0; k < m.n.disabled; ++k) {
     const DisabledRecord& r = m.disabled_pairs()[k];

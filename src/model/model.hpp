@@ -7,6 +7,7 @@
 
 #include "dyn.h"
 #include "joint/body.hpp"
+#include "model/pair_filter.hpp"
 #include "model/stored.hpp"
 #include "shape/height_field.hpp"
 #include "shape/triangles.hpp"
@@ -105,7 +106,7 @@ struct ActuatorRecord {
 struct ShapeRecord {
   Index name, mesh;
   dynShapeType type : 8;
-  std::uint32_t role : 8, material : 16;  // dynShapeRole; its number among the materials
+  std::uint32_t role : 4, filter : 4, material : 16;  // dynShapeRole; PairFilter; its number among the materials
   std::uint32_t colour;                   // colour.hpp
   Index frame;
   Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1

@@ -48,7 +48,7 @@ struct RobotOptions {
   std::string file;
   std::vector<std::string> package_dirs;
   std::string srdf;
-  std::string meshes = "none";
+  std::string meshes = "auto";
   int contact_capacity = 0;
   bool fixed = false, floating = false, strict = false, cos_sin = false, confined = false, json = false;
 };

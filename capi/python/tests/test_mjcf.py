@@ -122,7 +122,7 @@ def test_collision_geometry():
     assert [s.type.name for s in shapes] == ["HEIGHT_FIELD"] + ["CONVEX"] * 5
     assert any("not convex" in r.message for r in model.report)
     assert any("legacy" in r.message for r in model.report)
-    bare = dyn.load(MJCF / "models" / "meshes.xml")
+    bare = dyn.load(MJCF / "models" / "meshes.xml", meshes="none")
     assert [s.type.name for s in bare.shapes] == ["HEIGHT_FIELD"] + ["MESH"] * 5
     tree = dyn.load(MJCF / "models" / "tree.xml")
     kinds = [(s.type.name, s.role.name) for s in tree.shapes]
