@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "algorithm/configuration.hpp"
 #include "collision/pair_search.hpp"
 #include "model/builder_impl.hpp"
 
@@ -21,6 +22,7 @@ struct Judge {
   const std::vector<ShapeRecord>& shapes;
   const std::vector<GeomRecord>& geoms;
   const WantedPairs& wanted;
+  PairRule rule;
   std::set<std::pair<Index, Index>> off = {};  // links
   std::vector<PairRecord> pairs = {};
 
@@ -30,7 +32,7 @@ struct Judge {
   void add(Index a, Index b, bool overlaps) {
     const auto special = wanted.find(std::minmax(geoms[std::size_t(a)].shape, geoms[std::size_t(b)].shape));
     const bool is_wanted = special != wanted.end();
-    if (joint(a) == joint(b) || (!is_wanted && collision::adjacent(joints.data(), bodies.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
+    if (joint(a) == joint(b) || (!is_wanted && collision::adjacent(joints.data(), bodies.data(), frames.data(), shape(a).frame, shape(b).frame, rule))) return;
     const bool mesh = shape(a).type == DYN_SHAPE_TYPE_MESH || shape(b).type == DYN_SHAPE_TYPE_MESH;
     const bool masked = !collision::masks_allow({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
     const dynPairReason reason = mesh                                                    ? DYN_PAIR_REASON_MESH
@@ -64,34 +66,41 @@ Index tree(const Model& m, Index i) {
 }
 bool flies(const Model& m, Index root) { return root && m.bodies()[root].type == BodyType::FreeFlyer; }
 
-// In the neutral configuration: f(a, b) of pairs that overlap and are not to be tested because of that. Where something flies says nothing of
-// what it may touch.
+// The neutral configuration and others within the limits, seeded. Pairs that overlap in more than half of them belong together.
+constexpr int configurations = 33;
+
+// f(a, b, ...) of each tested pair that overlaps in a configuration and that nothing separates: where something flies says nothing of what it may touch.
 template <class Pairs, class F>
 void judge(const Model& m, Pairs&& for_each_tested, F&& f) {
   const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, data_bytes<double>(m, DYN_PART_COLLISION)), std::free);
   if (!memory) throw std::bad_alloc();
   Data<double> d;
   data_layout(m, DYN_PART_COLLISION, memory.get(), d);
-  collision::place_geoms(m, d);
-  for (Index k = 0; k < m.n.geoms; ++k)
-    if (!(sizes(d.geom_poses[k].p)[0] + sizes(d.geom_poses[k].p)[1] + sizes(d.geom_poses[k].p)[2] <= shape::max_length)) return;
   auto apart = [&](Index geom_a, Index geom_b) {
     const Index a = tree(m, d.geoms[geom_a].body), b = tree(m, d.geoms[geom_b].body);
     return a != b && (flies(m, a) || flies(m, b));
   };
-  for_each_tested(d, [&](Index a, Index b, auto&&... which) {
-    if (apart(a, b)) return;
-    const collision::Result r = collision::distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace);
-    if (r.status == collision::Status::Penetrating) f(a, b, which...);
-  });
+  for (int c = 0; c < configurations; ++c) {
+    if (c == 0) std::copy_n(m.neutral(), m.n.nq, d.q);
+    else random_configuration(m, std::uint64_t(c), m.lower_limit(), m.upper_limit(), d.q);
+    d.changed(input_q);
+    collision::place_geoms(m, d);
+    for (Index k = 0; k < m.n.geoms; ++k)
+      if (!(sizes(d.geom_poses[k].p)[0] + sizes(d.geom_poses[k].p)[1] + sizes(d.geom_poses[k].p)[2] <= shape::max_length)) return;
+    for_each_tested(d, [&](Index a, Index b, auto&&... which) {
+      if (apart(a, b) || collision::distance_lower_bound(d.geoms[a], d.geom_poses[a], d.geoms[b], d.geom_poses[b]) > 0) return;
+      const collision::Result r = collision::distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace);
+      if (r.status == collision::Status::Penetrating) f(a, b, which...);
+    });
+  }
 }
 
 }  // namespace
 
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies, const std::vector<FrameRecord>& frames,
                                  const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
-                                 const GeomPairs& overlapping) {
-  Judge judge{joints, bodies, frames, shapes, geoms, wanted};
+                                 const GeomPairs& overlapping, PairRule rule) {
+  Judge judge{joints, bodies, frames, shapes, geoms, wanted, rule};
   for (const DisabledRecord& d : disabled) judge.off.insert(std::minmax(d.frame1, d.frame2));
   if (geoms.size() > std::size_t(max_geoms)) return judge.add_special(disabled, overlapping), judge.pairs;
   for (Index a = 0; a < Index(geoms.size()); ++a)
@@ -104,15 +113,20 @@ bool tests_nothing(const Model& m) {
 }
 
 void judge_pairs(const Model& m, PairRecord* pairs) {
-  if (m.n.pairs == 0) return;
+  if (m.n.pairs == 0 || m.simulation()->as_written) return;
+  std::vector<int> times(std::size_t(m.n.pairs));
   judge(m, [&](Data<double>&, auto&& f) {
     for (Index k = 0; k < m.n.pairs; ++k)
       if (pairs[k].reason == DYN_PAIR_REASON_TESTED && !pairs[k].wanted()) f(pairs[k].a, pairs[k].b, k);
-  }, [&](Index, Index, Index k) { pairs[k].reason = DYN_PAIR_REASON_OVERLAPS; });
+  }, [&](Index, Index, Index k) { ++times[std::size_t(k)]; });
+  for (Index k = 0; k < m.n.pairs; ++k)
+    if (2 * times[std::size_t(k)] > configurations) pairs[k].reason = DYN_PAIR_REASON_OVERLAPS;
 }
 
 GeomPairs overlapping(const Model& m) {
   GeomPairs out;
+  if (m.simulation()->as_written) return out;
+  std::map<std::pair<Index, Index>, int> times;
   judge(m, [&](Data<double>& d, auto&& f) {
     collision::PairSearch& search = *collision::PairSearch::of(d);
     search.set_up(m, d), search.place_all(d, 0);
@@ -132,8 +146,9 @@ GeomPairs overlapping(const Model& m) {
       for (std::size_t i = 0; i < geoms.size(); ++i)
         for (std::size_t j = i + 1; j < geoms.size(); ++j)
           if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]], d.geom_poses[geoms[j]]) > 0)) look(geoms[i], geoms[j]);
-  }, [&](Index a, Index b) { out.emplace_back(a, b); });
-  std::sort(out.begin(), out.end());
+  }, [&](Index a, Index b) { ++times[std::minmax(a, b)]; });
+  for (const auto& [two, n] : times)
+    if (2 * n > configurations) out.push_back(two);
   return out;
 }
 

@@ -2,6 +2,7 @@
 // lie in a tree of their own, which costs nothing until something comes near.
 #pragma once
 
+#include "model/pair_rule.hpp"
 #include "collision/broad/broad_phase.hpp"
 #include "collision/bounding_sphere.hpp"
 #include "collision/pairs.hpp"
@@ -31,7 +32,8 @@ inline bool parent_and_child(const JointRecord* joints, const Body* bodies, cons
   }
   return false;
 }
-inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index a, Index b) {
+inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index a, Index b, PairRule rule) {
+  if (rule == PairRule::StatedParents || (rule == PairRule::Stated && (frames[a].joint == 0 || frames[b].joint == 0))) return false;
   return parent_and_child(joints, bodies, frames, a, b) || parent_and_child(joints, bodies, frames, b, a);
 }
 
@@ -43,7 +45,7 @@ inline bool is_tested(const Model& m, const Data<double>& d, Index a, Index b, I
   if (lists_pairs(m)) return false;
   const auto frame = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame; };
   return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_allow(d.geom_masks[a], d.geom_masks[b]) &&
-         !adjacent(m.joints(), m.bodies(), m.frames(), frame(a), frame(b)) && has_geometry(m, a) && has_geometry(m, b);
+         !adjacent(m.joints(), m.bodies(), m.frames(), frame(a), frame(b), PairRule(m.simulation()->as_written)) && has_geometry(m, a) && has_geometry(m, b);
 }
 
 // Whether steps search pairs by boxes. Measured: boxes are cheaper from this many listed pairs a shape.

@@ -31,6 +31,11 @@ CollisionMesh triangles(const meshes::Mesh& mesh) {
 
 }  // namespace
 
-CollisionMesh collision_mesh_of(const meshes::Mesh& mesh, dynMeshUse use) { return use == DYN_MESH_USE_HULL ? hull(mesh) : triangles(mesh); }
+CollisionMesh collision_mesh_of(const meshes::Mesh& mesh, dynMeshUse use) {
+  if (use == DYN_MESH_USE_AUTO) return {meshes::convex_of(meshes::hull_of(mesh)), false, ""};
+  return use == DYN_MESH_USE_HULL ? hull(mesh) : triangles(mesh);
+}
+
+dynShapeType collision_type_of(dynMeshUse use) { return use == DYN_MESH_USE_TRIANGLES ? DYN_SHAPE_TYPE_TRIANGLES : DYN_SHAPE_TYPE_CONVEX; }
 
 }  // namespace dyn::load

@@ -8,8 +8,11 @@ namespace dyn::load {
 struct CollisionMesh {
   std::shared_ptr<const SurfaceData> surface;
   bool warning;
-  std::string message;  // after "mesh 'name'"
+  std::string message;  // after "mesh 'name'"; "": no entry
 };
 CollisionMesh collision_mesh_of(const meshes::Mesh& mesh, dynMeshUse use);
+dynShapeType collision_type_of(dynMeshUse use);
+// Behind the reason why a collision mesh has no shape.
+inline constexpr const char* not_tested = ": it is not tested for collision";
 
 }  // namespace dyn::load

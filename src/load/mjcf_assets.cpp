@@ -1,4 +1,5 @@
 // <asset>: meshes, height fields, and models to attach.
+#include <charconv>
 #include <cmath>
 #include <fstream>
 
@@ -54,6 +55,27 @@ meshes::Mesh read_msh(const std::string& path) {
   return meshes::make_mesh(numbers.data(), counts[0], corners.data(), counts[3], 0, "file " + load::quoted(path));
 }
 
+// Vertices of an OBJ without faces: a cloud of points, of which MuJoCo takes the hull. Empty: it has faces, or is another file.
+std::vector<double> points_of_obj(const std::string& path) {
+  std::vector<double> out;
+  if (!path.ends_with(".obj") && !path.ends_with(".OBJ")) return out;
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("f ") || line.starts_with("f\t")) return {};
+    if (!line.starts_with("v ") && !line.starts_with("v\t")) continue;
+    const char *at = line.data() + 2, *const end = line.data() + line.size();
+    for (int k = 0; k < 3; ++k) {
+      double x = 0;
+      while (at < end && (*at == ' ' || *at == '\t')) ++at;
+      const auto [next, error] = std::from_chars(at, end, x);
+      if (error != std::errc() || !std::isfinite(x)) return {};
+      out.push_back(x), at = next;
+    }
+    if (out.size() > 3 * std::size_t(meshes::max_triangles)) return {};
+  }
+  return out;
+}
+
 struct Grid {
   std::vector<double> heights;  // from 0 to 1
   Index columns, rows;
@@ -104,7 +126,7 @@ void MjcfAssets::add(Element& asset, const MjcfDefaults& defaults) {
       if (name.empty()) reader.fail(DYN_ERROR_PARSE, *c, "it has neither name nor file");
       if (kind == "mesh") defaults.apply(source_, *c, "mesh", "");
       auto& all = kind == "mesh" ? meshes_ : kind == "hfield" ? fields_ : models_;
-      if (!all.emplace(name, Entry{c, nullptr, ""}).second) reader.fail(DYN_ERROR_NAME, *c, "there are two of this name");
+      if (!all.emplace(name, Entry{c, nullptr, nullptr, ""}).second) reader.fail(DYN_ERROR_NAME, *c, "there are two of this name");
     } else if (kind == "material") {
       defaults.apply(source_, *c, "material", "");
       materials_.emplace(attribute(*c, "name"), colour_of(*c));
@@ -137,7 +159,7 @@ const Element& MjcfAssets::model(const Element& e, const std::string& name) cons
 void MjcfAssets::read(Entry& entry) const {
   const Element& e = *entry.element;
   const Reader reader = source_.reader(e, "mesh " + load::quoted(entry.path));
-  reader.unread(e, {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal", "maxhullvert", "inertia", "content_type", "material"}, {});
+  reader.unread(e, {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal", "maxhullvert", "inertia", "content_type", "material", "builtin", "params"}, {});
   const auto scale = reader.vector3(e, "scale").value_or(std::array<double, 3>{1, 1, 1});
   SE3<double> reference = SE3<double>::identity();
   if (const auto p = reader.vector3(e, "refpos")) reference.p = load3(p->data());
@@ -158,6 +180,8 @@ void MjcfAssets::read(Entry& entry) const {
       if (faces.size() % 3) reader.bad_numbers(e, "face", "three vertices a face are expected");
       if (faces.empty()) mesh.vertices = *vertices;
       else mesh = meshes::make_mesh(vertices->data(), std::int64_t(vertices->size() / 3), faces.data(), std::int64_t(faces.size() / 3), 0, reader.owner);
+    } else if (const std::vector<double> points = points_of_obj(entry.path); !points.empty()) {
+      mesh.vertices = points;
     } else if (entry.path.ends_with(".msh")) {
       mesh = read_msh(entry.path);
     } else {
@@ -175,28 +199,72 @@ void MjcfAssets::read(Entry& entry) const {
   }
 }
 
-void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom) {
+void MjcfAssets::find_path(Entry& entry, const std::string& name) const {
+  if (!entry.path.empty()) return;
+  const Element& asset = *entry.element;
+  std::string file = attribute(asset, "file");
+  if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
+  entry.path = file.empty() ? name : source_.path(asset, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
+}
+
+namespace {
+
+bool is_builtin(const Element& asset, const std::string& name, const MjcfGeom& geom) {
+  const std::string builtin = attribute(asset, "builtin");
+  if (builtin.empty() || builtin == "none") return false;
+  geom.place.physics("mesh " + load::quoted(name) + " is built in (" + load::quoted(builtin) + "), which is not supported: the geom is left out");
+  return true;
+}
+
+}  // namespace
+
+bool MjcfAssets::fit(const Element& e, const std::string& name, MjcfGeom& geom) {
+  Entry& entry = find(meshes_, "mesh", e, name);
+  if (is_builtin(*entry.element, name, geom)) return false;
+  find_path(entry, name);
+  if (!entry.mesh) read(entry);
+  const Reader reader = source_.reader(e, geom.place.owner);
+  geom.mesh = entry.mesh, geom.rule = attribute(*entry.element, "inertia");
+  double half[3];
+  geom.X = geom.X * mjcf_mesh_box(geom, half);
+  geom.mesh = nullptr, geom.rule = "";
+  const double scale = reader.optional_number(e, "fitscale").value_or(1), round = (half[0] + half[1]) / 2;
+  std::array<double, 3> size = {half[0], half[1], half[2]};  // of a box or an ellipsoid
+  if (geom.shape.type == DYN_SHAPE_TYPE_SPHERE) size = {(half[0] + half[1] + half[2]) / 3, 0, 0};
+  else if (geom.shape.type == DYN_SHAPE_TYPE_CAPSULE) size = {round, std::max(0.0, half[2] - round / 2), 0};
+  else if (geom.shape.type == DYN_SHAPE_TYPE_CYLINDER) size = {round, half[2], 0};
+  for (double& s : size) s *= scale;
+  geom.shape.size = size;
+  return true;
+}
+
+bool MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom) {
   Entry& entry = find(meshes_, "mesh", e, name);
   const Element& asset = *entry.element;
-  if (entry.path.empty()) {
-    std::string file = attribute(asset, "file");
-    if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
-    entry.path = file.empty() ? name : source_.path(asset, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
-  }
+  if (is_builtin(asset, name, geom)) return false;
+  find_path(entry, name);
   const bool touches = options_.meshes != DYN_MESH_USE_NONE && geom.shape.role == DYN_SHAPE_ROLE_COLLISION;
   geom.shape.mesh = entry.path;
   geom.shape.size = {1, 1, 1};
-  if (!needed && !touches) return;
-  if (!entry.mesh) read(entry);
-  geom.mesh = entry.mesh;
-  geom.rule = attribute(asset, "inertia");
-  if (!touches) return;
-  const CollisionMesh collision = collision_mesh_of(*entry.mesh, options_.meshes);
-  const std::string message = "mesh " + load::quoted(name) + collision.message;
-  if (collision.warning) geom.place.warning(message);
-  else geom.place.info(message);
-  geom.shape.type = options_.meshes == DYN_MESH_USE_HULL ? DYN_SHAPE_TYPE_CONVEX : DYN_SHAPE_TYPE_TRIANGLES;
-  geom.shape.surface = collision.surface;
+  if (!needed && !touches) return true;
+  const bool may_fail = !needed && options_.meshes == DYN_MESH_USE_AUTO;
+  try {
+    if (!entry.mesh) read(entry);
+    geom.mesh = entry.mesh;
+    geom.rule = attribute(asset, "inertia");
+    if (!touches) return true;
+    if (!entry.collision) entry.collision = std::make_shared<CollisionMesh>(collision_mesh_of(*entry.mesh, options_.meshes));
+  } catch (const Error& error) {
+    if (!entry.mesh && !may_fail) throw;
+    geom.place.physics("mesh " + load::quoted(name) + ": " + error.what() + not_tested);
+    return true;
+  }
+  const std::string message = "mesh " + load::quoted(name) + entry.collision->message;
+  if (entry.collision->warning) geom.place.warning(message);
+  else if (!entry.collision->message.empty()) geom.place.info(message);
+  geom.shape.type = collision_type_of(options_.meshes);
+  geom.shape.surface = entry.collision->surface;
+  return true;
 }
 
 bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeom& geom) {

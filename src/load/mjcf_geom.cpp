@@ -67,7 +67,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   const Reader reader = file.source.reader(e, owner);
   geom.place = {&file.source.report(e), line(e), owner};
   reader.unread(e, {"name", "class", "type", "contype", "conaffinity", "group", "size", "material", "rgba", "mass", "density", "fromto", "pos", "quat", "axisangle",
-                    "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
+                    "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel", "fitscale"},
                 {"plugin"});
   count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap"});
   const std::optional<ShapeForm> type = type_of(reader, e);
@@ -102,15 +102,21 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     else size = {size[0], size[0], half}, needed = 1;
     geom.X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
   }
-  if (e.Attribute("mesh") && type->type != DYN_SHAPE_TYPE_MESH)
-    return geom.place.physics("a " + std::string(type->name) + " fitted to a mesh is not supported: the geom is left out; give its size, or type=\"mesh\"");
+  const bool fitted = e.Attribute("mesh") && type->type != DYN_SHAPE_TYPE_MESH;
+  if (fitted && (type->sizes == 0 || file.compiler.fit_box))
+    return geom.place.physics("a " + std::string(type->name) + " fitted to a mesh" + (file.compiler.fit_box ? "'s bounding box" : "") + " is not supported: the geom is left out");
+  if (fitted) needed = 0;
   if (given < needed) reader.fail(DYN_ERROR_INVALID, e, "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
   for (size_t k = 0; k < needed; ++k)
     if (!(size[k] > 0)) reader.bad_numbers(e, "size", "sizes are positive metres");
   geom.shape.size = sizes_of(*type, size);
+  if (fitted) {
+    if (!file.assets.fit(e, reader.name(e, "mesh"), geom)) return;
+    geom.shape.size = sizes_of(*type, geom.shape.size);
+  }
 
   const bool counts = geom.mass.value_or(geom.density) > 0 && context.body != 0 && mass_from_geoms(body);
-  if (type->type == DYN_SHAPE_TYPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts, geom);
+  if (type->type == DYN_SHAPE_TYPE_MESH && !file.assets.mesh(e, reader.name(e, "mesh"), counts, geom)) return;
   if (type->type == DYN_SHAPE_TYPE_HEIGHT_FIELD && !file.assets.height_field(e, reader.name(e, "hfield"), geom)) return;
   geom.X = context.X * geom.X;
   if (file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0) return;

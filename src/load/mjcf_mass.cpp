@@ -125,6 +125,17 @@ std::optional<MjcfMass> from_geoms(const MjcfBody& body) {
 
 }  // namespace
 
+SE3<double> mjcf_mesh_box(const MjcfGeom& geom, double (&half)[3]) {
+  const MjcfMass mass = mass_of(*geom.mesh, geom);
+  Eigen::Matrix3d axes;
+  const Eigen::Vector3d ascending = principal(mass.inertia, &axes);
+  const Eigen::Vector3d I = ascending.reverse();  // the largest moment is about the shortest side
+  Eigen::Matrix3d R = axes.rowwise().reverse();
+  if (R.determinant() < 0) R.col(0) = -R.col(0);
+  for (int k = 0; k < 3; ++k) half[k] = mass.mass > 0 ? std::sqrt(std::max(0.0, 1.5 * (I.sum() - 2 * I[k]) / mass.mass)) : 0;
+  return {load33(R.data()), mass.com};
+}
+
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner) {
   const Reader reader = file.source.reader(e, owner);
   reader.unread(e, {"pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "mass", "diaginertia", "fullinertia"}, {});

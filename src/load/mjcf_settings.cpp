@@ -74,6 +74,7 @@ void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
   compiler.masses.balance = *read_switch(reader, e, "balanceinertia", compiler.masses.balance);
   compiler.discard_visual = *read_switch(reader, e, "discardvisual", compiler.discard_visual);
   compiler.strip_path = *read_switch(reader, e, "strippath", compiler.strip_path);
+  compiler.fit_box = *read_switch(reader, e, "fitaabb", compiler.fit_box);
   if (const char* folder = e.Attribute("assetdir")) compiler.mesh_folder = folder;
   if (const char* folder = e.Attribute("meshdir")) compiler.mesh_folder = folder;
 }

@@ -26,6 +26,7 @@ struct MjcfCompiler {
   bool discard_visual = false, align_free = false;
   std::string mesh_folder;
   bool strip_path = false;
+  bool fit_box = false;  // primitives are fitted to bounding boxes of meshes, not to boxes of equal inertia
 };
 void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler);
 

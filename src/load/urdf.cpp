@@ -1,4 +1,5 @@
 // URDF to model: read, check, compare with urdfdom, build.
+#include "model/model.hpp"
 #include "srdf.hpp"
 #include "urdf_robot.hpp"
 
@@ -22,6 +23,19 @@ void add_link(Builder& builder, const UrdfLink& link, const Parent& parent, cons
   with_location(report, link.inertial_line ? link.inertial_line : link.line,
           [&] { builder.body(link.name, parent, identity_placement, link.mass, link.com, link.inertia); });
   for (const UrdfShape& s : link.shapes) with_location(report, s.line, [&] { builder.shape(s.shape); });
+}
+
+// A line for each pair that is not tested because it overlaps.
+std::vector<std::string> overlapping_pairs(const Model& m) {
+  std::vector<std::string> out;
+  const auto named = [&](Index geom) {
+    const ShapeRecord& s = m.shapes()[m.geoms()[geom].shape];
+    const std::string name = m.string(s.name);
+    return load::quoted(m.string(m.frames()[s.frame].name)) + (name.empty() ? "" : " (" + load::quoted(name) + ")");
+  };
+  for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)
+    if (p->reason == DYN_PAIR_REASON_OVERLAPS) out.push_back("shapes of " + named(p->a) + " and " + named(p->b) + " overlap in most configurations: the pair is not tested");
+  return out;
 }
 
 }  // namespace
@@ -62,8 +76,13 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   for (const UrdfConstraint& c : robot.constraints)
     with_location(report, c.line, [&] { builder.constraint(c.name, c.spec, {c.first, 0}, {c.second, 0}); });
   for (const Srdf::State& s : srdf.states) with_location(Report(options.srdf, false), s.line, [&] { builder.configuration_of_joints(s.name, s.joints); });
+  if (!srdf.pairs.empty()) builder.pair_rule(PairRule::Srdf);
   for (const Srdf::Pair& p : srdf.pairs) builder.disabled_pair(p.link1, p.link2, p.reason);
   for (const Report::Entry& e : entries) builder.report(e.level, e.line, e.message);
+  ModelPtr model = with_location(report, 0, [&] { return builder.finish(); });
+  const auto taken = overlapping_pairs(*model);
+  if (taken.empty()) return model;
+  for (const std::string& pair : taken) builder.report(DYN_REPORT_LEVEL_INFO, 0, pair);
   return with_location(report, 0, [&] { return builder.finish(); });
 }
 

@@ -90,7 +90,8 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
   reader.report.physics(line(e), reader.owner + ": mesh " + quoted(name) + " is not found" + tried);
 }
 
-void read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, bool physics, Shape& shape) {
+// Returns false, with a report entry, if a size is zero.
+bool read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, bool physics, Shape& shape) {
   const auto& names = form.attribute;
   shape.type = form.type, shape.size = {0, 0, 0};
   if (!names[1]) {
@@ -102,8 +103,16 @@ void read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, b
     reader.unread(g, {names[0], names[1], names[2] ? names[2] : names[0]}, {}, physics);
     for (size_t k = 0; k < form.sizes; ++k) shape.size[k] = reader.number(g, names[k]);
   }
+  for (size_t k = 0; k < form.sizes; ++k)
+    if (shape.size[k] == 0) {
+      const std::string what = reader.owner + ": <" + std::string(g.Name()) + "> has a size of 0: the shape is left out";
+      if (physics) reader.report.physics(line(g), what);
+      else reader.report.warning(line(g), what);
+      return false;
+    }
   for (size_t k = 0; k < form.sizes; ++k) positive(reader, g, names[names[1] ? k : 0], shape.size[k]);
   for (size_t k = 0; k < form.sizes; ++k) shape.size[k] /= form.factor[k];
+  return true;
 }
 
 // Reads a <visual> or <collision>. Returns false if it holds no supported shape.
@@ -131,7 +140,7 @@ bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths&
 
   const std::string_view kind = g->Name();
   if (const auto form = shape_form(RobotFormat::Urdf, kind)) {
-    read_sizes(*g, reader, *form, physics, shape);
+    if (!read_sizes(*g, reader, *form, physics, shape)) return false;
   } else if (kind == "mesh") {
     read_mesh(*g, reader, shape, meshes);
   } else {

@@ -25,6 +25,7 @@ ModelPtr Builder::finish() const {
   c.add_constraints();
   c.add_configurations();
   c.add_runs();
+  c.add_configuration_states();
   c.add_limits();
   c.add_subtrees();
   c.sort_names();

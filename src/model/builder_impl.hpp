@@ -59,6 +59,9 @@ struct ConfigurationEntry {
   bool split;
   std::vector<double> whole;
   std::vector<std::vector<double>> by_joint;
+  std::vector<std::vector<double>> v_by_joint = {};  // none: zero
+  std::map<std::string, ConfigurationState::Actuator> actuators = {};
+  double time = 0;
 };
 
 struct ReportEntry {
@@ -101,6 +104,8 @@ struct Builder::Impl {
   std::unordered_map<std::string, std::vector<int>> frame_index;
   std::vector<ShapeEntry> shapes;
   std::vector<ConfigurationEntry> configurations;
+  std::string initial = "neutral";  // configuration of new data
+  SimulationRecord simulation;
   std::vector<ReportEntry> reports;
   std::vector<DisabledEntry> disabled;  // not tested for collision
   std::vector<ConstraintEntry> constraints;
@@ -131,9 +136,10 @@ std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<Joi
 std::vector<int> depth_first(const std::vector<JointEntry>& joints);
 // A joint's own coordinates where nothing moves.
 std::vector<double> neutral_of(const JointEntry& joint);
-// Coordinates of the model in each joint's own, by the order of addition; followers have none.
-std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& q);
 int own_nq(const JointEntry& joint);  // 0 for a follower
+int own_nv(const JointEntry& joint);
+// Coordinates of the model in each joint's own, by the order of addition; followers have none. size: own_nq or own_nv.
+std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x, int (*size)(const JointEntry&) = own_nq);
 
 // Who a joint follows: q = ratio q_leader + offset; joint -1: it moves by itself.
 struct Leader {
@@ -161,11 +167,11 @@ using GeomPairs = std::vector<std::pair<Index, Index>>;
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies, const std::vector<FrameRecord>& frames,
                                  const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms,
                                      const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
-                                 const GeomPairs& overlapping);
+                                 const GeomPairs& overlapping, PairRule rule);
 // Several collision shapes, and no pair of them is tested: the load report says so.
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
 bool tests_nothing(const Model& m);
-// Marks those that overlap in the neutral configuration.
+// Marks those that overlap in most configurations.
 void judge_pairs(const Model& m, PairRecord* pairs);
 // Of a model that does not list its pairs, those of which it knows by itself left out.
 GeomPairs overlapping(const Model& m);

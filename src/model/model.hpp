@@ -147,6 +147,15 @@ struct ReportRecord {
   Index line, message;
 };
 
+// How simulations begin and step.
+struct SimulationRecord {
+  double dt = 1e-3;  // s
+  dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
+  std::uint32_t effects = DYN_EFFECT_ALL & ~std::uint32_t(DYN_EFFECT_SLEEPING);  // of steps by DYN_EFFECT_AS_STATED
+  Index initial = 0;  // configuration of new data
+  Index as_written = 0;  // 1: the file states its own pairs: those that overlap are tested
+};
+
 // A constraint of the model; its frames or joints are ids.
 struct ConstraintRecord {
   dynConstraint spec;
@@ -197,6 +206,8 @@ struct Model {
 #undef FIELD
 
   const char* string(Index at) const { return text() + at; }
+  // nv, nu, na numbers of a named configuration, and its time.
+  const double* configuration_state(Index k) const { return configuration_states() + std::ptrdiff_t(k) * (n.nv + n.nu + n.na + 1); }
   // Share of a link's weight that is held from outside.
   double compensation(Index link) const {
     for (const GravityCompensation *w = gravity_compensations(), *end = w + n.gravity_compensations; w != end; ++w)

@@ -24,6 +24,10 @@ class Error(Exception):
         return type(self), (self.args[0], self.status, self.status_name)
 
 
+class LoadWarning(UserWarning):
+    """A file states something that its model has not: Model.report lists all. strict=True makes dropped physics an error."""
+
+
 class LibraryError(Error, ImportError):
     """libdyn itself was not found, or does not fit this package."""
 
