@@ -86,6 +86,7 @@ struct DataBody {
   std::uint64_t counter;  // of versions
   bool on_heap;           // otherwise in the caller's memory
   std::atomic<int> busy;
+  bool stepping;          // d has the effects of steps (switch_effects)
   Data<double> d;
 };
 }  // namespace dyn::capi
@@ -144,6 +145,8 @@ dynStatus check(const dynBroadPhase* broad_phase);
 dynStatus check(const dynContactSolver* solver);
 
 
+// The number of a named configuration, or -1 with the error set.
+Index find_configuration(const Model& m, const char* name);
 // Wraps a finished model.
 dynStatus make_handle(ModelPtr model, dynModel** out);
 
@@ -155,6 +158,7 @@ class Call {
     if (model && data && model->magic == live_model && data->magic == live_data && data->body->model_id == model->m->id &&
         (data->body->d.parts & part) == part) [[likely]] {
       model_ = model->m.get(), body = data->body;
+      if (body->stepping && (part & ~dynParts(DYN_PART_SIMULATION))) [[unlikely]] have_effects_of(false);
       return;
     }
 #endif
@@ -198,6 +202,8 @@ class Call {
   void drop_results();
   // Nothing to do when no input was replaced: what was computed then belongs to the state that stays.
   void rollback();
+  // Effects of steps, or of algorithms called alone. No result is of the other kind: a step leaves none, and algorithms come before its state.
+  void have_effects_of(bool steps);
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();
   void end_step();

@@ -221,13 +221,16 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
        friction and springs;
      - geoms as shapes (visual when contype and conaffinity are 0), height fields, sites as frames;
      - meshes: STL, OBJ, MSH, vertices in the file;
-     - excluded and wanted pairs;
+     - excluded and wanted pairs, with MuJoCo's rule for the others;
+     - keys with velocity, controls, activations and time; timestep, integrator, and flags of effects;
      - actuators of one degree of freedom with affine laws;
      - connect, weld and joint equalities (rigid).
 
    MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
    see dynStateLayout. The configuration that the file draws is named "qpos0" unless it is the neutral one.
-   Keys are named configurations. A joint without a name has its body's name with _joint behind it. A body
+   New data begins there. Its steps have the file's timestep and the nearest integrator. Keys are named
+   configurations: see dyn_data_reset. An actuator that is not supported keeps its place and its control, and
+   exerts no force. A joint without a name has its body's name with _joint behind it. A body
    without a name is body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible
    bodies and plugins are in the load report, with their lines. base is ignored: the file has free joints.
    srdf is refused. */
@@ -450,6 +453,9 @@ DYN_API int dyn_model_nconfigurations(const dynModel* model);
 DYN_API const char* dyn_model_configuration_name(const dynModel* model, int index);
 /* Writes a configuration by name: q, nq. */
 DYN_API dynStatus dyn_model_configuration(const dynModel* model, const char* name, double* q);
+/* Returns the index of the configuration where new data begins: "qpos0" of an MJCF file, otherwise 0; -1 for
+   an invalid handle. */
+DYN_API int dyn_model_initial_configuration(const dynModel* model);
 
 /* Writes the first index in q (and v) of each named joint, in the order of names. Fails on unknown or
    repeated names. */
@@ -629,9 +635,12 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
 DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
 
 /* Sets the state held in data. NULL leaves a value unchanged. A call with q, v, a or tau sets them too. New
-   data is at the neutral configuration and at rest. */
+   data is at the model's initial configuration (dyn_model_initial_configuration) and at rest. */
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v,
                                      const double* a, const double* tau);
+/* Sets q, v, a, tau, controls, activations and time to those of a named configuration; name NULL: to those of
+   new data. A key of an MJCF file states velocity, controls, activations and time. Those not stated are zero. */
+DYN_API dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name);
 
 #define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
 
@@ -653,14 +662,18 @@ enum {
   DYN_EFFECT_FLUID = 1u << 6,                /* Drag of the medium on the links that the joint carries. */
   DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7, /* Gravity compensation of the links that the joint carries. */
   DYN_EFFECT_SLEEPING = 1u << 8,             /* Bodies at rest may sleep: see dynStepOptions. */
-  /* The effects of new data: ARMATURE, LIMITS, ACTUATORS, FLUID, GRAVITY_COMPENSATION. */
-  DYN_EFFECT_DEFAULT = 0xf1,
-  DYN_EFFECT_ALL = 0x1ff                     /* All effects. */
+  /* Steps apply all effects that the model states, and no others, whatever the other bits say: all but
+     SLEEPING, less those that the file's flags switch off. Algorithms called alone apply the other bits. */
+  DYN_EFFECT_AS_STATED = 1u << 9,
+  /* The effects of new data: AS_STATED, and for algorithms called alone ARMATURE, LIMITS, ACTUATORS, FLUID,
+     GRAVITY_COMPENSATION. */
+  DYN_EFFECT_DEFAULT = 0x2f1,
+  DYN_EFFECT_ALL = 0x1ff                     /* All effects, in steps and in algorithms. */
 };
 /* Sets the effects of a joint (joint 0: of all joints) to the mask. A follower's effects belong to its
    leader: set them there. All results are stale afterwards. */
 DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
-/* Writes the effects that are on. With joint 0: the effects that act, at some joint that has them. */
+/* Writes the mask that was set. With joint 0: the effects that act in steps, at some joint that has them. */
 DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
 /* One effect of a step of this data. An absent effect takes no instruction and no byte of a step. Only
    wrenches always have room, because they may come at any time. */
@@ -1968,6 +1981,9 @@ typedef struct dynStepOptions {
              are computed while any constraint of the data is enabled. */
 DYN_API void dyn_step_options_init(dynStepOptions* options, uint32_t struct_size);
 #define dyn_step_options_init(x) dyn_step_options_init(x, sizeof(dynStepOptions))
+/* Writes the options of steps of new data: the defaults, with dt and integrator of the model's file if it
+   states them. */
+DYN_API dynStatus dyn_model_step_options(const dynModel* model, dynStepOptions* options);
 /* Sets the options of steps. */
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data,
                                             const dynStepOptions* options);
@@ -2332,7 +2348,7 @@ typedef struct dynRollout {
   int32_t steps, every;           /* default 1, 1; every divides steps */
   int32_t contact_capacity;       /* contacts of a record; default 0 */
   int32_t sensors;                /* number of sensors; default 0 */
-  const dynStepOptions* stepping; /* NULL: as dyn_step_options_init */
+  const dynStepOptions* stepping; /* NULL: as dyn_model_step_options */
   const dynSensorType* sensor;    /* sensors */
   const int32_t* sensor_frame;    /* sensors: a frame each, read where the sensor has one */
   const void* states; /* n of dyn_model_state_size bytes, from dyn_data_save_state or final_states */

@@ -10,14 +10,14 @@ namespace {
 using namespace tuning::acceleration;
 
 template <int W>
-DYN_INLINE double sum_of(const Pack<double, W>& a) {
+DYN_INLINE double sum_of(const Simd<double, W>& a) {
   double half[W / 2];
   for (int k = 0; k < W / 2; ++k) half[k] = a.x[k] + a.x[k + W / 2];
   return (half[0] + half[2]) + (half[1] + half[3]);
 }
 
 double dot(const double* a, const double* b, Index n) {
-  using P = Pack<double, 8>;
+  using P = Simd<double, 8>;
   P sum = P::zero();
   Index k = 0;
   for (; k + 8 <= n; k += 8) sum = sum + P::load(a + k) * P::load(b + k);

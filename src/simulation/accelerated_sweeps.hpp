@@ -19,7 +19,7 @@ class AcceleratedSweeps {
 
  private:
   static constexpr int W = segment_lanes, depth = tuning::acceleration::depth;
-  using P = Pack<double, W>;
+  using P = Simd<double, W>;
 
   const Island& x;
   Workspace& w;

@@ -91,7 +91,7 @@ Workspace* place(const Model& m, void* memory) {
     array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
     next += rounded(std::size_t(n) * sizeof *array);
   });
-  w.options = default_options(), w.length = own_length(m);
+  w.options = default_options(m), w.length = own_length(m);
   if (w.free_bodies.sets) set_up_free_bodies(m, w.free_bodies), list_free_bodies(m, w);
   if (step_constraints(m) == 0) return &w;
   find_segments(m, w.segments);
@@ -119,6 +119,12 @@ dynStepOptions default_options() {
   o.struct_size = sizeof o, o.integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, o.dt = 1e-3;
   o.solver = DYN_CONTACT_SOLVER_TYPE_ADMM, o.max_iterations = 0, o.tolerance = 0;
   o.sleep_speed = 1e-4, o.sleep_time = 0.5;
+  return o;
+}
+
+dynStepOptions default_options(const Model& m) {
+  dynStepOptions o = default_options();
+  o.dt = m.simulation()->dt, o.integrator = m.simulation()->integrator;
   return o;
 }
 

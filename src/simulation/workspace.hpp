@@ -237,5 +237,6 @@ inline Index island_rows(const Model& m) { return std::min(step_rows(m), tuning:
 std::size_t workspace_bytes(const Model& m);
 Workspace* place(const Model& m, void* memory);
 dynStepOptions default_options();
+dynStepOptions default_options(const Model& m);  // of new data
 
 }  // namespace dyn::simulation
