@@ -94,7 +94,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   const auto keep_place = [&](const std::string& why) {
     place.physics(why + ": it keeps its control and exerts no force");
     const dynActuator read = actuator.spec;
-    actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
+    actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_AFFINE);  // its gain is 0
     actuator.spec.gear = 0, actuator.inert = true, actuator.damping_ratio = 0;
     std::copy_n(read.control_range, 2, actuator.spec.control_range);
     file.robot.actuators.push_back(std::move(actuator));
