@@ -212,7 +212,7 @@ dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynA
   if (const dynStatus s = check_struct("dyn_algorithm_info", "info", info)) return s;
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
   dynAlgorithmInfo out{};
-  out.name = row.name, out.inputs = row.inputs, out.outputs = row.output_count();
+  out.name = row.name, out.inputs = row.inputs, out.outputs = row.output_count(), out.part = row.part, out.precondition = row.precondition;
   for (int k = 0; k < out.outputs; ++k) {
     const Extent extent = row.outputs[k].extent(model ? Sizes(*model->m) : Sizes());
     out.output[k] = row.outputs[k].name, out.rows[k] = extent.rows, out.cols[k] = extent.cols, out.pages[k] = extent.pages;

@@ -36,6 +36,8 @@ struct BatchOutput {
 struct BatchAlgorithm {
   const char* name;
   const char* inputs;  // their names
+  dynParts part;
+  const char* precondition;  // calls that are made first
   BatchOutput outputs[4];
   // One state: the arrays are its rows.
   dynStatus (*call)(const dynModel*, dynData*, const dynBatchArrays&);

@@ -54,8 +54,9 @@ JointSpec read_joint(const char* function, const dynJointSpec* spec) {
   auto read = [](const double* x, int n) { return x ? std::vector<double>(x, x + n) : std::vector<double>(); };
   out.lower = read(s.lower, nq), out.upper = read(s.upper, nq);
   out.velocity = read(s.velocity, nv), out.effort = read(s.effort, nv);
-  out.armature = read(s.armature, nv), out.damping = read(s.damping, nv), out.friction = read(s.friction, nv);
-  out.stiffness = read(s.stiffness, nv), out.spring_reference = read(s.spring_reference, nq);
+#define COEFFICIENT(name, has, sentence) out.name = read(s.name, nv);
+#include "effect/coefficients.def"
+  out.spring_reference = read(s.spring_reference, nq);
   out.rotor_inertia = s.rotor_inertia, out.gear_ratio = s.gear_ratio;
   if (s.mimic) out.mimic = s.mimic;
   out.mimic_ratio = s.mimic_ratio, out.mimic_offset = s.mimic_offset;

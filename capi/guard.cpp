@@ -3,6 +3,7 @@
 
 #include "handles.hpp"
 
+#include "model/effects.hpp"
 #include "simulation/workspace.hpp"
 
 #include <cstdarg>
@@ -102,7 +103,9 @@ void Call::enter(const dynModel* model, dynData* data, dynParts part) {
     for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
       if (missing >> k & 1u) name = names[k];
     status = fail(DYN_ERROR_PART, "%s needs part DYN_PART_%s, which this data was made without: name it in dyn_data_new", function, name);
+    return;
   }
+  if (part & ~dynParts(DYN_PART_SIMULATION)) have_effects_of(false);
 }
 
 bool Call::not_finite(const char* name, const double* x, Index k) {
@@ -152,12 +155,11 @@ struct Exchange {
   bool finite, changed;
 };
 Exchange exchange(const double* from, double* to, double* kept, Index n) {
-#if DYN_LANES == 4
-  using P = Pack<double, 4>;
-  FourIntegers bad{}, difference{};
+  using P = Double4;
+  using Bits = Simd<std::int64_t, 4>;
+  Bits bad = Bits::zero(), difference = bad;
   auto look = [&](const P& from, const P& to) {
-    const FourIntegers x = (FourIntegers)from.x, y = (FourIntegers)to.x;
-    constexpr long long exponent = 0x7ff0000000000000;
+    const Bits x = reinterpret<std::int64_t>(from), y = reinterpret<std::int64_t>(to), exponent = 0x7ff0000000000000;
     bad |= (x & exponent) == exponent;
     difference |= x ^ y;
   };
@@ -168,35 +170,26 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
     y.store(kept + i), x.store(to + i);
   }
   if (const int rest = int(n - i)) {
-    const P x = load_some(from + i, rest), y = load_some(to + i, rest);
+    const P x = load_partial(from + i, rest), y = load_partial(to + i, rest);
     look(x, y);
-    store_some(y, kept + i, rest), store_some(x, to + i, rest);
+    store_partial(y, kept + i, rest), store_partial(x, to + i, rest);
   }
-  auto some = [](const FourIntegers& x) { return ((x[0] | x[1]) | (x[2] | x[3])) != 0; };
-  return {!some(bad), some(difference)};
-#else
-  constexpr std::uint64_t exponent = 0x7ff0000000000000u;
-  std::uint64_t bad = 0, difference = 0;
-  for (Index i = 0; i < n; ++i) {
-    std::uint64_t x, y;
-    __builtin_memcpy(&x, from + i, 8);
-    __builtin_memcpy(&y, to + i, 8);
-    bad |= std::uint64_t((x & exponent) == exponent);
-    difference |= x ^ y;
-    __builtin_memcpy(kept + i, &y, 8);
-    __builtin_memcpy(to + i, &x, 8);
-  }
-  return {bad == 0, difference != 0};
-#endif
+  return {!any(bad), any(difference != 0)};
 }
 
 }  // namespace
+
+// Rollback compares them with the versions that it restores.
+void Call::remember_stamps() {
+  static_assert(std::size_t(Stage::Acceleration) == std::size_t(Stage::Position) + 2);
+  std::memcpy(kinematic_stamps, d().stamp + std::size_t(Stage::Position), sizeof kinematic_stamps);
+}
 
 bool Call::inputs(const double* q, const double* v, const double* a, const double* tau) {
   const Model& m = this->m();
   Data<double>& x = d();
   const Index nq = m.n.nq, nv = m.n.nv;
-  was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
+  remember_stamps();
   double *const kept_q = x.backup, *const kept_v = kept_q + nq, *const kept_a = kept_v + nv, *const kept_tau = kept_a + nv;
   bool good = true;
   unsigned replaced = 0;
@@ -246,7 +239,7 @@ bool Call::nonzero(const double* q) {
 
 void Call::begin_step() {
   Data<double>& x = d();
-  was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
+  remember_stamps();
   x.invalidate(Stage::Ddq), x.invalidate(Stage::Factor);  // their buffers are the step's
   simulation::with_active_trees(x, [&](const auto& part) {
     part.for_each_group(m(), [&](const Trees& t) {
@@ -260,6 +253,12 @@ void Call::begin_step() {
     x.version[which] = ++body->counter;
     changed |= 1u << which;
   }
+}
+
+void Call::have_effects_of(bool steps) {
+  if (body->stepping == steps) return;
+  switch_effects(m(), d(), steps);
+  body->stepping = steps;
 }
 
 void Call::end_step() {
@@ -295,9 +294,10 @@ void Call::rollback() {
   if (stepping) copy_out(backup, m().n.na, x.act);
   // the buffers behind the frame queries held the old state
   x.invalidate(Stage::Position), x.invalidate(Stage::Velocity), x.invalidate(Stage::Acceleration);
-  if (was_acceleration) forward_kinematics<2>(m(), x);
-  else if (was_velocity) forward_kinematics<1>(m(), x);
-  else if (was_position) forward_kinematics<0>(m(), x);
+  const auto was_fresh = [&](Stage s) { return kinematic_stamps[std::size_t(s) - std::size_t(Stage::Position)] == x.newest(s); };
+  if (was_fresh(Stage::Acceleration)) forward_kinematics<2>(m(), x);
+  else if (was_fresh(Stage::Velocity)) forward_kinematics<1>(m(), x);
+  else if (was_fresh(Stage::Position)) forward_kinematics<0>(m(), x);
   changed = 0;
 }
 

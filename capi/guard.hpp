@@ -6,7 +6,7 @@
 
 #include "dyn.h"
 #include "algorithm/declarations.hpp"
-#include "base/pack.hpp"
+#include "base/simd_memory.hpp"
 #include "model/builder.hpp"
 #include "model/dynb.hpp"
 #include "structs.hpp"
@@ -37,23 +37,29 @@ inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0
                                live_contact_solver = 0x746e6f63626e7964u;
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
-// The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
-inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
-  using P = Pack<double, widest_pack>;
-  using Four = Pack<double, 4>;
-  constexpr Index w = widest_pack;
-  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_some(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
+// Sums of 0 times each of x[0 .. n-1]: zero where all are finite.
+inline Simd<double, 4> zero_times(const double* x, std::ptrdiff_t n) {
+  using P = Simd<double, block_lanes>;
+  using Four = Simd<double, 4>;
+  constexpr Index w = block_lanes;
+  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
   std::ptrdiff_t i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;
     for (; i + 4 * w <= n; i += 4 * w)
       a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0, d = d + P::load(x + i + 3 * w) * 0.0;
     a = (a + b) + (c + d);
-    sum = sum + four_of<0>(a) + four_of<w - 4>(a);
+    sum = sum + slice4<0>(a) + slice4<w - 4>(a);
   }
   for (; i + 4 < n; i += 4) sum = sum + Four::load(x + i) * 0.0;
-  if ((sum[0] + sum[1]) + (sum[2] + sum[3]) == 0) return n;
-  for (i = 0; i < n; ++i)
+  return sum;
+}
+inline bool all_zero(const Simd<double, 4>& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
+
+// The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
+inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
+  if (all_zero(zero_times(x, n))) return n;
+  for (std::ptrdiff_t i = 0; i < n; ++i)
     if (!(x[i] * 0.0 == 0)) return i;
   return n;
 }
@@ -80,6 +86,7 @@ struct DataBody {
   std::uint64_t counter;  // of versions
   bool on_heap;           // otherwise in the caller's memory
   std::atomic<int> busy;
+  bool stepping;          // d has the effects of steps (switch_effects)
   Data<double> d;
 };
 }  // namespace dyn::capi
@@ -138,6 +145,8 @@ dynStatus check(const dynBroadPhase* broad_phase);
 dynStatus check(const dynContactSolver* solver);
 
 
+// The number of a named configuration, or -1 with the error set.
+Index find_configuration(const Model& m, const char* name);
 // Wraps a finished model.
 dynStatus make_handle(ModelPtr model, dynModel** out);
 
@@ -149,6 +158,7 @@ class Call {
     if (model && data && model->magic == live_model && data->magic == live_data && data->body->model_id == model->m->id &&
         (data->body->d.parts & part) == part) [[likely]] {
       model_ = model->m.get(), body = data->body;
+      if (body->stepping && (part & ~dynParts(DYN_PART_SIMULATION))) [[unlikely]] have_effects_of(false);
       return;
     }
 #endif
@@ -192,6 +202,8 @@ class Call {
   void drop_results();
   // Nothing to do when no input was replaced: what was computed then belongs to the state that stays.
   void rollback();
+  // Effects of steps, or of algorithms called alone. No result is of the other kind: a step leaves none, and algorithms come before its state.
+  void have_effects_of(bool steps);
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();
   void end_step();
@@ -199,6 +211,7 @@ class Call {
   void end_search();
 
  private:
+  void remember_stamps();
   // what went wrong, if anything did
   void enter(const dynModel* model, dynData* data, dynParts part);
   bool not_finite(const char* name, const double* x, Index k);
@@ -211,7 +224,7 @@ class Call {
   unsigned changed = 0;            // inputs that this call replaced
   std::uint64_t before[input_count];  // their versions
   bool stepping = false;
-  bool was_position = false, was_velocity = false, was_acceleration = false;
+  std::uint64_t kinematic_stamps[3];  // what the placements, velocities and accelerations were computed for, before the call
 };
 
 inline void copy_out(const double* from, std::ptrdiff_t n, double* to) {

@@ -1,9 +1,11 @@
-// Descriptions of the types of joints, shapes and constraints, and of integrators.
+// Descriptions of the types of joints, shapes, constraints, effects and contact solvers, and of integrators.
 #include "collision/geom.hpp"
 #include "constraint/list.hpp"
+#include "effect/list.hpp"
 #include "joint/describe.hpp"
 #include "reflection.hpp"
 #include "shape/list.hpp"
+#include "solver/list.hpp"
 #include "table/integrators.hpp"
 
 using namespace dyn;
@@ -62,6 +64,25 @@ dynStatus dyn_integrator_info(dynIntegrator integrator, dynIntegratorInfo* info)
     for (const IntegratorRow& row : integrator_rows)
       if (row.id == integrator) out.order = row.order, out.evaluations = row.evaluations, out.implicit = row.implicit, out.estimates = row.estimates;
   });
+}
+
+dynStatus dyn_effect_type_info(uint32_t bit, dynEffectTypeInfo* info) {
+  if (const dynStatus s = check_struct("dyn_effect_type_info", "info", info)) return s;
+  const EnumValue* value = effect_value(bit);
+  if (!value) return fail(DYN_ERROR_ARGUMENT, "dyn_effect_type_info: bit is 0x%x: give one DYN_EFFECT_... that is a single bit", unsigned(bit));
+  dynEffectTypeInfo out = {};
+  out.bit = bit, out.name = value->name, out.sentence = value->sentence, out.array = -1, out.quantity = "";
+  for_each_effect([&]<class E>() {
+    if (E::bit != bit) return;
+    out.part = E::part, out.implicit = int(E::implicit), out.absent = E::absent;
+    if constexpr (effect::HasCoefficient<E>) out.array = E::array, out.quantity = E::quantity;
+  });
+  write_struct(out, info);
+  return DYN_OK;
+}
+
+dynStatus dyn_contact_solver_type_info(dynContactSolverType type, dynContactSolverTypeInfo* info) {
+  return describe(type, info, "dyn_contact_solver_type_info", "type", [&](dynContactSolverTypeInfo& out) { out.refined = solver::refined[type]; });
 }
 
 }  // extern "C"

@@ -1,8 +1,11 @@
 // The plan of a step: which effects a data has, and what they take of its memory.
 #include <algorithm>
+#include <array>
+#include <type_traits>
 
+#include "effect/list.hpp"
 #include "simulation/workspace.hpp"
-#include "guard.hpp"
+#include "reflection.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -24,6 +27,7 @@ std::size_t joint_bytes(const Model& m, dynParts parts) {
 }
 
 struct Row {
+  std::uint32_t bit;  // 0: what is no DYN_EFFECT_... has a name
   const char* name;
   int (*present)(const Model&);
   int (*acting)(const Model&, const Data<double>&);  // of those
@@ -33,37 +37,55 @@ struct Row {
 template <std::uint32_t bit>
 int acts(const Model&, const Data<double>& d) { return (d.acting & bit) != 0; }
 
-constexpr Row rows[] = {
-    {"gravity", [](const Model& m) { return int(count(m.gravity, 3) > 0); }, [](const Model&, const Data<double>& d) { return int(count(d.world_gravity, 3) > 0); },
+// An effect with a coefficient for each degree of freedom.
+template <class E>
+constexpr Row of_coefficients() {
+  return {E::bit, "", [](const Model& m) { return count(E::of(m), m.n.nv); }, acts<E::bit>, [](const Model& m, dynParts parts) {
+            constexpr bool in_all_data = std::is_same_v<E, effect::Armature>;
+            return in_all_data ? sizeof(double) * std::size_t(m.n.nv) : joint_bytes<E::bit>(m, parts);
+          }};
+}
+
+constexpr Row others[] = {
+    {0, "gravity", [](const Model& m) { return int(count(m.gravity, 3) > 0); }, [](const Model&, const Data<double>& d) { return int(count(d.world_gravity, 3) > 0); },
      [](const Model&, dynParts) { return std::size_t(64); }},
-    {"armature", [](const Model& m) { return count(m.armature(), m.n.nv); }, acts<DYN_EFFECT_ARMATURE>, [](const Model& m, dynParts) { return sizeof(double) * std::size_t(m.n.nv); }},
-    {"damping", [](const Model& m) { return count(m.damping(), m.n.nv); }, acts<DYN_EFFECT_DAMPING>, joint_bytes<DYN_EFFECT_DAMPING>},
-    {"springs", [](const Model& m) { return count(m.stiffness(), m.n.nv); }, acts<DYN_EFFECT_SPRINGS>, joint_bytes<DYN_EFFECT_SPRINGS>},
-    {"friction", [](const Model& m) { return count(m.friction(), m.n.nv); }, acts<DYN_EFFECT_FRICTION>, joint_bytes<DYN_EFFECT_FRICTION>},
-    {"limits", [](const Model& m) { return int(m.n.limits); }, acts<DYN_EFFECT_LIMITS>,
+    {DYN_EFFECT_LIMITS, "", [](const Model& m) { return int(m.n.limits); }, acts<DYN_EFFECT_LIMITS>,
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_LIMITS), x.n.limits = 0; }); }},
-    {"mimic", [](const Model& m) { return int(m.n.nvx - m.n.nv); }, [](const Model& m, const Data<double>&) { return int(m.has_mimic); },
+    {0, "mimic", [](const Model& m) { return int(m.n.nvx - m.n.nv); }, [](const Model& m, const Data<double>&) { return int(m.has_mimic); },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.has_mimic = 0, x.n.mimic_q = x.n.mimic_v = 0; }); }},
-    {"contact", [](const Model& m) { return int(std::count_if(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; })); },
+    {0, "contact", [](const Model& m) { return int(std::count_if(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; })); },
      [](const Model& m, const Data<double>& d) { return d.pair_states ? int(std::count(d.pair_states, d.pair_states + m.n.pairs, DYN_PAIR_REASON_TESTED)) : 0; },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.contacts = x.n.pairs = x.n.geoms = x.n.hulls = x.n.trees = x.n.grids = 0; }); }},
-    {"constraints", [](const Model& m) { return int(m.n.constraints); },
+    {0, "constraints", [](const Model& m) { return int(m.n.constraints); },
      [](const Model& m, const Data<double>& d) { return d.slots ? int(std::count_if(d.slots, d.slots + m.n.slots, [](const ConstraintInstance<double>& s) { return s.rows > 0; })) : 0; },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.slots = x.n.constraint_rows = 0; }); }},
-    {"actuators", [](const Model& m) { return int(m.n.actuators); }, acts<DYN_EFFECT_ACTUATORS>,
+    {DYN_EFFECT_ACTUATORS, "", [](const Model& m) { return int(m.n.actuators); }, acts<DYN_EFFECT_ACTUATORS>,
      [](const Model& m, dynParts parts) {
        return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_ACTUATORS), x.n.actuators = x.n.nu = x.n.na = 0; });
      }},
-    {"wrenches", [](const Model& m) { return int(m.n.joints - 1); }, acts<acting_wrenches>,
+    {0, "wrenches", [](const Model& m) { return int(m.n.joints - 1); }, acts<acting_wrenches>,
      [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? std::size_t(m.n.joints) * (sizeof(AppliedWrench<double>) + 6 * sizeof(double)) : 0; }},
-    {"gravity_compensation", [](const Model& m) { return int(m.n.gravity_compensations); }, acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
-    {"fluid", [](const Model& m) { return int(m.n.drag_boxes); }, acts<DYN_EFFECT_FLUID>,
+    {DYN_EFFECT_GRAVITY_COMPENSATION, "", [](const Model& m) { return int(m.n.gravity_compensations); }, acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
+    {DYN_EFFECT_FLUID, "", [](const Model& m) { return int(m.n.drag_boxes); }, acts<DYN_EFFECT_FLUID>,
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.drag_boxes = 0; }); }},
-    {"sleeping", [](const Model& m) { return int(simulation::resting_trees(m)); },
+    {DYN_EFFECT_SLEEPING, "", [](const Model& m) { return int(simulation::resting_trees(m)); },
      [](const Model& m, const Data<double>& d) { return d.acting & DYN_EFFECT_SLEEPING ? int(simulation::resting_trees(m)) : 0; },
      [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? simulation::sleep_bytes(m) : 0; }},
 };
-constexpr int row_count = int(sizeof rows / sizeof *rows);
+
+constexpr auto rows = [] {
+  constexpr int coefficients = [] {
+    int n = 0;
+    for_each_coefficient([&]<class E>() { ++n; });
+    return n;
+  }();
+  std::array<Row, std::size(others) + coefficients> out{};
+  std::size_t k = 0;
+  for_each_coefficient([&]<class E>() { out[k++] = of_coefficients<E>(); });
+  for (const Row& row : others) out[k++] = row;
+  return out;
+}();
+constexpr int row_count = int(rows.size());
 
 }  // namespace
 
@@ -76,10 +98,12 @@ dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect,
   if (!call) return call.status;
   if (const dynStatus s = check_struct(call.function, "info", info)) return s;
   if (effect < 0 || effect >= row_count) return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, row_count);
-  const Row& row = rows[effect];
+  call.have_effects_of(true);
+  const Row& row = rows[std::size_t(effect)];
   const Model& m = call.m();
   const int present = row.present(m);
-  write_struct({0, row.name, present, row.acting(m, call.d()), present ? row.bytes(m, call.d().parts) : 0}, info);
+  const char* name = row.bit ? effect_value(row.bit)->name : row.name;
+  write_struct({0, name, present, row.acting(m, call.d()), present ? row.bytes(m, call.d().parts) : 0}, info);
   return DYN_OK;
 }
 

@@ -1,6 +1,7 @@
 // The declarations of dyn.h, as tables.
 #include "reflection.hpp"
 
+#include <bit>
 #include <cstdio>
 #include <cstring>
 
@@ -26,9 +27,15 @@ int find(const char* name) {
 
 }  // namespace
 
-// "DYN_SHAPE_TYPE_BOX, _SPHERE, ...": as far as they fit.
+// "DYN_SHAPE_TYPE_BOX, _SPHERE, ...", or the first and the last of many.
 static void list_values(const Enum& e, char* text, std::size_t size) {
+  constexpr int many = 24;
   std::size_t used = 0;
+  if (e.count > many) {
+    const EnumValue &first = enum_values[e.first], &last = enum_values[e.first + e.count - 1];
+    std::snprintf(text, size, "%s (%d) to %s (%d)", first.identifier, first.value, last.identifier, last.value);
+    return;
+  }
   for (int k = 0; k < e.count && used < size; ++k) {
     const char* identifier = enum_values[e.first + k].identifier;
     used += std::size_t(std::snprintf(text + used, size - used, "%s%s", k ? ", " : "", k ? identifier + std::strlen(e.prefix) - 1 : identifier));
@@ -42,6 +49,8 @@ const EnumValue* find_value(const char* type, int value) {
     if (enum_values[k].value == value) return enum_values + k;
   return nullptr;
 }
+
+const EnumValue* effect_value(std::uint32_t bit) { return std::has_single_bit(bit) && bit & DYN_EFFECT_ALL ? find_value("dynEffects", int(bit)) : nullptr; }
 
 dynStatus no_value(const char* type, const char* function, const char* name, int value) {
   char values[600];

@@ -14,6 +14,9 @@ struct EnumValue {
 // nullptr: the enumeration has no such value.
 const EnumValue* find_value(const char* type, int value);
 
+// The value of dynEffects of one bit; nullptr: it is none.
+const EnumValue* effect_value(std::uint32_t bit);
+
 // Fails: the argument of that name holds no value of the enumeration. The message lists the values.
 dynStatus no_value(const char* type, const char* function, const char* name, int value);
 

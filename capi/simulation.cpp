@@ -21,8 +21,20 @@ const char* joint_at(const Model& m, Index k, bool in_v) {
   return name;
 }
 
+// Whether the state that steps left is finite, where trees are awake.
+bool has_finite_state(const Model& m, const Data<double>& d) {
+  Simd<double, 4> sum = Simd<double, 4>::zero();
+  simulation::with_active_trees(d, [&](const auto& part) {
+    part.for_each_group(m, [&](const Trees& t) {
+      sum = sum + zero_times(d.v + t.v, t.v_end - t.v);
+      sum = sum + zero_times(d.q + t.q, t.q_end - t.q);
+    });
+  });
+  return all_zero(sum);
+}
+
 // The error of steps that ended at t: from their return value and the state that they left.
-dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function, double t) {
+[[gnu::cold, gnu::noinline]] dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function, double t) {
   if (answer > 0)
     return fail(DYN_ERROR_NUMERIC, "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,
                 m.string(m.joints()[answer].name), t);
@@ -38,18 +50,18 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
       if (const Index n = finite_count(d.q + t.q, t.q_end - t.q); t.q + n < t.q_end) bad_q = std::min(bad_q, t.q + n);
     });
   });
-  if (bad_v == m.n.nv && bad_q == m.n.nq) return DYN_OK;
   return fail(DYN_ERROR_NUMERIC, "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt", function,
               joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
 }
 
-void begin_report(Call& call) {
+void begin(Call& call) {
+  call.have_effects_of(true);
   call.d().step->report = {};
   if (const simulation::Workspace& w = *call.d().step; w.options.ledger || w.ledger.open) simulation::open_ledger(call.m(), call.d());
 }
 
 // One step of h; the state is as before after an error.
-dynStatus make_step(Call& call, const char* function, double h) {
+DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   simulation::Workspace& w = *d.step;
@@ -59,7 +71,11 @@ dynStatus make_step(Call& call, const char* function, double h) {
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
   w.expired = nullptr;
-  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d), status;
+  if (answer || !has_finite_state(m, d)) [[unlikely]] {
+    const dynStatus status = explain(m, d, answer, function, d.time[0]);
+    call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
+    return status;
+  }
   call.end_step();
   simulation::end_sleep(m, d, h);
   record_forces(m, d);
@@ -77,7 +93,7 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   if (d.step->report.steps == 0) call.rollback();
   else call.end_step();
   record_forces(m, d);
-  return explain(m, d, answer, function, d.time[0]);
+  return answer || !has_finite_state(m, d) ? explain(m, d, answer, function, d.time[0]) : DYN_OK;
 }
 
 }  // namespace
@@ -100,8 +116,8 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (!(options->accuracy >= 0))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt", options->accuracy);
   if (const dynStatus s = check_value(options->solver, "dyn_data_set_step_options", "solver")) return s;
-  if (options->max_iterations < 1)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more", int(options->max_iterations));
+  if (options->max_iterations < 0)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more, or 0 for the default", int(options->max_iterations));
   if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;
   if (!(options->tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
   if (!call.finite("sleep_speed", &options->sleep_speed, 1) || !call.finite("sleep_time", &options->sleep_time, 1)) return call.status;
@@ -121,6 +137,13 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   return DYN_OK;
 }
 
+dynStatus dyn_model_step_options(const dynModel* model, dynStepOptions* options) {
+  if (const dynStatus s = check(model)) return s;
+  if (const dynStatus s = check_struct("dyn_model_step_options", "options", options)) return s;
+  write_struct(simulation::default_options(*model->m), options);
+  return DYN_OK;
+}
+
 dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_step_options");
   if (!call) return call.status;
@@ -132,7 +155,7 @@ dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOpt
 dynStatus dyn_step(const dynModel* model, dynData* data) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_step");
   if (!call) return call.status;
-  begin_report(call);
+  begin(call);
   return make_step(call, "dyn_step", call.d().step->options.dt);
 }
 
@@ -141,7 +164,7 @@ dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
   if (!call || !call.finite("duration", &duration, 1)) return call.status;
   Data<double>& d = call.d();
   if (!(duration >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: duration is %g s: time does not run backwards", duration);
-  begin_report(call);
+  begin(call);
   if (duration == 0) return DYN_OK;
   if (d.step->options.accuracy > 0) return advance_to_accuracy(call, "dyn_advance", duration);
   const double dt = d.step->options.dt, ratio = duration / dt;

@@ -221,13 +221,16 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
        friction and springs;
      - geoms as shapes (visual when contype and conaffinity are 0), height fields, sites as frames;
      - meshes: STL, OBJ, MSH, vertices in the file;
-     - excluded and wanted pairs;
+     - excluded and wanted pairs, with MuJoCo's rule for the others;
+     - keys with velocity, controls, activations and time; timestep, integrator, and flags of effects;
      - actuators of one degree of freedom with affine laws;
      - connect, weld and joint equalities (rigid).
 
    MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
    see dynStateLayout. The configuration that the file draws is named "qpos0" unless it is the neutral one.
-   Keys are named configurations. A joint without a name has its body's name with _joint behind it. A body
+   New data begins there. Its steps have the file's timestep and the nearest integrator. Keys are named
+   configurations: see dyn_data_reset. An actuator that is not supported keeps its place and its control, and
+   exerts no force. A joint without a name has its body's name with _joint behind it. A body
    without a name is body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible
    bodies and plugins are in the load report, with their lines. base is ignored: the file has free joints.
    srdf is refused. */
@@ -450,6 +453,9 @@ DYN_API int dyn_model_nconfigurations(const dynModel* model);
 DYN_API const char* dyn_model_configuration_name(const dynModel* model, int index);
 /* Writes a configuration by name: q, nq. */
 DYN_API dynStatus dyn_model_configuration(const dynModel* model, const char* name, double* q);
+/* Returns the index of the configuration where new data begins: "qpos0" of an MJCF file, otherwise 0; -1 for
+   an invalid handle. */
+DYN_API int dyn_model_initial_configuration(const dynModel* model);
 
 /* Writes the first index in q (and v) of each named joint, in the order of names. Fails on unknown or
    repeated names. */
@@ -629,9 +635,12 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
 DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
 
 /* Sets the state held in data. NULL leaves a value unchanged. A call with q, v, a or tau sets them too. New
-   data is at the neutral configuration and at rest. */
+   data is at the model's initial configuration (dyn_model_initial_configuration) and at rest. */
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v,
                                      const double* a, const double* tau);
+/* Sets q, v, a, tau, controls, activations and time to those of a named configuration; name NULL: to those of
+   new data. A key of an MJCF file states velocity, controls, activations and time. Those not stated are zero. */
+DYN_API dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name);
 
 #define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
 
@@ -653,22 +662,24 @@ enum {
   DYN_EFFECT_FLUID = 1u << 6,                /* Drag of the medium on the links that the joint carries. */
   DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7, /* Gravity compensation of the links that the joint carries. */
   DYN_EFFECT_SLEEPING = 1u << 8,             /* Bodies at rest may sleep: see dynStepOptions. */
-  /* The effects of new data: ARMATURE, LIMITS, ACTUATORS, FLUID, GRAVITY_COMPENSATION. */
-  DYN_EFFECT_DEFAULT = 0xf1,
-  DYN_EFFECT_ALL = 0x1ff                     /* All effects. */
+  /* Steps apply all effects that the model states, and no others, whatever the other bits say: all but
+     SLEEPING, less those that the file's flags switch off. Algorithms called alone apply the other bits. */
+  DYN_EFFECT_AS_STATED = 1u << 9,
+  /* The effects of new data: AS_STATED, and for algorithms called alone ARMATURE, LIMITS, ACTUATORS, FLUID,
+     GRAVITY_COMPENSATION. */
+  DYN_EFFECT_DEFAULT = 0x2f1,
+  DYN_EFFECT_ALL = 0x1ff                     /* All effects, in steps and in algorithms. */
 };
 /* Sets the effects of a joint (joint 0: of all joints) to the mask. A follower's effects belong to its
    leader: set them there. All results are stale afterwards. */
 DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
-/* Writes the effects that are on. With joint 0: the effects that act, at some joint that has them. */
+/* Writes the mask that was set. With joint 0: the effects that act in steps, at some joint that has them. */
 DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
 /* One effect of a step of this data. An absent effect takes no instruction and no byte of a step. Only
    wrenches always have room, because they may come at any time. */
 typedef struct dynEffectInfo {
   uint32_t struct_size;
-  /* gravity, armature, damping, springs, friction, limits, mimic, contact, constraints, actuators, wrenches,
-     gravity_compensation, fluid, sleeping */
-  const char* name;
+  const char* name; /* as in dyn_effect_type_info; besides gravity, mimic, contact, constraints, wrenches */
   int32_t present; /* joints, pairs, constraints, actuators or links of the model that may have the effect */
   /* non-zero: the effect acts. Contact: pairs tested (shapes, where pairs are not listed); constraints:
      enabled slots; sleeping: trees of bodies that may sleep. */
@@ -1935,12 +1946,12 @@ typedef struct dynStepOptions {
      of dt. */
   double accuracy;
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
-  /* of the solver, per island and step; default 100. ADMM and NEWTON restart when short of the tolerance,
-     then the other one is tried. Islands of more than 240 rows may take three times as many (not PGS), jammed
-     ones nine times as many more. In the end the best impulses act: in their cones, with their residual in
-     the report. */
+  /* of the solver, for each island and step, over everything that it tries: sweeps, Newton steps, fall-backs.
+     Then the best impulses act: in their cones, with their residual in the report. Default 0: 100; 1200 with
+     a tolerance or an accuracy. Without a tolerance ADMM and NEWTON begin with accelerated sweeps, which end
+     where the residual stops falling. */
   int32_t max_iterations;
-  double tolerance;            /* of the solver's residual (dynContactReport); default 1e-9 */
+  double tolerance;            /* of the solver's residual (dynContactReport); 0: 1e-4, 1e-9 with accuracy */
   double sleep_speed;          /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;           /* s, > 0; default 0.5 */
   int32_t visit_sleepers; /* non-zero: steps compute sleeping islands too, with the same bits; default 0 */
@@ -1970,6 +1981,9 @@ typedef struct dynStepOptions {
              are computed while any constraint of the data is enabled. */
 DYN_API void dyn_step_options_init(dynStepOptions* options, uint32_t struct_size);
 #define dyn_step_options_init(x) dyn_step_options_init(x, sizeof(dynStepOptions))
+/* Writes the options of steps of new data: the defaults, with dt and integrator of the model's file if it
+   states them. */
+DYN_API dynStatus dyn_model_step_options(const dynModel* model, dynStepOptions* options);
 /* Sets the options of steps. */
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data,
                                             const dynStepOptions* options);
@@ -2182,62 +2196,82 @@ DYN_API void dyn_batch_free(dynBatch* batch); /* NULL is allowed */
 /* dyn_data_set_effects for every thread's data. */
 DYN_API dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects);
 
-/* DYN_ALGORITHM_X computes what dyn_x does: inputs -> out[0], out[1], ... Values are never renumbered. */
+/* DYN_ALGORITHM_X computes what dyn_x does. Values are never renumbered. Each comment is
+     PART: inputs -> out[0], out[1], ...; after FUNCTIONS
+   with the part of data that it needs, the size of each output, and the calls that it makes first. A third
+   size counts matrices one after another. b is the right-hand side of CHOLESKY_SOLVE, and lambda of
+   RNEA_SECOND_ORDER_PRODUCT. COM reads v and a for vcom and acom alone. */
 typedef enum dynAlgorithm {
-  DYN_ALGORITHM_FRAME_PLACEMENT = 0,                /* frame; q -> placement 12 */
-  DYN_ALGORITHM_FRAME_PLACEMENTS = 1,               /* q -> placements 12 x nframes */
-  DYN_ALGORITHM_FRAME_VELOCITY = 2,                 /* frame, reference; q, v -> velocity 6 */
-  DYN_ALGORITHM_FRAME_ACCELERATION = 3,             /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION = 4,   /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_ALGORITHM_JOINT_JACOBIANS = 5,                /* q -> J 6 x nv */
-  DYN_ALGORITHM_JOINT_JACOBIANS_TIME_VARIATION = 6, /* q, v -> dJ 6 x nv */
-  DYN_ALGORITHM_FRAME_JACOBIAN = 7,                 /* frame, reference; q -> J 6 x nv */
-  DYN_ALGORITHM_FRAME_JACOBIAN_TIME_VARIATION = 8,  /* frame, reference; q, v -> dJ 6 x nv */
-  DYN_ALGORITHM_COM = 9, /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
-  DYN_ALGORITHM_JCOM = 10,                          /* q -> Jcom 3 x nv */
-  DYN_ALGORITHM_SUBTREE_COM = 11,                   /* joint; q -> com 3, mass 1 */
-  DYN_ALGORITHM_SUBTREE_JCOM = 12,                  /* joint; q -> J 3 x nv */
-  DYN_ALGORITHM_RNEA = 13,                          /* q, v, a, fext -> tau nv */
-  DYN_ALGORITHM_NLE = 14,                           /* q, v -> nle nv */
-  DYN_ALGORITHM_GRAVITY_TORQUE = 15,                /* q -> g nv */
-  DYN_ALGORITHM_STATIC_TORQUE = 16,                 /* q, fext -> tau nv */
-  DYN_ALGORITHM_CORIOLIS_MATRIX = 17,               /* q, v -> C nv x nv */
-  DYN_ALGORITHM_ABA = 18,                           /* q, v, tau, fext -> ddq nv */
-  DYN_ALGORITHM_CRBA = 19,                          /* q -> M nv x nv */
-  DYN_ALGORITHM_CHOLESKY_SOLVE = 20,                /* q, b -> x nv: M^-1 b, with dyn_crba and dyn_cholesky */
-  DYN_ALGORITHM_MINV = 21,                          /* q -> Minv nv x nv */
-  DYN_ALGORITHM_RNEA_DERIVATIVES = 22,              /* q, v, a, fext -> dtau_dq, dtau_dv: nv x nv */
-  DYN_ALGORITHM_ABA_DERIVATIVES = 23,               /* q, v, tau, fext -> ddq_dq, ddq_dv, ddq_dtau: nv x nv */
-  DYN_ALGORITHM_ENERGY = 24,                        /* q, v -> kinetic 1, potential 1 */
-  DYN_ALGORITHM_KINETIC_ENERGY = 25,                /* q, v -> kinetic 1 */
-  DYN_ALGORITHM_POTENTIAL_ENERGY = 26,              /* q -> potential 1 */
-  DYN_ALGORITHM_CENTROIDAL_MAP = 27,                /* q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
-  DYN_ALGORITHM_CENTROIDAL_MAP_TIME_VARIATION = 28, /* q, v -> dAg 6 x nv */
-  DYN_ALGORITHM_CENTROIDAL_MOMENTUM = 29,           /* q, v -> hg 6 */
-  DYN_ALGORITHM_CENTROIDAL_MOMENTUM_TIME_VARIATION = 30, /* q, v, a -> dhg 6 */
-  DYN_ALGORITHM_CENTROIDAL_DERIVATIVES = 31, /* q, v, a -> dh_dq, dhdot_dq, dhdot_dv, dhdot_da: 6 x nv */
-  DYN_ALGORITHM_JOINT_TORQUE_REGRESSOR = 32,        /* q, v, a -> Y nv x nparameters */
-  DYN_ALGORITHM_STATIC_REGRESSOR = 33,              /* q -> Y 3 x nparameters */
-  DYN_ALGORITHM_KINETIC_ENERGY_REGRESSOR = 34,      /* q, v -> y nparameters */
-  DYN_ALGORITHM_POTENTIAL_ENERGY_REGRESSOR = 35,    /* q -> y nparameters */
-  DYN_ALGORITHM_JOINT_BODY_REGRESSOR = 36,          /* joint; q, v, a -> Y 6 x 10 */
-  DYN_ALGORITHM_FRAME_BODY_REGRESSOR = 37,          /* frame; q, v, a -> Y 6 x 10 */
+  DYN_ALGORITHM_FRAME_PLACEMENT = 0, /* KINEMATICS: frame; q -> placement 12; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_PLACEMENTS = 1, /* FRAMES: q -> placements 12 x nframes; after dyn_forward_kinematics */
+  /* KINEMATICS: frame, reference; q, v -> velocity 6; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_VELOCITY = 2,
+  /* KINEMATICS: frame, reference; q, v, a -> acceleration 6; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_ACCELERATION = 3,
+  /* KINEMATICS: frame, reference; q, v, a -> acceleration 6; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION = 4,
+  DYN_ALGORITHM_JOINT_JACOBIANS = 5,                /* JACOBIANS: q -> J 6 x nv */
+  DYN_ALGORITHM_JOINT_JACOBIANS_TIME_VARIATION = 6, /* JACOBIANS: q, v -> dJ 6 x nv */
+  /* KINEMATICS: frame, reference; q -> J 6 x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_JACOBIAN = 7,
+  /* KINEMATICS: frame, reference; q, v -> dJ 6 x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_JACOBIAN_TIME_VARIATION = 8,
+  DYN_ALGORITHM_COM = 9,                            /* COM: q, v, a -> com 3, vcom 3, acom 3 */
+  DYN_ALGORITHM_JCOM = 10,                          /* COM: q -> Jcom 3 x nv */
+  DYN_ALGORITHM_SUBTREE_COM = 11,                   /* COM: joint; q -> com 3, mass 1; after dyn_com */
+  DYN_ALGORITHM_SUBTREE_JCOM = 12,                  /* COM: joint; q -> J 3 x nv; after dyn_com */
+  DYN_ALGORITHM_RNEA = 13,                          /* INVERSE: q, v, a, fext -> tau nv */
+  DYN_ALGORITHM_NLE = 14,                           /* INVERSE: q, v -> nle nv */
+  DYN_ALGORITHM_GRAVITY_TORQUE = 15,                /* INVERSE: q -> g nv */
+  DYN_ALGORITHM_STATIC_TORQUE = 16,                 /* INVERSE: q, fext -> tau nv */
+  DYN_ALGORITHM_CORIOLIS_MATRIX = 17,               /* CORIOLIS: q, v -> C nv x nv */
+  DYN_ALGORITHM_ABA = 18,                           /* FORWARD: q, v, tau, fext -> ddq nv */
+  DYN_ALGORITHM_CRBA = 19,                          /* MASS: q -> M nv x nv */
+  DYN_ALGORITHM_CHOLESKY_SOLVE = 20,                /* CHOLESKY: q, b -> x nv; after dyn_crba, dyn_cholesky */
+  DYN_ALGORITHM_MINV = 21,                          /* MINV: q -> Minv nv x nv */
+  /* INVERSE_DERIVATIVES: q, v, a, fext -> dtau_dq nv x nv, dtau_dv nv x nv */
+  DYN_ALGORITHM_RNEA_DERIVATIVES = 22,
+  /* FORWARD_DERIVATIVES: q, v, tau, fext -> ddq_dq nv x nv, ddq_dv nv x nv, ddq_dtau nv x nv */
+  DYN_ALGORITHM_ABA_DERIVATIVES = 23,
+  DYN_ALGORITHM_ENERGY = 24,                        /* ENERGY: q, v -> kinetic 1, potential 1 */
+  DYN_ALGORITHM_KINETIC_ENERGY = 25,                /* ENERGY: q, v -> kinetic 1 */
+  DYN_ALGORITHM_POTENTIAL_ENERGY = 26,              /* ENERGY: q -> potential 1 */
+  DYN_ALGORITHM_CENTROIDAL_MAP = 27,                /* CENTROIDAL: q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MAP_TIME_VARIATION = 28, /* CENTROIDAL: q, v -> dAg 6 x nv */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM = 29,           /* CENTROIDAL: q, v -> hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM_TIME_VARIATION = 30,/* CENTROIDAL: q, v, a -> dhg 6 */
+  /* CENTROIDAL: q, v, a -> dh_dq 6 x nv, dhdot_dq 6 x nv, dhdot_dv 6 x nv, dhdot_da 6 x nv */
+  DYN_ALGORITHM_CENTROIDAL_DERIVATIVES = 31,
+  DYN_ALGORITHM_JOINT_TORQUE_REGRESSOR = 32,        /* REGRESSOR: q, v, a -> Y nv x nparameters */
+  DYN_ALGORITHM_STATIC_REGRESSOR = 33,              /* REGRESSOR: q -> Y 3 x nparameters */
+  DYN_ALGORITHM_KINETIC_ENERGY_REGRESSOR = 34,      /* REGRESSOR: q, v -> y nparameters */
+  DYN_ALGORITHM_POTENTIAL_ENERGY_REGRESSOR = 35,    /* REGRESSOR: q -> y nparameters */
+  /* KINEMATICS: joint; q, v, a -> Y 6 x 10; after dyn_forward_kinematics */
+  DYN_ALGORITHM_JOINT_BODY_REGRESSOR = 36,
+  /* KINEMATICS: frame; q, v, a -> Y 6 x 10; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_BODY_REGRESSOR = 37,
   DYN_ALGORITHM_INTEGRATE = 38,                     /* q, v -> out nq */
-  DYN_ALGORITHM_GRAVITY_TORQUE_DERIVATIVES = 39,    /* q -> dg_dq nv x nv */
-  DYN_ALGORITHM_STATIC_TORQUE_DERIVATIVES = 40,     /* q, fext -> dstatic_torque_dq nv x nv */
-  DYN_ALGORITHM_VCOM_DERIVATIVES = 41,              /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
-  DYN_ALGORITHM_FRAME_VELOCITY_DERIVATIVES = 42,    /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
-  /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  DYN_ALGORITHM_GRAVITY_TORQUE_DERIVATIVES = 39,    /* INVERSE_DERIVATIVES: q -> dg_dq nv x nv */
+  /* INVERSE_DERIVATIVES: q, fext -> dstatic_torque_dq nv x nv */
+  DYN_ALGORITHM_STATIC_TORQUE_DERIVATIVES = 40,
+  DYN_ALGORITHM_VCOM_DERIVATIVES = 41,              /* COM: q, v -> dvcom_dq 3 x nv, dvcom_dv 3 x nv */
+  /* KINEMATICS: frame, reference; q, v -> dv_dq 6 x nv, dv_dv 6 x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_VELOCITY_DERIVATIVES = 42,
+  /* KINEMATICS: frame, reference; q, v, a -> da_dq 6 x nv, da_dv 6 x nv, da_da 6 x nv; after
+     dyn_forward_kinematics */
   DYN_ALGORITHM_FRAME_ACCELERATION_DERIVATIVES = 43,
-  /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  /* KINEMATICS: frame, reference; q, v, a -> da_dq 6 x nv, da_dv 6 x nv, da_da 6 x nv; after
+     dyn_forward_kinematics */
   DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44,
-  /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
+  /* SECOND_ORDER: b; q, v, a, fext -> dqdq nv x nv, dvdv nv x nv, dqdv nv x nv, dadq nv x nv */
   DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT = 45,
-  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
+  /* SECOND_ORDER: q, v, a, fext -> d2tau_dqdq nv x nv x nv, d2tau_dvdv nv x nv x nv, d2tau_dqdv nv x nv x
+     nv, d2tau_dadq nv x nv x nv */
   DYN_ALGORITHM_RNEA_SECOND_ORDER_DERIVATIVES = 46,
-  DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,       /* frame, reference; q -> H nv matrices 6 x nv */
-  DYN_ALGORITHM_DIFFERENCE = 48,                    /* q, q1 -> v nv: q1 (-) q */
-  DYN_ALGORITHM_STEP = 49                           /* dt, integrator; q, v, tau -> q nq, v nv */
+  /* JACOBIANS: frame, reference; q -> H 6 x nv x nv; after dyn_forward_kinematics */
+  DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,
+  DYN_ALGORITHM_DIFFERENCE = 48,                    /* q, q1 -> v nv */
+  DYN_ALGORITHM_STEP = 49                           /* SIMULATION: dt, integrator; q, v, tau -> q nq, v nv */
 } dynAlgorithm;
 
 /* Inputs and outputs. An algorithm ignores inputs that it does not read. An output may be an input with rows
@@ -2272,6 +2306,8 @@ typedef struct dynAlgorithmInfo {
   const char* output[4];    /* names */
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
   int32_t pages[4];         /* matrices one after another; 1 for others */
+  dynParts part;            /* of data that it needs; 0: none */
+  const char* precondition; /* calls that it makes first: "dyn_crba dyn_cholesky"; "": none */
 } dynAlgorithmInfo;
 /* Describes an algorithm. */
 DYN_API dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info);
@@ -2312,7 +2348,7 @@ typedef struct dynRollout {
   int32_t steps, every;           /* default 1, 1; every divides steps */
   int32_t contact_capacity;       /* contacts of a record; default 0 */
   int32_t sensors;                /* number of sensors; default 0 */
-  const dynStepOptions* stepping; /* NULL: as dyn_step_options_init */
+  const dynStepOptions* stepping; /* NULL: as dyn_model_step_options */
   const dynSensorType* sensor;    /* sensors */
   const int32_t* sensor_frame;    /* sensors: a frame each, read where the sensor has one */
   const void* states; /* n of dyn_model_state_size bytes, from dyn_data_save_state or final_states */
@@ -2412,6 +2448,30 @@ typedef struct dynIntegratorInfo {
   const char* sentence;
 } dynIntegratorInfo;
 DYN_API dynStatus dyn_integrator_info(dynIntegrator integrator, dynIntegratorInfo* info);
+
+/* An effect of joints and links. */
+typedef struct dynEffectTypeInfo {
+  uint32_t struct_size;
+  uint32_t bit;           /* DYN_EFFECT_... */
+  dynParts part;          /* data without this part never has the effect; 0: all data may have it */
+  int32_t implicit;       /* Euler steps take it at their end: 0 none, 1 all, 2 IMPLICIT_FAST alone */
+  int32_t array;          /* the dynModelArray of its numbers, one a degree of freedom; -1: it has none */
+  const char* name;       /* "damping" */
+  const char* quantity;   /* what the array holds: "dry friction"; "" without an array */
+  const char* absent;     /* why a model does not have it: "no joint has damping" */
+  const char* sentence;
+} dynEffectTypeInfo;
+/* Describes the effect of one DYN_EFFECT_... bit. */
+DYN_API dynStatus dyn_effect_type_info(uint32_t bit, dynEffectTypeInfo* info);
+
+/* A contact solver. */
+typedef struct dynContactSolverTypeInfo {
+  uint32_t struct_size;
+  int32_t refined;  /* 1: Newton's method finishes what it finds */
+  const char* name; /* "admm" */
+  const char* sentence;
+} dynContactSolverTypeInfo;
+DYN_API dynStatus dyn_contact_solver_type_info(dynContactSolverType type, dynContactSolverTypeInfo* info);
 
 /* The whole header as JSON, in its order. Each value is a list of objects; doc is the comment:
      constants   name, value, doc

@@ -7,6 +7,7 @@ namespace dyn::effect {
 
 struct Actuators : Listed<Actuators> {
   static constexpr std::uint32_t bit = DYN_EFFECT_ACTUATORS;
+  static constexpr const char* absent = "the file has none";
   static constexpr Implicit implicit = Implicit::Always;
   DYN_EFFECT_WORK(actuators)
   template <class M>

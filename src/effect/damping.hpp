@@ -8,6 +8,8 @@ namespace dyn::effect {
 struct Damping : Coefficient<Damping> {
   static constexpr std::uint32_t bit = DYN_EFFECT_DAMPING;
   static constexpr const char* name = "a damping";
+  static constexpr dynModelArray array = DYN_MODEL_ARRAY_DAMPING;
+  static constexpr const char *quantity = "damping", *absent = "no joint has damping", *mjcf = "damping", *urdf = "damping";
   static constexpr Implicit implicit = Implicit::Always;
   DYN_EFFECT_COEFFICIENT(damping)
   DYN_EFFECT_WORK(damping)

@@ -14,6 +14,7 @@ namespace dyn::effect {
 
 struct Fluid : Listed<Fluid> {
   static constexpr std::uint32_t bit = DYN_EFFECT_FLUID;
+  static constexpr const char* absent = "there is no medium";
   static constexpr bool needs_velocity = true;
   DYN_EFFECT_WORK(fluid)
   template <class M>

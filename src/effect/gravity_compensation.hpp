@@ -9,6 +9,7 @@ namespace dyn::effect {
 
 struct GravityCompensation : Listed<GravityCompensation> {
   static constexpr std::uint32_t bit = DYN_EFFECT_GRAVITY_COMPENSATION;
+  static constexpr const char* absent = "no link's weight is held";
   static constexpr bool needs_velocity = false;
   DYN_EFFECT_WORK(wrenches)
   template <class M>

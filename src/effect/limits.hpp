@@ -7,6 +7,7 @@ namespace dyn::effect {
 
 struct Limits : Listed<Limits> {
   static constexpr std::uint32_t bit = DYN_EFFECT_LIMITS;
+  static constexpr const char* absent = "no joint has limits";
   static constexpr dynParts part = 0;
   template <class M>
   static auto records(const M& m) { return std::span(m.limits(), std::size_t(m.n.limits)); }

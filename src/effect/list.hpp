@@ -23,6 +23,14 @@ DYN_INLINE constexpr void for_each_effect(F&& f) {
 #undef DYN_EFFECT_CALL
 }
 
+// f.template operator()<E>() for every effect with a coefficient for each degree of freedom.
+template <class F>
+DYN_INLINE constexpr void for_each_coefficient(F&& f) {
+  for_each_effect([&]<class E>() {
+    if constexpr (effect::HasCoefficient<E>) f.template operator()<E>();
+  });
+}
+
 // Bits of the effects that has.template operator()<E>() is true of.
 template <class F>
 constexpr std::uint32_t effect_bits(F&& has) {

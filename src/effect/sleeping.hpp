@@ -7,6 +7,7 @@ namespace dyn::effect {
 
 struct Sleeping {
   static constexpr std::uint32_t bit = DYN_EFFECT_SLEEPING;
+  static constexpr const char* absent = "nothing can come to rest";
   static constexpr dynParts part = DYN_PART_SIMULATION;
   static constexpr Implicit implicit = Implicit::Never;
   template <class M>

@@ -10,6 +10,8 @@ namespace dyn::effect {
 struct Springs : Coefficient<Springs> {
   static constexpr std::uint32_t bit = DYN_EFFECT_SPRINGS;
   static constexpr const char* name = "a stiffness";
+  static constexpr dynModelArray array = DYN_MODEL_ARRAY_STIFFNESS;
+  static constexpr const char *quantity = "springs", *absent = "no joint has springs", *mjcf = "stiffness", *urdf = nullptr;
   static constexpr Implicit implicit = Implicit::ImplicitFast;
   static constexpr bool of_configuration = true;
   DYN_EFFECT_COEFFICIENT(stiffness)

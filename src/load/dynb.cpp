@@ -108,7 +108,9 @@ struct Free {
 
 }  // namespace load
 
-ModelPtr load_dynb(const std::string& bytes, const std::string& file, const LoadOptions& options) {
+ModelPtr load_dynb(const std::string& given, const std::string& file, const LoadOptions& options) {
+  const std::string renewed = load::from_older_dynb(given);
+  const std::string& bytes = renewed.empty() ? given : renewed;
   const std::string where = file.empty() ? "" : load::printable(file) + ": ";
   try {
     load::refuse(check_header(bytes.data(), bytes.size()));
@@ -124,6 +126,9 @@ ModelPtr load_dynb(const std::string& bytes, const std::string& file, const Load
       throw Error(DYN_ERROR_UNSUPPORTED, "the .dynb has no names: use it in place as a buffer, or write it again with names");
     load::check_by_building(m);
     Builder builder(m);
+    const auto is_drawn = [&](Index k) { return std::strcmp(m.string(m.configuration_names()[k]), "qpos0") == 0; };
+    for (Index k = 1; !renewed.empty() && k < m.n.configurations; ++k)
+      if (is_drawn(k)) builder.initial_configuration("qpos0");
     if (options.gravity != LoadOptions().gravity) builder.gravity(options.gravity);
     if (options.constraint_slots != LoadOptions().constraint_slots) builder.constraint_slots(options.constraint_slots);
     if (options.contact_capacity != 0) builder.contact_capacity(options.contact_capacity);

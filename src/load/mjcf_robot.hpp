@@ -4,6 +4,7 @@
 #include "collision_mesh.hpp"
 #include "colour.hpp"
 #include "model/constraints.hpp"
+#include "model/model.hpp"
 #include "algorithm/actuators.hpp"
 #include "mjcf_settings.hpp"
 
@@ -12,6 +13,8 @@ struct Mesh;
 }
 
 namespace dyn::load {
+
+struct CollisionMesh;
 
 // A place in a file, as the prefix of messages.
 struct MjcfPlace {
@@ -96,6 +99,8 @@ struct MjcfActuator {
   dynActuator spec;
   std::string joint;
   double damping_ratio = 0;  // instead of kv, or of the last bias parameter
+  size_t activations = 0;    // numbers in the file's keys
+  bool inert = false;        // not supported: it keeps its control and exerts no force
 };
 
 // first, second: bodies, sites or joints. numbers: relpose or polycoef as in the file.
@@ -116,7 +121,8 @@ struct MjcfPair {
 struct MjcfKey {
   MjcfPlace place;
   std::string name;
-  std::vector<double> qpos;
+  std::vector<double> qpos, qvel = {}, act = {}, ctrl = {};
+  double time = 0;
 };
 
 struct MjcfRobot {
@@ -132,6 +138,10 @@ struct MjcfRobot {
   double density = 0, viscosity = 0;
   std::array<double, 3> wind = {0, 0, 0};
   PairFilter filter = PairFilter::Mujoco;  // <flag filterparent>
+  double timestep = 0.002;
+  dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
+  std::uint32_t effects = SimulationRecord().effects;             // less those that flags switch off
+  bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
 };
 
 // Meshes and height fields by the names that geoms use.
@@ -210,8 +220,11 @@ std::optional<std::vector<double>> mjcf_builtin_corners(const Reader& reader, co
 // mjcf_rest.cpp: sections beside the bodies
 void read_mjcf_option(MjcfFile& file, Element& e);
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);
-void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void report_mjcf_section(MjcfFile& file, Element& e);
+// mjcf_keys.cpp: named configurations. Keys come after the actuators, whose controls they hold.
+void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
+void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot);
+void add_mjcf_keys(Builder& builder, const MjcfRobot& robot);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
 void limit_mjcf_actuators(MjcfRobot& robot);  // applies a joint's actuator force range to its only actuator

@@ -37,6 +37,8 @@ class MjcfWriter {
   // save_mjcf_joint.cpp
   void add_joint(XmlElement& body, const Piece& p, const SE3<double>& end);
   void add_numbers(XmlElement& e, const Piece& p);
+  template <class E>
+  void put_coefficient(XmlElement& e, double c, const std::string& joint);
   void add_keys();
   // save_mjcf_geom.cpp
   void add_geom(XmlElement& body, const ShapeRecord& s, Index k);

@@ -38,18 +38,24 @@ void MjcfWriter::add_joint(XmlElement& body, const Piece& p, const Pose& end) {
   put(equality, "polycoef", {s.offset, s.ratio, 0, 0, 0});
 }
 
+template <class E>
+void MjcfWriter::put_coefficient(XmlElement& e, double c, const std::string& joint) {
+  if (c == 0) return;
+  if (E::mjcf) put(e, E::mjcf, c);
+  else losses.loss(std::string(E::quantity) + " of joints", joint);
+}
+
 void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
   const SimpleJoint& s = p.simple;
   const JointSpec spec = spec_of(m, m.joints()[p.joint]);
   if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
     const int nv = joint_nv(s.type), nq = joint_nq(s.type);
-    const auto one = [&](const char* attribute, const std::vector<double>& x) {
+    for_each_coefficient([&]<class E>() {
+      const std::vector<double>& x = E::of(spec);
       if (!alike(x, s.v, nv)) losses.loss("armature, damping or dry friction that differs between a joint's degrees of freedom: the first one counts", s.name);
-      if (x[size_t(s.v)] != 0) put(e, attribute, x[size_t(s.v)]);
-    };
-    one("armature", spec.armature), one("damping", spec.damping), one("frictionloss", spec.friction);
+      put_coefficient<E>(e, x[size_t(s.v)], s.name);
+    });
     if (spec.stiffness[size_t(s.v)] != 0) {
-      put(e, "stiffness", spec.stiffness[size_t(s.v)]);
       const double* rest = spec.spring_reference.data() + s.q;
       if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("rest orientations of ball joint springs", s.name);
     }
@@ -71,10 +77,7 @@ void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
     else losses.loss("limits of effort that are zero", s.name);
   }
   if (std::isfinite(x.velocity)) losses.loss("velocity limits of joints", s.name);
-  if (x.armature != 0) put(e, "armature", x.armature);
-  if (x.damping != 0) put(e, "damping", x.damping);
-  if (x.friction != 0) put(e, "frictionloss", x.friction);
-  if (x.stiffness != 0) put(e, "stiffness", x.stiffness);
+  for_each_coefficient([&]<class E>() { put_coefficient<E>(e, E::of(x), s.name); });
   if (x.rest != 0) put(e, "springref", x.rest);
 }
 

@@ -64,19 +64,27 @@ XmlElement& UrdfWriter::add_joint(const std::string& name, const char* type, con
 
 void UrdfWriter::add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJoint& s) {
   const std::string& name = s.name;
-  const auto dynamics = [&](double damping, double friction) {
-    if (damping == 0 && friction == 0) return;
+  // coefficient(E): the number of an effect E that URDF has
+  const auto dynamics = [&](auto&& coefficient) {
+    bool any = false;
+    for_each_coefficient([&]<class E>() { any |= E::urdf && coefficient.template operator()<E>() != 0; });
+    if (!any) return;
     XmlElement& d = *e.InsertNewChildElement("dynamics");
-    put(d, "damping", damping), put(d, "friction", friction);
+    for_each_coefficient([&]<class E>() {
+      if (E::urdf) put(d, E::urdf, coefficient.template operator()<E>());
+    });
   };
   if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER || s.type == DYN_JOINT_TYPE_PLANAR) {
     const size_t nv = size_t(joint_nv(s.type)), first = size_t(s.v);
     const auto own = [&](const std::vector<double>& x) { return x.empty() ? std::vector<double>(nv, 0) : std::vector<double>(x.begin() + first, x.begin() + first + nv); };
-    const auto damping = own(spec.damping), friction = own(spec.friction);
-    if (s.type == DYN_JOINT_TYPE_SPHERICAL && all(damping, damping[0]) && all(friction, friction[0])) dynamics(damping[0], friction[0]);
-    else if (!all(damping, 0) || !all(friction, 0)) losses.loss("damping and dry friction of joints with several degrees of freedom", name);
-    if (!all(own(spec.armature), 0)) losses.loss("armature of joints", name);
-    if (!all(own(spec.stiffness), 0)) losses.loss("springs of joints", name);
+    bool alike = s.type == DYN_JOINT_TYPE_SPHERICAL, any = false;
+    for_each_coefficient([&]<class E>() {
+      const auto x = own(E::of(spec));
+      if (E::urdf) alike = alike && all(x, x[0]), any |= !all(x, 0);
+      else if (!all(x, 0)) losses.loss(std::string(E::quantity) + " of joints", name);
+    });
+    if (alike) dynamics([&]<class E>() { return own(E::of(spec))[0]; });
+    else if (any) losses.loss("damping and dry friction of joints with several degrees of freedom", name);
     if (!unlimited(spec)) losses.loss("limits of joints with several degrees of freedom", name);
     return;
   }
@@ -89,9 +97,10 @@ void UrdfWriter::add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJ
     put(limit, "effort", bounded(x.effort)), put(limit, "velocity", bounded(x.velocity));
   }
   if (turns && (std::isfinite(x.lower) || std::isfinite(x.upper))) losses.loss("limits of continuous joints", name);
-  dynamics(x.damping, x.friction);
-  if (x.armature != 0) losses.loss("armature of joints", name);
-  if (x.stiffness != 0) losses.loss("springs of joints", name);
+  dynamics([&]<class E>() { return E::of(x); });
+  for_each_coefficient([&]<class E>() {
+    if (!E::urdf && E::of(x) != 0) losses.loss(std::string(E::quantity) + " of joints", name);
+  });
   if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) become continuous: load the file with cos_sin", name);
   if (!s.leader.empty()) {
     XmlElement& mimic = *e.InsertNewChildElement("mimic");

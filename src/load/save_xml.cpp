@@ -76,9 +76,11 @@ std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names) {
 ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& s) {
   const auto at = [](const std::vector<double>& x, int k, double missing) { return size_t(k) < x.size() ? x[size_t(k)] : missing; };
   constexpr double inf = std::numeric_limits<double>::infinity();
-  if (!s.leader.empty() && s.leader != spec.mimic) return {-inf, inf, inf, inf, 0, 0, 0, 0, 0};  // the slide of a helical joint
-  return {at(spec.lower, s.q, -inf), at(spec.upper, s.q, inf), at(spec.velocity, s.v, inf), at(spec.effort, s.v, inf), at(spec.armature, s.v, 0),
-          at(spec.damping, s.v, 0), at(spec.friction, s.v, 0), at(spec.stiffness, s.v, 0), at(spec.spring_reference, s.q, 0)};
+  if (!s.leader.empty() && s.leader != spec.mimic) return {-inf, inf, inf, inf, 0};  // the slide of a helical joint
+  return {at(spec.lower, s.q, -inf), at(spec.upper, s.q, inf), at(spec.velocity, s.v, inf), at(spec.effort, s.v, inf), at(spec.spring_reference, s.q, 0),
+#define COEFFICIENT(name, has, sentence) at(spec.name, s.v, 0),
+#include "effect/coefficients.def"
+  };
 }
 
 std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R) {

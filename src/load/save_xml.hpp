@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "effect/list.hpp"
 #include "model/colour.hpp"
 #include "model/save.hpp"
 #include "model/builder_impl.hpp"
@@ -76,7 +77,9 @@ std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names);
 
 // Parameters of a joint with one coordinate.
 struct ScalarNumbers {
-  double lower, upper, velocity, effort, armature, damping, friction, stiffness, rest;
+  double lower, upper, velocity, effort, rest;
+#define COEFFICIENT(name, has, sentence) double name = 0;
+#include "effect/coefficients.def"
 };
 ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& joint);
 

@@ -77,7 +77,10 @@ bool BlockChecker::joint(Index j, Index& q, Index& v, Index& qx, Index& vx) {
   if (follows ? !require(own.nq == 1 && own.nv == 1, "a joint that follows has several coordinates") : !require(r.nq == own.nq &&
       r.nv == own.nv, "coordinates of a joint")) return false;
   if (!follows) q += own.nq, v += own.nv;
-  const double scalars[] = {r.ratio, r.offset, r.pitch, r.armature, r.damping, r.friction, r.stiffness, r.spring_reference};
+  const double scalars[] = {
+#define COEFFICIENT(name, has, sentence) r.name,
+#include "effect/coefficients.def"
+      r.ratio, r.offset, r.pitch, r.spring_reference};
   return require(is_finite(r.C) && are_finite(r.axis) && are_finite(r.axis2) && are_finite(r.placement) && are_finite(scalars), "a number of a joint");
 }
 

@@ -70,6 +70,17 @@ struct Shape {
   PairFilter filter = PairFilter::Guess;
 };
 
+// What a named configuration states beside q. Joints and actuators that are not named: zero.
+struct ConfigurationState {
+  struct Actuator {
+    std::array<double, 3> control{};
+    double activation = 0;
+  };
+  std::vector<std::pair<std::string, std::vector<double>>> v;  // by joints
+  std::vector<std::pair<std::string, Actuator>> actuators;
+  double time = 0;
+};
+
 // nq and nv of a type with no parts.
 int joint_nq(dynJointType type);
 int joint_nv(dynJointType type);
@@ -105,7 +116,11 @@ class Builder {
   void colour(std::uint32_t of_last_shape);
   void configuration(const std::string& name, const std::vector<double>& q);
   // The same by joints, each with its own coordinates; the others are neutral.
-  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
+  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints, const ConfigurationState& state = {});
+  // Where new data begins: the name of a configuration.
+  void initial_configuration(const std::string& name);
+  // dt and integrator of new data, and the effects that the model states (DYN_EFFECT_AS_STATED).
+  void stepping(double dt, dynIntegrator integrator, std::uint32_t effects);
   // Two bodies that are not tested for collision.
   void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);

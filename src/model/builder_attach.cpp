@@ -101,7 +101,12 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     if (at == next.configurations.end()) at = next.configurations.insert(at, {c.name, true, {}, {}});
     at->by_joint.resize(std::size_t(before));
     at->by_joint.insert(at->by_joint.end(), c.by_joint.begin(), c.by_joint.end());
+    at->v_by_joint.resize(std::size_t(before));
+    at->v_by_joint.insert(at->v_by_joint.end(), c.v_by_joint.begin(), c.v_by_joint.end());
+    for (const auto& [actuator, state] : c.actuators) at->actuators[prefix + actuator] = state;
+    at->time = std::max(at->time, c.time);
   }
+  if (next.initial == "neutral") next.initial = other.initial;
   *impl = std::move(next);
 }
 

@@ -58,6 +58,7 @@ struct Compiler {
   void add_reports();
   void add_constraints();
   void add_configurations();
+  void add_configuration_states();  // after the actuators
   // builder_indices.cpp
   void add_runs();
   void add_limits();

@@ -125,9 +125,18 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     impl->pairs.push_back(pair);
   }
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
-    const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
-    impl->configurations.push_back({m.string(m.configuration_names()[k]), true, {}, by_joint(impl->joints, {q, q + m.n.nq})});
+    const double *q = m.configurations() + std::ptrdiff_t(k) * m.n.nq, *v = m.configuration_state(k), *u = v + m.n.nv, *act = u + m.n.nu;
+    ConfigurationEntry c{m.string(m.configuration_names()[k]), true, {}, by_joint(impl->joints, {q, q + m.n.nq}), by_joint(impl->joints, {v, u}, own_nv)};
+    for (Index i = 0; i < m.n.actuators; ++i) {
+      const ActuatorRecord& r = m.actuators()[i];
+      ConfigurationState::Actuator& x = c.actuators[m.string(r.name)];
+      std::copy_n(u + r.spec.idx_u, r.spec.controls, x.control.begin());
+      if (r.act >= 0) x.activation = act[r.act];
+    }
+    c.time = act[m.n.na];
+    impl->configurations.push_back(std::move(c));
   }
+  impl->simulation = *m.simulation(), impl->initial = m.string(m.configuration_names()[m.simulation()->initial]);
 }
 
 }  // namespace dyn

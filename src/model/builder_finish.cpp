@@ -24,6 +24,7 @@ ModelPtr Compiler::compile() {
   add_constraints();
   add_configurations();
   add_runs();
+  add_configuration_states();
   add_limits();
   add_subtrees();
   sort_names();

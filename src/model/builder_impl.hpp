@@ -59,6 +59,9 @@ struct ConfigurationEntry {
   bool split;
   std::vector<double> whole;
   std::vector<std::vector<double>> by_joint;
+  std::vector<std::vector<double>> v_by_joint = {};  // none: zero
+  std::map<std::string, ConfigurationState::Actuator> actuators = {};
+  double time = 0;
 };
 
 struct ReportEntry {
@@ -101,6 +104,8 @@ struct Builder::Impl {
   std::unordered_map<std::string, std::vector<int>> frame_index;
   std::vector<ShapeEntry> shapes;
   std::vector<ConfigurationEntry> configurations;
+  std::string initial = "neutral";  // configuration of new data
+  SimulationRecord simulation;
   std::vector<ReportEntry> reports;
   std::vector<DisabledEntry> disabled;  // not tested for collision
   std::vector<ConstraintEntry> constraints;
@@ -131,9 +136,10 @@ std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<Joi
 std::vector<int> depth_first(const std::vector<JointEntry>& joints);
 // A joint's own coordinates where nothing moves.
 std::vector<double> neutral_of(const JointEntry& joint);
-// Coordinates of the model in each joint's own, by the order of addition; followers have none.
-std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& q);
 int own_nq(const JointEntry& joint);  // 0 for a follower
+int own_nv(const JointEntry& joint);
+// Coordinates of the model in each joint's own, by the order of addition; followers have none. size: own_nq or own_nv.
+std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x, int (*size)(const JointEntry&) = own_nq);
 
 // Who a joint follows: q = ratio q_leader + offset; joint -1: it moves by itself.
 struct Leader {

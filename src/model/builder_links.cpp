@@ -153,4 +153,28 @@ void Compiler::add_configurations() {
   n.configurations = Index(a.configuration_names.size());
 }
 
+void Compiler::add_configuration_states() {
+  const std::size_t size = std::size_t(n.nv + n.nu + n.na + 1);
+  a.configuration_states.assign(size * std::size_t(n.configurations), 0.0);
+  double* v = a.configuration_states.data();
+  for (const ConfigurationEntry& c : in.configurations) {
+    v += size;  // that of "neutral" is zero
+    double *u = v + n.nv, *act = u + n.nu;
+    for (std::size_t j = 0; j < c.v_by_joint.size(); ++j)
+      std::copy(c.v_by_joint[j].begin(), c.v_by_joint[j].end(), v + idx_v[j]);
+    for (std::size_t k = 0; k < a.actuators.size(); ++k)
+      if (const auto given = c.actuators.find(in.actuators[k].name); given != c.actuators.end()) {
+        const ActuatorRecord& r = a.actuators[k];
+        std::copy_n(given->second.control.begin(), r.spec.controls, u + r.spec.idx_u);
+        if (r.act >= 0) act[r.act] = given->second.activation;
+      }
+    act[n.na] = c.time;
+  }
+  SimulationRecord r = in.simulation;
+  r.initial = 0;
+  for (Index k = 0; k < n.configurations; ++k)
+    if (k > 0 && in.configurations[std::size_t(k) - 1].name == in.initial) r.initial = k;
+  a.simulation.push_back(r);
+}
+
 }  // namespace dyn

@@ -27,34 +27,21 @@ template <class T> struct SecondOrderRows;
 
 // What is computed, and from what: a field is fresh when its stage was computed for the current versions of its inputs.
 enum class Stage : Index {
-  State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
-  Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
-  InverseDerivatives, ForwardDerivatives, GravityDerivatives, StaticDerivatives, ComDerivatives, SecondOrder,
-  CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
-  Distances,
-  TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
-  ConstrainedDdq,
+#define STAGE(name, inputs) name,
+#include "model/data_fields.def"
   count_
 };
 
 enum Input : Index { input_q, input_v, input_a, input_tau, input_count };
 
-// which inputs each stage depends on: a bit each
+// Which inputs each stage depends on: a bit each.
 inline constexpr unsigned stage_inputs(Stage s) {
-  constexpr unsigned Q = 1, V = 2, A = 4, TAU = 8;
-  switch (s) {
-    case Stage::State: return 0;
-    case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
-    case Stage::Mechanical: return Q | V;
-    case Stage::CentroidalMapRate: case Stage::CentroidalMomentum: case Stage::CentroidalDerivatives: case Stage::KineticRegressor:
-    case Stage::ComDerivatives:
-      return Q | V;
-    case Stage::CentroidalMomentumRate: case Stage::CentroidalRateDerivative: case Stage::TorqueRegressor: return Q | V | A;
-    case Stage::Acceleration: case Stage::Acom: case Stage::Tau: case Stage::InverseDerivatives:
-    case Stage::SecondOrder: return Q | V | A;
-    case Stage::Ddq: case Stage::ForwardDerivatives: case Stage::ConstrainedDdq: return Q | V | TAU;
-    default: return Q;
-  }
+  [[maybe_unused]] constexpr unsigned Q = 1, V = 2, A = 4, TAU = 8;
+  constexpr unsigned inputs[] = {
+#define STAGE(name, inputs) inputs,
+#include "model/data_fields.def"
+  };
+  return inputs[std::size_t(s)];
 }
 
 // First expanded degree of freedom at or after body i.

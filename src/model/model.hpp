@@ -148,6 +148,15 @@ struct ReportRecord {
   Index line, message;
 };
 
+// How simulations begin and step.
+struct SimulationRecord {
+  double dt = 1e-3;  // s
+  dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
+  std::uint32_t effects = DYN_EFFECT_ALL & ~std::uint32_t(DYN_EFFECT_SLEEPING);  // of steps by DYN_EFFECT_AS_STATED
+  Index initial = 0;  // configuration of new data
+  Index padding = 0;
+};
+
 // A constraint of the model; its frames or joints are ids.
 struct ConstraintRecord {
   dynConstraint spec;
@@ -198,6 +207,8 @@ struct Model {
 #undef FIELD
 
   const char* string(Index at) const { return text() + at; }
+  // nv, nu, na numbers of a named configuration, and its time.
+  const double* configuration_state(Index k) const { return configuration_states() + std::ptrdiff_t(k) * (n.nv + n.nu + n.na + 1); }
   // Share of a link's weight that is held from outside.
   double compensation(Index link) const {
     for (const GravityCompensation *w = gravity_compensations(), *end = w + n.gravity_compensations; w != end; ++w)

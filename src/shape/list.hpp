@@ -1,5 +1,5 @@
-// The closed list of shapes and their only dispatch. visit expands to a switch, so each case inlines. A new shape is a file and a
-// line here and in Type (shape.hpp).
+// The closed list of shapes and their only dispatch. visit expands to a switch, so each case inlines. A new shape is a file, its
+// name in DYN_SHAPES (shape.hpp), and its include here.
 #pragma once
 
 #include "shape/box.hpp"
@@ -14,10 +14,6 @@
 #include "shape/triangles.hpp"
 
 namespace dyn::shape {
-
-#define DYN_SHAPES(X) X(HalfSpace) X(Sphere) X(Capsule) X(Box) X(Cylinder) X(Cone) X(Ellipsoid) X(Convex)
-// surfaces, which are not convex (surface.hpp)
-#define DYN_SURFACES(X) X(Triangles) X(HeightField)
 
 // number of convex types, which come first
 inline constexpr int type_count = 0

@@ -33,8 +33,13 @@
 
 namespace dyn::shape {
 
-// Surfaces (surface.hpp) come last.
-enum class Type : Index { HalfSpace, Sphere, Capsule, Box, Cylinder, Cone, Ellipsoid, Convex, Triangles, HeightField };
+#define DYN_SHAPES(X) X(HalfSpace) X(Sphere) X(Capsule) X(Box) X(Cylinder) X(Cone) X(Ellipsoid) X(Convex)
+// surfaces, which are not convex (surface.hpp)
+#define DYN_SURFACES(X) X(Triangles) X(HeightField)
+
+#define DYN_NAME(S) S,
+enum class Type : Index { DYN_SHAPES(DYN_NAME) DYN_SURFACES(DYN_NAME) };
+#undef DYN_NAME
 
 struct Hull;
 struct TriangleTree;

@@ -16,15 +16,17 @@ struct Island {
   Index constraint_count;
   double h;
   const double* v_before;
-  Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
+  Index rows = 0, equalities = 0, boxes = 0, contacts = 0, dropped = 0;  // dropped: redundant rows of equalities
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double inconsistency = 0;  // inconsistency of the equalities, relative to the speed
   double fastest = 0;  // speed() at the beginning
+  double slack = 0;  // gap (m) that pressed contacts keep
   double fast = 0;     // largest rate of its rows (m/s), when closed_gap > 0
   enum class Eliminated { Not, Runs, Fits, DoesNotFit };
   Eliminated eliminated = Eliminated::Not;
-  Index allowance = tuning::island::rounds * w.options.max_iterations;  // iterations, summed over all methods
+  double tolerance = w.tolerance();  // of the residual that ends the solve
+  Index allowance = std::min(w.max_iterations(), tuning::island::rounds * w.method_iterations());  // iterations, summed over all methods
 
   double* vector(int k) const { return w.vectors + k * padded_rows(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
@@ -39,6 +41,8 @@ struct Island {
   // island.cpp: numbers rows, fills vectors
   void assign_rows();
   void fill();
+  void drop_redundant();
+  void keep_all();
 
   // dense Delassus matrix (island_solve.cpp)
   void matrix();
@@ -50,6 +54,7 @@ struct Island {
   // segments (newton.cpp, interior.cpp): start from lambda and improve it. They return true when the tolerance is met.
   bool newton(dynContactReport& report, bool from_inside);
   bool sparse();   // whether segments are cheaper than the dense matrix
+  bool has_runs();  // finds the runs of its constraints; returns false if they do not fit
   bool ordered();  // finds the elimination order; returns false if it does not fit
 
   // matrix-free Gauss-Seidel (pgs_matrix_free.cpp)
@@ -64,6 +69,9 @@ struct Island {
   void gauss_seidel_while_improving(dynContactReport& report);  // while the residual falls
   void gauss_seidel_frictionless();
   bool within_budget(const dynContactReport& r) const { return r.iterations + r.newton_steps < allowance && !w.time_is_up(); }
+  // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
+  bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
+  void solve_to_default(dynContactReport& report);
   void solve_fixed_correction(dynContactReport& report);
   double residual() const;  // also sets by_dof and c for lambda
   double speed() const;  // largest velocity that is to change
@@ -84,8 +92,8 @@ struct Island {
       }
     });
   }
-  DYN_INLINE Pack<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv, const double* z) const {
-    using P = Pack<double, row_lanes>;
+  DYN_INLINE Simd<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv, const double* z) const {
+    using P = Simd<double, row_lanes>;
     P sum = P::zero();
     const double* y = a.Y;
     for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);

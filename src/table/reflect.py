@@ -3,6 +3,7 @@
 
   members.inc    values of each enumeration, for range checks (enums.hpp)
   enums.inc      names and sentences of enumerations (capi/reflection.cpp)
+  algorithms.inc rows of dynAlgorithm (algorithms.py)
   interface.inc  the whole interface as JSON, a C++ string (dyn_interface_json in dyn.h says what it holds)
 
 A comment that ends on the line above a declaration describes it; so does one that begins behind it on its last line.
@@ -11,6 +12,8 @@ import json
 import os
 import re
 import sys
+
+import algorithms
 
 TOKEN = re.compile(r'(?P<comment>/\*.*?\*/)|(?P<directive>^[ \t]*#(?:\\\n|/(?!\*)|[^/\n])*)|(?P<string>"[^"]*")'
                    r'|(?P<word>\w+)|(?P<space>\s+)|(?P<sign>.)', re.S | re.M)
@@ -284,7 +287,7 @@ def write(path, rows):
 def main(path, folder):
     header = Header(open(path, encoding="utf-8").read())
     os.makedirs(folder, exist_ok=True)
-    for name, rows in (("members.inc", members), ("enums.inc", names), ("interface.inc", interface)):
+    for name, rows in (("members.inc", members), ("enums.inc", names), ("algorithms.inc", algorithms.rows), ("interface.inc", interface)):
         write(os.path.join(folder, name), rows(header))
 
 

@@ -364,7 +364,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_algorithm_info",
       // reflection_test.cpp
       "dyn_algorithm_run", "dyn_enum_count", "dyn_enum_id", "dyn_enum_info", "dyn_enum_value_info", "dyn_joint_type_info", "dyn_shape_type_info",
-      "dyn_constraint_type_info", "dyn_integrator_info", "dyn_interface_json",
+      "dyn_constraint_type_info", "dyn_integrator_info", "dyn_effect_type_info", "dyn_contact_solver_type_info", "dyn_interface_json",
       // rollout_test.cpp
       "dyn_rollout_init", "dyn_batch_rollout", "dyn_sensor_size"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {

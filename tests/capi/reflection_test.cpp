@@ -1,6 +1,4 @@
 // What dyn.h declares is there for programs: names, values and sentences of enumerations, the interface as JSON.
-#include <gtest/gtest.h>
-
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -9,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "dyn.h"
+#include "capi/each_value.hpp"
 
 namespace {
 
@@ -97,96 +95,43 @@ TEST(Reflection, TheInterfaceNamesEveryFunction) {
             std::string::npos);
 }
 
-// f(value) for each of an enumeration
-template <class F>
-void each_value(const char* type, F&& f) {
-  dynEnumInfo info = {};
-  info.struct_size = sizeof info;
-  ASSERT_EQ(dyn_enum_info(dyn_enum_id(type), &info), DYN_OK);
-  for (int k = 0; k < info.count; ++k) {
-    dynEnumValueInfo value = {};
-    value.struct_size = sizeof value;
-    ASSERT_EQ(dyn_enum_value_info(dyn_enum_id(type), k, &value), DYN_OK);
-    SCOPED_TRACE(value.identifier);
-    f(value);
-  }
-}
-
-TEST(Reflection, JointTypesHaveTheSizesThatModelsHave) {
-  each_value("dynJointType", [](const dynEnumValueInfo& value) {
-    dynJointTypeInfo info = {};
+// Data with the part of an algorithm, and no other, computes it; data without is refused. Fields tell the same part of their producer.
+TEST(Reflection, AlgorithmsNameThePartThatTheyNeed) {
+  dynLoadOptions options;
+  dyn_load_options_init(&options);
+  options.base = DYN_BASE_FIXED;
+  dynModel* model = nullptr;
+  ASSERT_EQ(dyn_model_load(DYN_MODELS_DIR "/robots/go2.urdf", &options, &model), DYN_OK) << dyn_last_error();
+  const std::vector<double> q(std::size_t(dyn_model_nq(model)), 0.1);
+  dyn_test::each_value("dynAlgorithm", [&](const dynEnumValueInfo& value) {
+    dynAlgorithmInfo info = {};
     info.struct_size = sizeof info;
-    ASSERT_EQ(dyn_joint_type_info(dynJointType(value.value), &info), DYN_OK);
-    EXPECT_STRNE(info.name, "");
-    if (value.value == DYN_JOINT_TYPE_FIXED || value.value == DYN_JOINT_TYPE_COMPOSITE) {
-      EXPECT_EQ(info.nq, 0);
-      return;
+    ASSERT_EQ(dyn_algorithm_info(model, dynAlgorithm(value.value), &info), DYN_OK);
+    std::vector<double> out[4];
+    dynBatchArrays arrays;
+    dyn_batch_arrays_init(&arrays);
+    arrays.q = arrays.v = arrays.a = arrays.tau = arrays.q1 = arrays.b = q.data(), arrays.joint = arrays.frame = 1, arrays.dt = 1e-3;
+    for (int k = 0; k < info.outputs; ++k) out[k].resize(std::size_t(info.rows[k] * info.cols[k] * info.pages[k])), arrays.out[k] = out[k].data();
+    const auto with_parts = [&](dynParts parts) {
+      dynData* data = nullptr;
+      EXPECT_EQ(dyn_data_new(model, parts, &data), DYN_OK);
+      const dynStatus status = dyn_algorithm_run(model, data, dynAlgorithm(value.value), &arrays);
+      dyn_data_free(data);
+      return status;
+    };
+    EXPECT_EQ(with_parts(info.part ? info.part : dynParts(DYN_PART_FRAMES)), DYN_OK) << dyn_last_error();
+    if (!info.part) return;
+    EXPECT_EQ(with_parts(info.part == DYN_PART_MASS || info.part == DYN_PART_INVERSE ? DYN_PART_ENERGY : DYN_PART_INVERSE), DYN_ERROR_PART);
+    for (int k = 0; k < dyn_field_count(); ++k) {
+      dynFieldInfo field = {};
+      field.struct_size = sizeof field;
+      ASSERT_EQ(dyn_field_info(k, &field), DYN_OK);
+      if (field.producer == "dyn_" + std::string(info.name)) {
+        EXPECT_EQ(field.part, info.part) << field.name;
+      }
     }
-    dynBuilder* builder = nullptr;
-    dynModel* model = nullptr;
-    ASSERT_EQ(dyn_builder_new("one", &builder), DYN_OK);
-    dynJointSpec spec;
-    dyn_joint_spec_init(&spec);
-    spec.name = "joint", spec.type = dynJointType(value.value), spec.pitch = 0.1;
-    const double com[3] = {}, inertia[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    ASSERT_EQ(dyn_builder_add_joint(builder, &spec), DYN_OK) << dyn_last_error();
-    ASSERT_EQ(dyn_builder_add_body(builder, "body", "joint", nullptr, 1, com, inertia), DYN_OK);
-    ASSERT_EQ(dyn_builder_finish(builder, &model), DYN_OK) << dyn_last_error();
-    EXPECT_EQ(info.nq, dyn_model_nq(model));
-    EXPECT_EQ(info.nv, dyn_model_nv(model));
-    EXPECT_STRNE(info.chain, "");
-    dyn_model_free(model);
-    dyn_builder_free(builder);
   });
-  dynJointTypeInfo planar = {};
-  planar.struct_size = sizeof planar;
-  ASSERT_EQ(dyn_joint_type_info(DYN_JOINT_TYPE_PLANAR, &planar), DYN_OK);
-  EXPECT_STREQ(planar.chain, "prismatic axis_x, prismatic axis_y, revolute axis");
-  EXPECT_EQ(planar.axis, 1);
-  EXPECT_EQ(planar.axis2, 0);
-  EXPECT_EQ(dyn_joint_type_info(dynJointType(14), &planar), DYN_ERROR_ARGUMENT);
-  EXPECT_NE(std::strstr(dyn_last_error(), "_FREE_FLYER"), nullptr);
-}
-
-TEST(Reflection, ShapeTypesNameTheirSizes) {
-  each_value("dynShapeType", [](const dynEnumValueInfo& value) {
-    dynShapeTypeInfo info = {};
-    info.struct_size = sizeof info;
-    ASSERT_EQ(dyn_shape_type_info(dynShapeType(value.value), &info), DYN_OK);
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(std::strlen(info.size[k]) > 0, k < info.sizes);
-    // a positive length is asked for where there is a size, and nothing else
-    if (info.surface || value.value == DYN_SHAPE_TYPE_MESH) return;
-    dynGeometry geometry;
-    dyn_geometry_init(&geometry);
-    geometry.type = dynShapeType(value.value);
-    const double identity[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, point[3] = {5, 0, 0};
-    dynClosestPoint closest = {};
-    closest.struct_size = sizeof closest;
-    for (int k = 0; k < 3; ++k) geometry.size[k] = k < info.sizes ? 1 : -1;
-    EXPECT_EQ(dyn_geometry_closest_point(&geometry, identity, point, &closest), DYN_OK) << dyn_last_error();
-    if (info.sizes) geometry.size[info.sizes - 1] = -1;
-    EXPECT_EQ(dyn_geometry_closest_point(&geometry, identity, point, &closest) == DYN_OK, info.sizes == 0);
-  });
-}
-
-TEST(Reflection, ConstraintTypesAndIntegratorsHaveInfos) {
-  each_value("dynConstraintType", [](const dynEnumValueInfo& value) {
-    dynConstraintTypeInfo info = {};
-    info.struct_size = sizeof info;
-    ASSERT_EQ(dyn_constraint_type_info(dynConstraintType(value.value), &info), DYN_OK);
-    EXPECT_EQ(info.rows == 0, value.value == DYN_CONSTRAINT_TYPE_NONE || value.value == DYN_CONSTRAINT_TYPE_LOOP);
-  });
-  dynConstraintTypeInfo weld = {};
-  weld.struct_size = sizeof weld;
-  ASSERT_EQ(dyn_constraint_type_info(DYN_CONSTRAINT_TYPE_WELD, &weld), DYN_OK);
-  EXPECT_EQ(weld.rows, 6);
-  EXPECT_STREQ(weld.name, "weld");
-  each_value("dynIntegrator", [](const dynEnumValueInfo& value) {
-    dynIntegratorInfo info = {};
-    info.struct_size = sizeof info;
-    ASSERT_EQ(dyn_integrator_info(dynIntegrator(value.value), &info), DYN_OK);
-    EXPECT_GT(info.order, 0);
-  });
+  dyn_model_free(model);
 }
 
 TEST(Reflection, AnAlgorithmRunsByItsNumber) {

@@ -128,12 +128,14 @@ const std::map<std::string, Row> rows = {
     WRITTEN(dynErrorLedger, cone, return dyn_data_ledger(r.m, r.d, s);),
     WRITTEN(dynMeshInfo, area, return dyn_mesh_info(r.surfaces.field, s);),
     WRITTEN(dynMeshArrays, planes, return dyn_mesh_arrays(r.surfaces.field, s);),
-    WRITTEN(dynAlgorithmInfo, rows, return dyn_algorithm_info(r.m, DYN_ALGORITHM_RNEA, s);),
+    WRITTEN(dynAlgorithmInfo, precondition, return dyn_algorithm_info(r.m, DYN_ALGORITHM_RNEA, s);),
     WRITTEN(dynEnumInfo, count, (void)r; return dyn_enum_info(0, s);),
     WRITTEN(dynEnumValueInfo, sentence, (void)r; return dyn_enum_value_info(0, 0, s);),
     WRITTEN(dynJointTypeInfo, sentence, (void)r; return dyn_joint_type_info(DYN_JOINT_TYPE_PLANAR, s);),
     WRITTEN(dynShapeTypeInfo, sentence, (void)r; return dyn_shape_type_info(DYN_SHAPE_TYPE_BOX, s);),
     WRITTEN(dynConstraintTypeInfo, sentence, (void)r; return dyn_constraint_type_info(DYN_CONSTRAINT_TYPE_WELD, s);),
+    WRITTEN(dynEffectTypeInfo, sentence, (void)r; return dyn_effect_type_info(DYN_EFFECT_DAMPING, s);),
+    WRITTEN(dynContactSolverTypeInfo, sentence, (void)r; return dyn_contact_solver_type_info(DYN_CONTACT_SOLVER_TYPE_ADMM, s);),
     WRITTEN(dynIntegratorInfo, sentence, (void)r; return dyn_integrator_info(DYN_INTEGRATOR_RK4, s);),
 };
 #undef READ

@@ -107,6 +107,9 @@ struct ContactOptions {
 void add_contact_options(CLI::App& command, ContactOptions& options);
 int contact_count(const ContactOptions& options);
 void set_contacts(const Robot& robot, const Data& data, const ContactOptions& options);
+// What is said of rows that are redundant but for a misalignment, and of a mechanism that one locks. By default at q.
+std::vector<std::string> misalignment_notes(const Robot& robot, const dynConstraintReport& report);
+std::vector<std::string> misalignment_notes(const Robot& robot, const double* q);
 // Constrained acceleration or forces; the Delassus matrix; C or J of the constraints.
 json constrained_json(const Robot& robot, const Data& data, const double* q, const double* v, const double* tau, bool forces);
 json delassus_json(const Robot& robot, const Data& data, const double* q);
@@ -131,6 +134,8 @@ void add_state_options(CLI::App& command, StateOptions& options, bool with_accel
 struct State {
   Vector q, v, a, tau, ctrl;
   bool has_tau = false;
+  bool in_configuration = false;  // activations and time are those of this configuration; "": of new data
+  std::string configuration;
 };
 void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
 // Numbers from words that hold one or several each, separated by commas or spaces, within [ ] or without; option is named in the refusal.

@@ -22,7 +22,7 @@ const std::vector<Name>& names() {
   static const std::vector<Name> list = [] {
     std::vector<Name> out;
     for (const Choice& c : choices("dynEffects"))
-      if (std::has_single_bit(static_cast<std::uint32_t>(c.value))) out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
+      if (const auto bits = static_cast<std::uint32_t>(c.value); std::has_single_bit(bits) && (bits & DYN_EFFECT_ALL)) out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
     for (const Name& n : {Name{"gravity", has_gravity}, Name{"contact", has_contact}, Name{"constraints", has_constraints}, Name{"all", of_joints | of_the_whole}, Name{"none", 0}}) out.push_back(n);
     return out;
   }();
@@ -96,10 +96,16 @@ json effects(const Robot& robot, std::uint32_t on) {
   };
   const auto nonzero = [](double x) { return x != 0; };
   const auto off = [&](std::uint32_t bit) { return on & bit ? "" : "; switched off"; };
-  const auto of_nv = [&](int n) { return std::to_string(n) + " of " + std::to_string(robot.nv) + " degrees of freedom"; };
-  const auto joints = [&](const char* name, dynModelArray which, std::uint32_t bit, const char* what) {
-    const int n = count(which, robot.nv, nonzero);
-    add(name, n && on & bit, !n ? std::string("no joint has ") + what : of_nv(n) + " have " + what + off(bit));
+  // the table's row of a bit
+  const auto type = [](std::uint32_t bit) {
+    dynEffectTypeInfo info{};
+    info.struct_size = sizeof info;
+    check(dyn_effect_type_info(bit, &info));
+    return info;
+  };
+  // found: how many there are, and what they do
+  const auto effect = [&](std::uint32_t bit, int n, const std::string& found) {
+    add(type(bit).name, n && on & bit, n ? found + off(bit) : std::string(type(bit).absent));
   };
   const auto several = [](int n, const char* one, const char* more) { return std::to_string(n) + (n == 1 ? one : more); };
   const auto present = [&](const char* name) {
@@ -115,33 +121,31 @@ json effects(const Robot& robot, std::uint32_t on) {
   const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
   add("gravity", falls && on & has_gravity,
       falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" + off(has_gravity) : "gravity is zero");
-  joints("armature", DYN_MODEL_ARRAY_ARMATURE, DYN_EFFECT_ARMATURE, "armature");
-  joints("damping", DYN_MODEL_ARRAY_DAMPING, DYN_EFFECT_DAMPING, "damping");
-  joints("springs", DYN_MODEL_ARRAY_STIFFNESS, DYN_EFFECT_SPRINGS, "springs");
-  joints("friction", DYN_MODEL_ARRAY_FRICTION, DYN_EFFECT_FRICTION, "dry friction");
+  for (std::uint32_t bit = 1; bit & DYN_EFFECT_ALL; bit <<= 1) {
+    if (const dynEffectTypeInfo info = type(bit); info.array >= 0) {
+      const int n = count(static_cast<dynModelArray>(info.array), robot.nv, nonzero);
+      effect(bit, n, std::to_string(n) + " of " + std::to_string(robot.nv) + " degrees of freedom have " + info.quantity);
+    }
+  }
   const auto finite = [](double x) { return std::isfinite(x); };
   const int limits = std::max(count(DYN_MODEL_ARRAY_LOWER_LIMIT, robot.nq, finite), count(DYN_MODEL_ARRAY_UPPER_LIMIT, robot.nq, finite));
-  add("limits", limits && on & DYN_EFFECT_LIMITS,
-      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits" + off(DYN_EFFECT_LIMITS) : "no joint has limits");
+  effect(DYN_EFFECT_LIMITS, limits, std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits");
   const int tested = present("contact");
   add("contact", tested && on & has_contact, tested ? several(tested, " pair", " pairs") + " of shapes may touch" + off(has_contact) : "no pair of shapes is tested");
   const int constraints = dyn_model_nconstraints(robot);
   add("constraints", constraints && on & has_constraints,
       constraints ? "the file has " + several(constraints, " constraint", " constraints") + off(has_constraints) : "the file has none");
   const int actuators = dyn_model_nactuators(robot);
-  add("actuators", actuators && on & DYN_EFFECT_ACTUATORS,
-      actuators ? several(actuators, " actuator", " actuators") + " with " + several(dyn_model_nu(robot), " control", " controls") + off(DYN_EFFECT_ACTUATORS) : "the file has none");
-  const int drag = present("fluid");
-  add("fluid", drag && on & DYN_EFFECT_FLUID, drag ? "a medium drags on " + several(drag, " link", " links") + off(DYN_EFFECT_FLUID) : "there is no medium");
-  const int held = present("gravity_compensation");
-  add("gravity_compensation", held && on & DYN_EFFECT_GRAVITY_COMPENSATION,
-      held ? "the weight of " + several(held, " link is", " links is") + " held" + off(DYN_EFFECT_GRAVITY_COMPENSATION) : "no link's weight is held");
+  effect(DYN_EFFECT_ACTUATORS, actuators, several(actuators, " actuator", " actuators") + " with " + several(dyn_model_nu(robot), " control", " controls"));
+  const int drag = present("fluid"), held = present("gravity_compensation");
+  effect(DYN_EFFECT_FLUID, drag, "a medium drags on " + several(drag, " link", " links"));
+  effect(DYN_EFFECT_GRAVITY_COMPENSATION, held, "the weight of " + several(held, " link is", " links is") + " held");
   int followers = 0;
   for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
   add("mimic", followers > 0, followers ? several(followers, " joint follows", " joints follow") + " another" : "no joint follows another");
   const int trees = present("sleeping");
   add("sleeping", trees && on & DYN_EFFECT_SLEEPING,
-      !trees ? "nothing can come to rest" : several(trees, " tree of bodies", " trees of bodies") + " may sleep" + (on & DYN_EFFECT_SLEEPING ? "" : "; not asked for"));
+      !trees ? type(DYN_EFFECT_SLEEPING).absent : several(trees, " tree of bodies", " trees of bodies") + " may sleep" + (on & DYN_EFFECT_SLEEPING ? "" : "; not asked for"));
   return list;
 }
 

@@ -287,7 +287,7 @@ std::vector<const Quantity*> select(const Options& options) {
       if (found == table.end()) {
         std::vector<std::string> known;
         for (const auto& x : table) known.push_back(x.name);
-        bad_usage("--compute: unknown name \"" + shown(word) + "\"; the names are " + join(known) + ".");
+        bad_usage("--compute: unknown name \"" + shown(word) + "\"" + did_you_mean(word, known) + "; 'dyn eval --help' lists the names.");
       }
       if (found->needs_frame && options.frame.empty()) bad_usage("--compute: \"" + word + "\" needs --frame.");
       if (std::find(out.begin(), out.end(), &*found) == out.end()) out.push_back(&*found);

@@ -1,5 +1,6 @@
 #include "names.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "cli.hpp"
@@ -27,6 +28,22 @@ std::map<std::string, std::vector<Choice>> read_all() {
     }
   }
   return all;
+}
+
+// Letters to insert, take away, change or swap with the next (optimal string alignment).
+std::size_t edits_between(const std::string& a, const std::string& b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  }
+  return d[a.size()][b.size()];
 }
 
 }  // namespace
@@ -65,6 +82,14 @@ int value_of(const char* type, const char* option, const std::string& name, cons
   for (const Choice& c : choices(type))
     if (c.*form == name) return c.value;
   bad_usage(std::string(option) + ": \"" + shown(name) + "\" is not " + one_of(type, form) + ".");
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
+  std::size_t best = std::max<std::size_t>(2, word.size() / 4) + 1;
+  std::string near;
+  for (const std::string& name : names)
+    if (const std::size_t edits = edits_between(word, name); edits < best) best = edits, near = name;
+  return near.empty() ? "" : " (did you mean \"" + near + "\"?)";
 }
 
 }  // namespace cli

@@ -23,4 +23,7 @@ std::string one_of(const char* type, const std::string Choice::*form = &Choice::
 // The value of that name; otherwise the command line is refused: option says where.
 int value_of(const char* type, const char* option, const std::string& name, const std::string Choice::*form = &Choice::name);
 
+// " (did you mean "rnea"?)", or nothing where no name is near the word.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& names);
+
 }  // namespace cli

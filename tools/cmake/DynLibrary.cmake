@@ -16,10 +16,13 @@ endfunction()
 # Tables of what dyn.h declares, for all that includes src/table/enums.hpp.
 find_program(DYN_PYTHON python3 REQUIRED)
 set(DYN_TABLES ${PROJECT_BINARY_DIR}/tables)
-add_custom_command(OUTPUT ${DYN_TABLES}/table/members.inc ${DYN_TABLES}/table/enums.inc ${DYN_TABLES}/table/interface.inc
-  COMMAND ${DYN_PYTHON} ${PROJECT_SOURCE_DIR}/src/table/reflect.py ${PROJECT_SOURCE_DIR}/include/dyn.h ${DYN_TABLES}/table
-  DEPENDS ${PROJECT_SOURCE_DIR}/src/table/reflect.py ${PROJECT_SOURCE_DIR}/include/dyn.h VERBATIM)
-add_custom_target(dyn_tables DEPENDS ${DYN_TABLES}/table/members.inc ${DYN_TABLES}/table/enums.inc ${DYN_TABLES}/table/interface.inc)
+set(tables members enums algorithms interface)
+list(TRANSFORM tables REPLACE "(.+)" "${DYN_TABLES}/table/\\1.inc")
+file(GLOB makers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/table/*.py)
+add_custom_command(OUTPUT ${tables}
+  COMMAND ${DYN_PYTHON} -B ${PROJECT_SOURCE_DIR}/src/table/reflect.py ${PROJECT_SOURCE_DIR}/include/dyn.h ${DYN_TABLES}/table
+  DEPENDS ${makers} ${PROJECT_SOURCE_DIR}/include/dyn.h VERBATIM)
+add_custom_target(dyn_tables DEPENDS ${tables})
 
 # The floating-point rules, the instruction set and the include folders: one set for everything that sees internal headers, for an inline
 # function must be the same function everywhere.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import operator
 from collections.abc import Iterable
 from typing import Any, TypeVar
@@ -24,8 +25,18 @@ def member(enum: type[E], value: Any, what: str) -> E:
             return enum(operator.index(value))  # type: ignore[call-arg]
         except (TypeError, ValueError):
             pass
-    known = ", ".join(enum.__members__)  # type: ignore[attr-defined]
-    raise ArgumentError(f"{what} is {value!r}, but must be one of {known}.")
+    raise ArgumentError(f"{what} is {value!r}, but {_allowed(enum, value)}.")
+
+
+_MANY = 24
+"""Names that a message lists at most."""
+
+
+def _allowed(enum: Any, value: Any) -> str:
+    names = list(enum.__members__)
+    near = difflib.get_close_matches(value.upper(), names, n=1) if isinstance(value, str) else []
+    known = f"must be one of {', '.join(names)}" if len(names) <= _MANY else f"must be a member of dyn.{enum.__name__}"
+    return known + (f"; did you mean {near[0].lower()!r}?" if near else "")
 
 
 _REFERENCES: dict[Any, int] = {key: int(r) for r in Reference for key in (r, r.name, r.name.lower())}

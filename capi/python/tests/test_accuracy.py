@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from test_cli import CLI, ROBOTS, answer, pytestmark, run  # noqa: F401
+from command import CLI, ROBOTS, answer, pytestmark, run  # noqa: F401
 
 PENDULUM = (ROBOTS / "double_pendulum.urdf", "--fixed", "--q", "1.2,0.4", "--without", "limits")
 

@@ -4,7 +4,7 @@ import json
 import sys
 
 import pytest
-from test_cli import CLI, ROBOTS
+from command import CLI, ROBOTS
 
 import libdyn as dyn
 

@@ -8,7 +8,7 @@ import os
 import numpy as np
 import pytest
 from conftest import MODELS, bench_problem
-from test_cli import CLI, answer
+from command import CLI, answer
 
 import libdyn as dyn
 

@@ -5,7 +5,7 @@ import os
 import threading
 
 import pytest
-from test_cli import GO2, answer, arm_file, pytestmark, run, state_file  # noqa: F401 (fixtures)
+from command import GO2, answer, arm_file, pytestmark, run, state_file  # noqa: F401 (fixtures)
 
 EVAL = ("eval", GO2, "--fixed", "--compute", "g")
 SIM = ("sim", GO2, "--fixed", "--duration", "0.01")

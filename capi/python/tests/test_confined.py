@@ -7,7 +7,7 @@ import subprocess
 import libdyn as dyn
 import numpy as np
 import pytest
-from test_cli import CLI
+from command import CLI
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 PART = '<mujocoinclude><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujocoinclude>'

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import CAPI, MODELS
-from test_cli import CLI
+from command import CLI
 
 import libdyn as dyn
 

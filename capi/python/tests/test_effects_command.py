@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from test_cli import GO2, ROBOTS, answer, pytestmark, run  # noqa: F401
+from command import GO2, ROBOTS, answer, pytestmark, run  # noqa: F401
 
 ROBOT = """<mujoco><option gravity="0 0 -9.81"/><worldbody>
 <body name="arm"><joint name="j" axis="0 1 0" damping="1e-7" stiffness="2" armature="0.01" {joint}/><geom type="capsule" fromto="0 0 0 0.5 0 0" size=".03"/></body>

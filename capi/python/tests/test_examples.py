@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from conftest import CAPI
-from test_cli import CLI
+from command import CLI
 
 import libdyn as dyn
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import MODELS
-from test_cli import answer
+from command import answer
 
 import libdyn as dyn
 

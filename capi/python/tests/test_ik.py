@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_cli import CLI, GO2, answer, run
+from command import CLI, GO2, answer, run
 
 import libdyn as dyn
 from libdyn import ik

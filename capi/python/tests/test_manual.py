@@ -5,7 +5,7 @@ import shutil
 import subprocess
 
 import pytest
-from test_cli import CLI, run
+from command import CLI, run
 
 pytestmark = pytest.mark.skipif(not CLI, reason="the command dyn is not built")
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import MODELS
-from test_cli import CLI, answer, run
+from command import CLI, answer, run
 
 import libdyn as dyn
 from libdyn import constraint as dc

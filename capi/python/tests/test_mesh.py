@@ -147,6 +147,7 @@ def test_meshes_of_robots(tmp_path):
         f"<robot name='r'><link name='a'>{part}</link><link name='b'>{mass}</link><link name='c'>{mass}{part}</link>"
         + joint.format("x", "a", "b") + joint.format("y", "b", "c") + "</robot>"
     )  # fmt: skip
+    assert dyn.load(path, "fixed").shapes[0].type == dyn.ShapeType.CONVEX
     names = dyn.load(path, "fixed", meshes="none")
     assert names.shapes[0].type == dyn.ShapeType.MESH and names.pairs[0].reason == dyn.PairReason.MESH
     hull, triangles = dyn.load(path, "fixed", meshes="hull"), dyn.load(path, "fixed", meshes="triangles")

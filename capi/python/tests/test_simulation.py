@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_cli import GO2, answer, run
+from command import GO2, answer, run
 
 import libdyn as dyn
 

@@ -5,7 +5,7 @@ import os
 import subprocess
 
 import pytest
-from test_cli import CLI
+from command import CLI
 
 pytestmark = pytest.mark.skipif(not CLI, reason="the command dyn is not built")
 
