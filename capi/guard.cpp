@@ -152,12 +152,11 @@ struct Exchange {
   bool finite, changed;
 };
 Exchange exchange(const double* from, double* to, double* kept, Index n) {
-#if DYN_LANES == 4
-  using P = Pack<double, 4>;
-  FourIntegers bad{}, difference{};
+  using P = Double4;
+  using Bits = Simd<std::int64_t, 4>;
+  Bits bad = Bits::zero(), difference = bad;
   auto look = [&](const P& from, const P& to) {
-    const FourIntegers x = (FourIntegers)from.x, y = (FourIntegers)to.x;
-    constexpr long long exponent = 0x7ff0000000000000;
+    const Bits x = reinterpret<std::int64_t>(from), y = reinterpret<std::int64_t>(to), exponent = 0x7ff0000000000000;
     bad |= (x & exponent) == exponent;
     difference |= x ^ y;
   };
@@ -168,26 +167,11 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
     y.store(kept + i), x.store(to + i);
   }
   if (const int rest = int(n - i)) {
-    const P x = load_some(from + i, rest), y = load_some(to + i, rest);
+    const P x = load_partial(from + i, rest), y = load_partial(to + i, rest);
     look(x, y);
-    store_some(y, kept + i, rest), store_some(x, to + i, rest);
+    store_partial(y, kept + i, rest), store_partial(x, to + i, rest);
   }
-  auto some = [](const FourIntegers& x) { return ((x[0] | x[1]) | (x[2] | x[3])) != 0; };
-  return {!some(bad), some(difference)};
-#else
-  constexpr std::uint64_t exponent = 0x7ff0000000000000u;
-  std::uint64_t bad = 0, difference = 0;
-  for (Index i = 0; i < n; ++i) {
-    std::uint64_t x, y;
-    __builtin_memcpy(&x, from + i, 8);
-    __builtin_memcpy(&y, to + i, 8);
-    bad |= std::uint64_t((x & exponent) == exponent);
-    difference |= x ^ y;
-    __builtin_memcpy(kept + i, &y, 8);
-    __builtin_memcpy(to + i, &x, 8);
-  }
-  return {bad == 0, difference != 0};
-#endif
+  return {!any(bad), any(difference != 0)};
 }
 
 }  // namespace

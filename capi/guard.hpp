@@ -6,7 +6,7 @@
 
 #include "dyn.h"
 #include "algorithm/declarations.hpp"
-#include "base/pack.hpp"
+#include "base/simd_memory.hpp"
 #include "model/builder.hpp"
 #include "model/dynb.hpp"
 #include "structs.hpp"
@@ -38,23 +38,22 @@ inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // Sums of 0 times each of x[0 .. n-1]: zero where all are finite.
-inline Pack<double, 4> zero_times(const double* x, std::ptrdiff_t n) {
-  using P = Pack<double, widest_pack>;
-  using Four = Pack<double, 4>;
-  constexpr Index w = widest_pack;
-  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_some(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
+inline Double4 zero_times(const double* x, std::ptrdiff_t n) {
+  using P = Simd<double, block_lanes>;
+  constexpr Index w = block_lanes;
+  Double4 sum = n >= 4 ? Double4::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
   std::ptrdiff_t i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;
     for (; i + 4 * w <= n; i += 4 * w)
       a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0, d = d + P::load(x + i + 3 * w) * 0.0;
     a = (a + b) + (c + d);
-    sum = sum + four_of<0>(a) + four_of<w - 4>(a);
+    sum = sum + slice4<0>(a) + slice4<w - 4>(a);
   }
-  for (; i + 4 < n; i += 4) sum = sum + Four::load(x + i) * 0.0;
+  for (; i + 4 < n; i += 4) sum = sum + Double4::load(x + i) * 0.0;
   return sum;
 }
-inline bool all_zero(const Pack<double, 4>& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
+inline bool all_zero(const Double4& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
 inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {

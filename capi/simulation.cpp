@@ -23,7 +23,7 @@ const char* joint_at(const Model& m, Index k, bool in_v) {
 
 // Whether the state that steps left is finite, where trees are awake.
 bool has_finite_state(const Model& m, const Data<double>& d) {
-  Pack<double, 4> sum = Pack<double, 4>::zero();
+  Double4 sum = Double4::zero();
   simulation::with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
       sum = sum + zero_times(d.v + t.v, t.v_end - t.v);

@@ -123,9 +123,9 @@ struct Sweep {
     using namespace collision;
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = a + 1; b < n && lo[0][b] <= hi[0][a]; b += 8) {
-        Float8 l[3], u[3];
-        for (int i = 0; i < 3; ++i) __builtin_memcpy(&l[i], &lo[i][b], 32), __builtin_memcpy(&u[i], &hi[i][b], 32);
-        for_each_lane(lanes_of((l[0] <= hi[0][a]) & (l[1] <= hi[1][a]) & (u[1] >= lo[1][a]) & (l[2] <= hi[2][a]) & (u[2] >= lo[2][a])),
+        Floats l[3], u[3];
+        for (int i = 0; i < 3; ++i) l[i] = Floats::load(&lo[i][b]), u[i] = Floats::load(&hi[i][b]);
+        for_each_bit(bits_of((l[0] <= hi[0][a]) & (l[1] <= hi[1][a]) & (u[1] >= lo[1][a]) & (l[2] <= hi[2][a]) & (u[2] >= lo[2][a])),
                       [&](Index k) { found.push_back(id_pair(order[a], order[b + std::size_t(k)])); });
       }
     std::sort(found.begin(), found.end());

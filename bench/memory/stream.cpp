@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "joint/body.hpp"
+#include "base/simd.hpp"
 #include "model/block.hpp"
 #include "spatial/se3.hpp"
 
@@ -13,8 +14,8 @@ using namespace dyn;
 
 namespace {
 
-typedef long long Pack __attribute__((vector_size(16)));
-constexpr std::size_t pack(std::size_t bytes) { return (bytes + sizeof(Pack) - 1) / sizeof(Pack); }
+using Block = Simd<std::int64_t, 2>;
+constexpr std::size_t blocks(std::size_t bytes) { return (bytes + sizeof(Block) - 1) / sizeof(Block); }
 
 constexpr std::size_t placement = sizeof(SE3<double>) + sizeof(Vec3<double>);  // R_WB, p_WB, r
 struct Recursion {
@@ -27,10 +28,10 @@ constexpr Recursion recursions[] = {
     {"aba", sizeof(SE3<double>) + sizeof(Body) + 3 * 8, placement + sizeof(Motion<double>) + sizeof(Inertia<double>) + 2 * sizeof(Force<double>) + 3 * 8},
 };
 
-void pass(const Pack* in, Pack* out, long joints, std::size_t reads, std::size_t writes) {
-  Pack seen = {};
+void pass(const Block* in, Block* out, long joints, std::size_t reads, std::size_t writes) {
+  Block seen = Block::zero();
   for (long i = 0; i < joints; ++i) {
-    for (std::size_t k = 0; k < reads; ++k) seen ^= *in++;
+    for (std::size_t k = 0; k < reads; ++k) seen = seen ^ *in++;
     for (std::size_t k = 0; k < writes; ++k) *out++ = seen;
   }
 }
@@ -38,11 +39,11 @@ void pass(const Pack* in, Pack* out, long joints, std::size_t reads, std::size_t
 double seconds_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double best_nanoseconds(const Recursion& r, long joints, double seconds) {
-  const std::size_t reads = pack(r.read), writes = pack(r.written), bytes = (reads + writes) * sizeof(Pack) * std::size_t(joints);
+  const std::size_t reads = blocks(r.read), writes = blocks(r.written), bytes = (reads + writes) * sizeof(Block) * std::size_t(joints);
   void* memory = allocate_block(bytes);
   if (!memory) return -1;
   std::memset(memory, 0, bytes);
-  Pack* in = static_cast<Pack*>(memory);
+  Block* in = static_cast<Block*>(memory);
   double best = 1e30;
   for (const double end = seconds_now() + seconds; seconds_now() < end;) {
     const int repeats = 1 + int(100000 / joints);

@@ -4,7 +4,8 @@
 #pragma once
 
 #include "algorithm/aba.hpp"
-#include "base/pack.hpp"
+#include "base/simd.hpp"
+#include "base/transpose.hpp"
 
 namespace dyn {
 
@@ -31,7 +32,7 @@ void articulated_columns(const Model& m, Data<T>& d, const Part& part = {}) {
 // Eight 6-vectors.
 template <class T>
 struct SixEights {
-  using P = Pack<T, 8>;
+  using P = Simd<T, 8>;
   P x, y, z, u, v, w;
 
   static DYN_INLINE SixEights load(const T* p) {
@@ -60,7 +61,7 @@ struct SixEights {
 // The rows up to last of X = M^-1 X for sixteen columns, row by row; rows past it are zero on entry.
 template <class T>
 void articulated_solve(const Model& m, Data<T>& d, T* X, Index last) {
-  using P = Pack<T, 8>;
+  using P = Simd<T, 8>;
   using Six = SixEights<T>;
   const Index *parent = m.dof_parent(), *forks = m.dof_forks();
   auto at_fork = [&](Index k) { return d.at_forks + 6 * solve_width * std::ptrdiff_t(k); };

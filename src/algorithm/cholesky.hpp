@@ -5,7 +5,7 @@
 #pragma once
 
 #include "algorithm/padding.hpp"
-#include "base/pack.hpp"
+#include "base/simd_memory.hpp"
 #include "model/data.hpp"
 
 namespace dyn {
@@ -31,24 +31,24 @@ DYN_INLINE void for_each_run(const Model& m, Index i, F&& f) {
 // entries at coefficient, divided by D. The last row that was eliminated comes last, because its D is the last to be known.
 template <int packs, class T>
 DYN_INLINE void eliminate_rows(const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
-  using P = Pack<T, widest_pack>;
+  using P = Simd<T, block_lanes>;
   P sum[packs];
 #pragma GCC unroll 4
-  for (int p = 0; p < packs; ++p) sum[p] = P::load(from + widest_pack * p);
+  for (int p = 0; p < packs; ++p) sum[p] = P::load(from + block_lanes * p);
   rows += room * count, coefficient += room * count;
   for (std::ptrdiff_t k = count - 1; k >= 0; --k) {
     rows -= room, coefficient -= room;
     const T L = *coefficient * Dinv[k];
 #pragma GCC unroll 4
-    for (int p = 0; p < packs; ++p) sum[p] = sum[p] - P::load(rows + widest_pack * p) * L;
+    for (int p = 0; p < packs; ++p) sum[p] = sum[p] - P::load(rows + block_lanes * p) * L;
   }
 #pragma GCC unroll 4
-  for (int p = 0; p < packs; ++p) sum[p].store(x + widest_pack * p);
+  for (int p = 0; p < packs; ++p) sum[p].store(x + block_lanes * p);
 }
 template <class T>
 DYN_INLINE void eliminate_rows(std::ptrdiff_t entries, const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv,
                                std::ptrdiff_t count) {
-  switch (std::size_t(entries - 1) / widest_pack) {
+  switch (std::size_t(entries - 1) / block_lanes) {
     case 0: return eliminate_rows<1>(from, x, rows, coefficient, room, Dinv, count);
     case 1: return eliminate_rows<2>(from, x, rows, coefficient, room, Dinv, count);
     case 2: return eliminate_rows<3>(from, x, rows, coefficient, room, Dinv, count);
@@ -70,7 +70,7 @@ DYN_INLINE auto visit_group(Index count, F&& f) {
 // The rows of L of a group side by side, column by column by depth: zero on and above the diagonal.
 template <int count, class T>
 DYN_INLINE void gather_group(const Data<T>& d, std::ptrdiff_t room, const DofGroup& g) {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   const T *rows = d.L + room * g.first, *Dinv = d.D + g.first;
   T* columns = d.Lgroups + room * g.first;
   auto row = [&](int r, Index c) DYN_INLINE_LAMBDA { return r < count ? P::load(rows + room * r + c) * Dinv[r] : P::zero(); };
@@ -91,7 +91,7 @@ DYN_INLINE void gather_group(const Data<T>& d, std::ptrdiff_t room, const DofGro
 // The rows of M of a group, by depth (M is symmetric: they are its columns). Beyond the pivots anything may stand.
 template <int count, class T>
 DYN_INLINE void copy_group(const Model& m, const Data<T>& d, std::ptrdiff_t room, const DofGroup& g) {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   const std::ptrdiff_t n = m.n.nv;
   const T* from = d.M + n * g.first;
   T* to = d.L + room * g.first;
@@ -103,7 +103,7 @@ DYN_INLINE void copy_group(const Model& m, const Data<T>& d, std::ptrdiff_t room
         const T* a = from + n * r + first + k;
         T* b = to + room * r + at + k;
         if (at + end >= 4) P::load(a).store(b);
-        else store_some(load_some(a, at + end), b, at + end);
+        else store_partial(load_partial(a, at + end), b, at + end);
       }
     }
   });
@@ -123,7 +123,7 @@ Index factorize(const Model& m, Data<T>& d) {
     const T* below = row;
     row -= room;
     if (count)
-      for (std::ptrdiff_t c = 0; c <= depth; c += 4 * widest_pack) eliminate_rows(depth + 1 - c, row + c, row + c, below + c, below + depth, room, Dinv, count);
+      for (std::ptrdiff_t c = 0; c <= depth; c += 4 * block_lanes) eliminate_rows(depth + 1 - c, row + c, row + c, below + c, below + depth, room, Dinv, count);
     if (!(row[depth] > T(0))) return Index(i) + 1;
     *--Dinv = T(1) / row[depth];
   }
@@ -135,8 +135,8 @@ Index factorize(const Model& m, Data<T>& d) {
 
 // a less count packs times numbers x: two chains side by side. What comes last may be known last.
 template <int step, class T>
-DYN_INLINE Pack<T, 4> less_products(Pack<T, 4> a, const T* packs, std::ptrdiff_t stride, const T* x, std::ptrdiff_t count) {
-  using P = Pack<T, 4>;
+DYN_INLINE Simd<T, 4> less_products(Simd<T, 4> a, const T* packs, std::ptrdiff_t stride, const T* x, std::ptrdiff_t count) {
+  using P = Simd<T, 4>;
   P b = P::zero();
   const T* end = x + step * count;
   if (count & 1) b = b - P::load(packs) * x[0], packs += stride, x += step;
@@ -147,38 +147,38 @@ DYN_INLINE Pack<T, 4> less_products(Pack<T, 4> a, const T* packs, std::ptrdiff_t
 // x = D^-1 L^-T b for a group, when its descendants have theirs; before = x
 template <int count, class T>
 DYN_INLINE void solve_upwards(const Data<T>& d, std::ptrdiff_t room, const DofGroup& g, const T* b, T* x, T* before) {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   const std::ptrdiff_t others = g.end - g.first - count;
   const T *rows = d.L + room * g.first + g.depth, *Dinv = d.D + g.first;
-  P y = less_products<-1>(load_first<count>(b + g.first), rows + room * (count + others - 1), -room, x + g.end - 1, others);
-  auto row = [&]<int r>() DYN_INLINE_LAMBDA { return P::load(rows + room * r).template with_tail<r>(P::zero()) * Dinv[r]; };
-  if constexpr (count > 3) y = y - row.template operator()<3>() * y.template all<3>();
-  if constexpr (count > 2) y = y - row.template operator()<2>() * y.template all<2>();
-  if constexpr (count > 1) y = y - row.template operator()<1>() * y.template all<1>();
-  store_first<count>(load_first<count>(x + g.first), before + g.first);
-  store_first<count>(y * load_first<count>(Dinv), x + g.first);
+  P y = less_products<-1>(load_partial<count>(b + g.first), rows + room * (count + others - 1), -room, x + g.end - 1, others);
+  auto row = [&]<int r>() DYN_INLINE_LAMBDA { return blend<r>(P::load(rows + room * r), P::zero()) * Dinv[r]; };
+  if constexpr (count > 3) y = y - row.template operator()<3>() * broadcast<3>(y);
+  if constexpr (count > 2) y = y - row.template operator()<2>() * broadcast<2>(y);
+  if constexpr (count > 1) y = y - row.template operator()<1>() * broadcast<1>(y);
+  store_partial<count>(load_partial<count>(x + g.first), before + g.first);
+  store_partial<count>(y * load_partial<count>(Dinv), x + g.first);
 }
 // x = L^-1 x for a group, when its ancestors have theirs, and in four lanes
 template <int count, class T>
-DYN_INLINE Pack<T, 4> solve_downwards(const Model& m, const Data<T>& d, std::ptrdiff_t room, const DofGroup& g, T* x) {
-  using P = Pack<T, 4>;
+DYN_INLINE Simd<T, 4> solve_downwards(const Model& m, const Data<T>& d, std::ptrdiff_t room, const DofGroup& g, T* x) {
+  using P = Simd<T, 4>;
   const T* columns = d.Lgroups + room * g.first;
-  P y = load_first<count>(x + g.first);
+  P y = load_partial<count>(x + g.first);
   for_each_run(m, g.parent, [&](Index first, Index last, Index at) DYN_INLINE_LAMBDA {
     y = less_products<1>(y, columns + count * at, count, x + first, last - first);
   });
   columns += count * g.depth;
-  if constexpr (count > 1) y = y - P::load(columns) * y.template all<0>();
-  if constexpr (count > 2) y = y - P::load(columns + count) * y.template all<1>();
-  if constexpr (count > 3) y = y - P::load(columns + 2 * count) * y.template all<2>();
-  store_first<count>(y, x + g.first);
+  if constexpr (count > 1) y = y - P::load(columns) * broadcast<0>(y);
+  if constexpr (count > 2) y = y - P::load(columns + count) * broadcast<1>(y);
+  if constexpr (count > 3) y = y - P::load(columns + 2 * count) * broadcast<2>(y);
+  store_partial<count>(y, x + g.first);
   return y;
 }
 
 // before = x, x = M^-1 b; all three may be the same. true: x is finite (false: perhaps not).
 template <class T>
 bool solve(const Model& m, const Data<T>& d, const T* b, T* x, T* before) {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   const std::ptrdiff_t room = padded_factor(m);
   const DofGroup *groups = m.dof_groups(), *end = groups + m.groups;
   for (const DofGroup* g = end; g-- != groups;)

@@ -8,7 +8,7 @@ namespace dyn {
 // Columns j .. j + width - 1, rows i .. i + lanes - 1, of both products.
 template <int lanes, int width, class T>
 DYN_INLINE void minus_inverse_times(const Model& m, const T* Minv, const T* B, const T* C, T* minus_MinvB, T* minus_MinvC, std::ptrdiff_t i, std::ptrdiff_t j) {
-  using P = Pack<T, lanes>;
+  using P = Simd<T, lanes>;
   const std::ptrdiff_t n = m.n.nv;
   P b[width], c[width];
 #pragma GCC unroll 4
@@ -40,7 +40,7 @@ void minus_inverse_times(const Model& m, const T* Minv, const T* B, const T* C, 
 }
 template <class T>
 void minus_inverse_times(const Model& m, const T* Minv, const T* B, const T* C, T* minus_MinvB, T* minus_MinvC) {
-  if (m.n.nv >= widest_pack) return minus_inverse_times<widest_pack, 4>(m, Minv, B, C, minus_MinvB, minus_MinvC);
+  if (m.n.nv >= block_lanes) return minus_inverse_times<block_lanes, 4>(m, Minv, B, C, minus_MinvB, minus_MinvC);
   if (m.n.nv >= 4) return minus_inverse_times<4, 4>(m, Minv, B, C, minus_MinvB, minus_MinvC);
   minus_inverse_times<1, 1>(m, Minv, B, C, minus_MinvB, minus_MinvC);
 }

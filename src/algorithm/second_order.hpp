@@ -90,7 +90,7 @@ void contract_composites(const Model& m, Data<T>& d, const T* lambda) {
 template <bool moves, class T, class Mask>
 DYN_INLINE void second_order_tile(const Data<T>& d, const SecondOrder<TiledMatrix<T>>& out, const SecondOrderRows<T>& rows, const Six<T>& mu,
                                   std::ptrdiff_t i0, std::ptrdiff_t j0, Mask&& mask) {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   const Six<T> S = Six<T>::load(rows.S), dS = Six<T>::load(rows.dS);
   auto tile = [&](auto&& entry) DYN_INLINE_LAMBDA { return Tile<T>::of(j0, mask, entry); };
   auto with_mu = [&](const P& x, const Force<T>& f) DYN_INLINE_LAMBDA -> P {

@@ -4,7 +4,8 @@
 // body, no sum across lanes.
 #pragma once
 
-#include "base/pack.hpp"
+#include "base/simd_memory.hpp"
+#include "base/transpose.hpp"
 #include "joint/list.hpp"
 #include "model/model.hpp"
 #include "spatial/motion.hpp"
@@ -12,17 +13,15 @@
 namespace dyn {
 
 template <class T>
-DYN_INLINE Pack<T, 4> quad(const Vec3<T>& a) {
-  if constexpr (std::is_same_v<decltype(a.v), decltype(Pack<T, 4>::x)>)
-    return {a.v};
-  else
-    return {{a[0], a[1], a[2], T(0)}};
+DYN_INLINE Simd<T, 4> quad(const Vec3<T>& a) {
+  if constexpr (std::is_same_v<decltype(a.v), Simd<T, 4>>) return a.v;
+  else return Simd<T, 4>(a[0], a[1], a[2], T(0));
 }
 
 // Four 6-vectors by components: linear x, y, z, angular x, y, z.
 template <class T>
 struct Six {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   P x, y, z, u, v, w;
 
   template <class V>  // Motion or Force
@@ -48,7 +47,7 @@ struct Six {
 // A tile: columns j0 .. j0 + 3 as packs over the rows i0 .. i0 + 3.
 template <class T>
 struct Tile {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   P a, b, c, d;
   // entry(j) gives column j, mask clears what is zero in it
   template <class Mask, class Entry>
@@ -65,7 +64,7 @@ struct Tile {
 // The square matrix in which tiles are stored: n x n, column-major.
 template <class T>
 struct TiledMatrix {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   T* p;
   std::ptrdiff_t n;
 
@@ -81,14 +80,14 @@ struct TiledMatrix {
       return;
     }
     const int rows = int(i0 + 4 <= n ? 4 : n - i0), columns = int(j0 + 4 <= n ? 4 : n - j0);
-    dyn::store_some(t.a, at, rows);
-    if (columns > 1) dyn::store_some(t.b, at + n, rows);
-    if (columns > 2) dyn::store_some(t.c, at + 2 * n, rows);
-    if (columns > 3) dyn::store_some(t.d, at + 3 * n, rows);
+    store_partial(t.a, at, rows);
+    if (columns > 1) store_partial(t.b, at + n, rows);
+    if (columns > 2) store_partial(t.c, at + 2 * n, rows);
+    if (columns > 3) store_partial(t.d, at + 3 * n, rows);
   }
   // the tile on the diagonal from its upper and, transposed, its lower triangle
   DYN_INLINE void store_diagonal(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0) const {
-    store({upper.a.template with_tail<1>(lower.a), upper.b.template with_tail<2>(lower.b), upper.c.template with_tail<3>(lower.c), upper.d}, i0, i0);
+    store({blend<1>(upper.a, lower.a), blend<2>(upper.b, lower.b), blend<3>(upper.c, lower.c), upper.d}, i0, i0);
   }
   // the tile (i0, j0) and the one on the other side of the diagonal
   DYN_INLINE void store_pair(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0, std::ptrdiff_t j0) const {
@@ -102,15 +101,15 @@ struct TiledMatrix {
 // first column of the next tile.
 template <class T, class Begin, class F, class Next>
 DYN_INLINE void for_each_tile_of_rows(const Model& m, std::ptrdiff_t i0, std::ptrdiff_t j0, std::ptrdiff_t columns_end, Begin&& begin, F&& f, Next&& next) {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(m.band_end()[i0 / 4], columns_end);
   const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(m.band_full()[i0 / 4], columns_end);
   if (j0 >= longest) return;
   const auto rows = begin(i0);
   for (; j0 + 4 <= shortest; j0 = next(j0)) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
-  const P end = P::from(m.dof_end() + i0);
+  const P end = P::convert(m.dof_end() + i0);
   for (; j0 < longest; j0 = next(j0))
-    f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
+    f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return select(end > T(double(j)), x, P::zero()); });
 }
 
 // f(rows, i0, j0, mask) for the tiles on and above the diagonal that are not zero; mask(j, x) clears the lanes whose degree of

@@ -3,17 +3,17 @@
 #pragma once
 
 #include "algorithm/regressor.hpp"
-#include "base/pack.hpp"
+#include "base/simd.hpp"
 
 namespace dyn {
 
 // What W degrees of freedom S, given by components, feel of a force.
 template <class T, int W>
-DYN_INLINE Pack<T, W> power(const Pack<T, W>* S, const Force<T>& F) {
+DYN_INLINE Simd<T, W> power(const Simd<T, W>* S, const Force<T>& F) {
   return (S[0] * F.linear[0] + S[1] * F.linear[1] + S[2] * F.linear[2]) + (S[3] * F.angular[0] + S[4] * F.angular[1] + S[5] * F.angular[2]);
 }
 template <class T, int W>
-DYN_INLINE Pack<T, W> power(const Pack<T, W>* S, const Vec3<T>& moment) {
+DYN_INLINE Simd<T, W> power(const Simd<T, W>* S, const Vec3<T>& moment) {
   return S[3] * moment[0] + S[4] * moment[1] + S[5] * moment[2];
 }
 
@@ -30,12 +30,12 @@ inline constexpr auto zeros_and_ones = [] {
 // put(column, y) for ten columns y of W rows, which begin at S; the first n of them are zero.
 template <int W, class T, class Put>
 DYN_INLINE void torque_block(const T* Sx, std::ptrdiff_t room, Index n, const Force<T>* F, Put&& put) {
-  Pack<T, W> S[6];
+  Simd<T, W> S[6];
 #pragma GCC unroll 6
-  for (int x = 0; x < 6; ++x) S[x] = Pack<T, W>::load(Sx + x * room);
+  for (int x = 0; x < 6; ++x) S[x] = Simd<T, W>::load(Sx + x * room);
   if (n > 0)
 #pragma GCC unroll 6
-    for (auto& x : S) x = x * Pack<T, W>::load(zeros_and_ones<T, W>.x + W - n);
+    for (auto& x : S) x = x * Simd<T, W>::load(zeros_and_ones<T, W>.x + W - n);
 #pragma GCC unroll 4
   for (int c = 0; c < 4; ++c) put(c, power(S, F[c]));
 #pragma GCC unroll 6
@@ -52,7 +52,7 @@ void torque_rows(const Model& m, const Data<T>& d, Index i, const Force<T>* F, T
     auto block = [&]<int W>(Index stop) DYN_INLINE_LAMBDA {
       const Index at = stop - W;
       T* rows = columns + at;
-      torque_block<W>(d.Sx + at, room, first - at, F, [&](int c, const Pack<T, W>& y) DYN_INLINE_LAMBDA { y.store(rows + c * nv); });
+      torque_block<W>(d.Sx + at, room, first - at, F, [&](int c, const Simd<T, W>& y) DYN_INLINE_LAMBDA { y.store(rows + c * nv); });
     };
     Index stop = end;
     for (; stop - first > 4 && stop >= 8; stop -= 8) block.template operator()<8>(stop);
@@ -61,7 +61,7 @@ void torque_rows(const Model& m, const Data<T>& d, Index i, const Force<T>* F, T
     // at the matrix's first rows: blocks may overlap, but not begin before
     if (end >= 4) block.template operator()<4>(4);
     else
-      torque_block<4>(d.Sx, room, 0, F, [&](int c, const Pack<T, 4>& y) DYN_INLINE_LAMBDA {
+      torque_block<4>(d.Sx, room, 0, F, [&](int c, const Simd<T, 4>& y) DYN_INLINE_LAMBDA {
         T rows[4];
         y.store(rows);
         for (Index k = first; k < end; ++k) columns[k + c * nv] = rows[k];
@@ -75,7 +75,7 @@ void torque_rows_mimic(const Model& m, const Data<T>& d, Index i, const Force<T>
   for (std::ptrdiff_t k = 0; k < 10 * nv; ++k) columns[k] = T(0);
   for (; i != 0; i = m.bodies()[d.chain[i]].parent)
     for (Index at = m.bodies()[d.chain[i]].idx_v, end = first_dof(m, i + 1); at < end; at += 4)
-      torque_block<4>(d.Sx + at, padded_regressor(m), 0, F, [&](int c, const Pack<T, 4>& y) DYN_INLINE_LAMBDA {
+      torque_block<4>(d.Sx + at, padded_regressor(m), 0, F, [&](int c, const Simd<T, 4>& y) DYN_INLINE_LAMBDA {
         T rows[4];
         y.store(rows);
         for (Index k = at; k < at + 4 && k < end; ++k) columns[m.expand_v()[k] + c * nv] += T(m.ratio_v()[k]) * rows[k - at];

@@ -91,13 +91,13 @@ struct Turn {
 };
 Turn turn(double x) {
   using namespace detail;
-  SweepD C, S;
+  Angles C, S;
   if (std::fabs(x) <= sweep_reach) {
-    sincos_lanes(SweepD{} + x, C, S);
+    sincos_lanes(x, C, S);
   } else if (std::isfinite(x)) {
     double r, y;
     const int quadrant = reduce_far(x, r, y);
-    sincos_reduced(SweepD{} + r, SweepD{} + y, SweepI{} + quadrant, C, S);
+    sincos_reduced(r, y, quadrant, C, S);
   } else {
     return {x - x, x - x};
   }

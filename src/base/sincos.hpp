@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/portable.hpp"
-#include "base/types.hpp"
+#include "base/simd.hpp"
 
 namespace dyn {
 
@@ -24,42 +24,45 @@ namespace detail {
 
 inline constexpr double sweep_reach = 0x1p20;
 inline constexpr int sweep_lanes = DYN_SIMD ? 4 : 1;  // eight, where there are, are slower: they slow down everything about them
-typedef double SweepD __attribute__((vector_size(8 * sweep_lanes)));
-typedef std::int64_t SweepI __attribute__((vector_size(8 * sweep_lanes)));
+using Angles = Simd<double, sweep_lanes>;
+using AngleBits = Simd<std::int64_t, sweep_lanes>;
 
-DYN_INLINE void two_sum(SweepD a, SweepD b, SweepD& sum, SweepD& error) {
+DYN_INLINE void two_sum(Angles a, Angles b, Angles& sum, Angles& error) {
   sum = a + b;
-  const SweepD bb = sum - a;
+  const Angles bb = sum - a;
   error = (a - (sum - bb)) + (b - bb);
 }
 
 // Of x = r + y + k pi/2, |r| <= pi/4, y what r does not hold of it.
-DYN_INLINE void sincos_reduced(SweepD r, SweepD y, SweepI k, SweepD& c, SweepD& s) {
-  const SweepD z = r * r;
-  const SweepD ps = 8.33333333332248946124e-03 + z * (-1.98412698298579493134e-04 + z * (2.75573137070700676789e-06 +
+DYN_INLINE void sincos_reduced(Angles r, Angles y, AngleBits k, Angles& c, Angles& s) {
+  const Angles z = r * r;
+  const Angles ps = 8.33333333332248946124e-03 + z * (-1.98412698298579493134e-04 + z * (2.75573137070700676789e-06 +
                     z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)));
-  const SweepD v = z * r;
-  const SweepD sine = r - ((z * (0.5 * y - v * ps) - y) + v * 1.66666666666666324348e-01);
-  const SweepD pc = z * (4.16666666666666019037e-02 + z * (-1.38888888888741095749e-03 + z * (2.48015872894767294178e-05 +
+  const Angles v = z * r;
+  const Angles half_y = 0.5 * y;  // GCC contracts the product that it meets first
+  const Angles sine = r - ((z * (half_y - v * ps) - y) + v * 1.66666666666666324348e-01);
+  const Angles pc = z * (4.16666666666666019037e-02 + z * (-1.38888888888741095749e-03 + z * (2.48015872894767294178e-05 +
                     z * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))));
-  const SweepD hz = 0.5 * z, w = 1.0 - hz;
-  const SweepD cosine = w + (((1.0 - w) - hz) + (z * pc - r * y));
+  const Angles hz = 0.5 * z, w = 1.0 - hz;
+  const Angles zpc = z * pc;
+  const Angles cosine = w + (((1.0 - w) - hz) + (zpc - r * y));
   // quadrant: odd exchanges sine and cosine; signs from bits 1 of k and k + 1
-  const SweepI odd = -(k & 1), negative_s = (k & 2) << 62, negative_c = ((k + 1) & 2) << 62;
-  s = (SweepD)((((SweepI)cosine & odd) | ((SweepI)sine & ~odd)) ^ negative_s);
-  c = (SweepD)((((SweepI)sine & odd) | ((SweepI)cosine & ~odd)) ^ negative_c);
+  const AngleBits odd = -(k & 1), negative_s = (k & 2) << 62, negative_c = ((k + 1) & 2) << 62;
+  const AngleBits cosine_bits = reinterpret<std::int64_t>(cosine), sine_bits = reinterpret<std::int64_t>(sine);
+  s = reinterpret<double>(((cosine_bits & odd) | (sine_bits & ~odd)) ^ negative_s);
+  c = reinterpret<double>(((sine_bits & odd) | (cosine_bits & ~odd)) ^ negative_c);
 }
 
-DYN_INLINE void sincos_lanes(SweepD x, SweepD& c, SweepD& s) {
-  const SweepD magic = SweepD{} + 0x1.8p52;  // adding it rounds to an integer in the low bits
-  const SweepD kd = x * 0x1.45f306dc9c883p-1 + magic;
-  const SweepI k = (SweepI)kd;
-  const SweepD n = kd - magic;
+DYN_INLINE void sincos_lanes(Angles x, Angles& c, Angles& s) {
+  const Angles magic = Angles(0x1.8p52);  // adding it rounds to an integer in the low bits
+  const Angles kd = x * 0x1.45f306dc9c883p-1 + magic;
+  const AngleBits k = reinterpret<std::int64_t>(kd);
+  const Angles n = kd - magic;
   // pi/2 = P1 + P2 + P3 + P4, 33 bits each: n times a part is exact for |n| <= 2^20
-  SweepD r, r_error, t, t_error;
+  Angles r, r_error, t, t_error;
   two_sum(x - n * 0x1.921fb544p+0, -(n * 0x1.0b4611a6p-34), t, t_error);
   two_sum(t, -(n * 0x1.3198a2ep-69), r, r_error);
-  const SweepD y = t_error + r_error - n * 0x1.b839a252049c1p-104;
+  const Angles y = t_error + r_error - n * 0x1.b839a252049c1p-104;
   sincos_reduced(r, y, k, c, s);
 }
 
@@ -75,18 +78,15 @@ DYN_INLINE void sincos_lanes(SweepD x, SweepD& c, SweepD& s) {
 template <>
 inline void sincos_sweep(const double* x, Index n, double* c, double* s) {
   using namespace detail;
-  SweepI far = {};
+  AngleBits far = AngleBits::zero();
   for (Index i = 0; i < n; i += sweep_lanes) {
-    SweepD X, C, S;
-    __builtin_memcpy(&X, x + i, sizeof X);
+    const Angles X = Angles::load(x + i);
+    Angles C, S;
     sincos_lanes(X, C, S);
-    __builtin_memcpy(c + i, &C, sizeof C);
-    __builtin_memcpy(s + i, &S, sizeof S);
-    far |= ((SweepI)X & 0x7fffffffffffffff) > 0x4130000000000000;  // |x| > 2^20
+    C.store(c + i), S.store(s + i);
+    far |= (reinterpret<std::int64_t>(X) & 0x7fffffffffffffff) > 0x4130000000000000;  // |x| > 2^20
   }
-  std::int64_t any = 0;
-  for (int k = 0; k < sweep_lanes; ++k) any |= far[k];
-  if (any) [[unlikely]]
+  if (any(far)) [[unlikely]]
     sincos_far(x, n, c, s);
 }
 

@@ -194,9 +194,9 @@ void BroadPhase::join() {
       const Block& q = tree_.block[0][j];
       const Index* other = id_ + j * Block::lanes;
       const unsigned near = i == j ? 0xff : p.overlaps(tree_.levels > 1 ? tree_.block[1][j / Block::lanes].box(j % Block::lanes) : q.hull());
-      for_each_lane(near, [&](Index a) {
+      for_each_bit(near, [&](Index a) {
         const unsigned behind = i == j ? ~0u << (a + 1) : ~0u;
-        for_each_lane(q.overlaps(p.box(a)) & behind, [&](Index b) { found(id_pair(ids[a], other[b])); });
+        for_each_bit(q.overlaps(p.box(a)) & behind, [&](Index b) { found(id_pair(ids[a], other[b])); });
       });
     });
   }

@@ -18,12 +18,20 @@ struct ConstraintInstance {
   Constraint c;
   Index enabled;
   Index rows, first;  // number of rows when active, index of the first one among all
+  Index dropped;      // bits of redundant rows that are left out (redundant_rows.hpp); none outside of a step
   Index support_count;      // degrees of freedom that the rows act on (Data::supporting_dofs)
   // unit wrenches of the rows on the two bodies, by components, about the roots of their trees
   alignas(64) T F1[6 * row_lanes], F2[6 * row_lanes];
   alignas(64) T error[row_lanes], rate[row_lanes], acceleration[row_lanes];
   alignas(64) T lower[row_lanes], upper[row_lanes];  // bounds of lambda
   T g1, g2;  // between joints: dC/dv1, dC/dv2
+};
+
+// Constraint of a system of equalities, with its propagated rows.
+struct EqualityRows {
+  ConstraintInstance<double>* s;
+  const Index* support;
+  double* Y;
 };
 
 }  // namespace dyn

@@ -4,7 +4,9 @@
 
 #include "base/portable.hpp"
 #include "algorithm/constrained/algorithms.hpp"
+#include "algorithm/constrained/redundant_rows.hpp"
 #include "algorithm/external_forces.hpp"
+#include "simulation/workspace.hpp"
 
 namespace dyn::integrator {
 
@@ -15,7 +17,7 @@ Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>)
     if (active_rows(m, d) > 0) {
       ProximalOptions options;
-      options.tolerance = tuning::rows_precision;
+      options.tolerance = tuning::rows_precision, options.misalignment = d.step->misalignment;
       dynConstraintResult result;
       return constrained_dynamics(m, d, static_cast<const T*>(d.v), tau, fext, options, d.ddq, result);
     }
@@ -33,6 +35,7 @@ inline bool is_open(const Model& m, Data<double>& d) {
   for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) {
     if (s.c.stiffness > 0 || s.c.damping > 0) return;
     for (Index r = 0; r < s.rows; ++r) {
+      if (s.dropped >> r & 1) continue;
       bool linear = false;
       if (!between_joints(s.c.type)) {
         if (s.c.body1) look(s.F1, r, linear);
@@ -60,7 +63,7 @@ Index project_to_constraints(const Model& m, Data<T>& d) {
     for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
-    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping));  // Newton converges quadratically: one iteration reaches rounding
+    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping), d.step->misalignment);  // Newton converges quadratically: one iteration reaches rounding
   }
   return 0;
 }

@@ -1,7 +1,7 @@
 // A convex polytope with its faces and the neighbours of each vertex. The arrays lie elsewhere.
 #pragma once
 
-#include "shape/lanes.hpp"
+#include "shape/argmax.hpp"
 #include "shape/shape.hpp"
 
 namespace dyn::shape {
@@ -9,7 +9,7 @@ namespace dyn::shape {
 // Arrays of a Convex. Coordinates are stored by component. Each array is padded to a multiple of `lanes` by repeating the last
 // vertex, so searches use whole registers. Faces are planes n.x <= offset with vertices counter-clockwise seen from outside.
 struct Hull {
-  static constexpr Index lanes = Lanes::count;
+  static constexpr Index lanes = argmax_lanes;
   static constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
   Vec center;                               // mean of the vertices
@@ -77,10 +77,9 @@ struct Convex : Solid<Convex> {
 };
 
 inline Index Convex::farthest(const Vec& d) const {
-  const std::int64_t best = Lanes::largest(hull.vertices, [&](std::int64_t i, Lanes::Numbers& along) {
-    Lanes::Numbers x, y, z;
-    __builtin_memcpy(&x, hull.x + i, sizeof x), __builtin_memcpy(&y, hull.y + i, sizeof y), __builtin_memcpy(&z, hull.z + i, sizeof z);
-    along = x * d[0] + y * d[1] + z * d[2];
+  const std::int64_t best = argmax(hull.vertices, [&](std::int64_t i) DYN_INLINE_LAMBDA {
+    const ArgmaxBlock x = ArgmaxBlock::load(hull.x + i) * d[0];  // GCC contracts the product that it meets first
+    return x + ArgmaxBlock::load(hull.y + i) * d[1] + ArgmaxBlock::load(hull.z + i) * d[2];
   });
   return std::min(Index(best), hull.vertices - 1);
 }

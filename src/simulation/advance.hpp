@@ -5,6 +5,7 @@
 #include "base/portable.hpp"
 #include "integrator/implicit_midpoint.hpp"
 #include "integrator/runge_kutta.hpp"
+#include "integrator/settled_rows.hpp"
 #include "integrator/step_control.hpp"
 #include "simulation/extrapolated.hpp"
 #include "simulation/semi_implicit_euler.hpp"
@@ -165,16 +166,29 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   return 0;
 }
 
+// Fixed steps leave out rows that are redundant up to a misalignment anew in each evaluation; others settle them at their beginning.
+template <class T>
+void begin_rows(const Model& m, Data<T>& d, const Stages<T>& s, bool fixed) {
+  if constexpr (std::is_same_v<T, double>) {
+    keep_all_rows(m, d), d.step->misalignment = fixed ? misalignment_tolerance : 0;
+    if (!fixed && active_rows(m, d) > 0) settle_redundant_rows(m, d, s);
+  }
+}
+
 // Order 5 with RK45, order 8 with any other integrator.
 template <class T>
 Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
   const Stages<T> s(m, d);
-  if constexpr (std::is_same_v<T, double>)
-    if (simulation::may_jump(m, d) || (simulation::has_constraints(m, d) && meets_constraints(m, d, s, duration)))
-      return integrator == DYN_INTEGRATOR_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
-                                    : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
-  return integrator == DYN_INTEGRATOR_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
-                                : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
+  begin_rows(m, d, s, false);
+  const auto by = [&]<class Tableau>() {
+    if constexpr (std::is_same_v<T, double>)
+      if (simulation::may_jump(m, d) || (simulation::has_constraints(m, d) && meets_constraints(m, d, s, duration)))
+        return advance_through_contact<Tableau>(m, d, s, duration, accuracy, report);
+    return advance_to_accuracy<Tableau>(m, d, s, duration, accuracy, report);
+  };
+  const Index failed = integrator == DYN_INTEGRATOR_RK45 ? by.template operator()<DormandPrince5>() : by.template operator()<DormandPrince8>();
+  keep_all_rows(m, d);
+  return failed;
 }
 
 template <class T>
@@ -190,8 +204,9 @@ template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
   const Stages<T> s(m, d);
   Index failed = 0;
+  begin_rows(m, d, s, integrator != DYN_INTEGRATOR_REFERENCE);
   if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_constraints(m, d, s, h))
-    integrator = DYN_INTEGRATOR_IMPLICIT_FAST;
+    integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, s, true);
   switch (integrator) {
     case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
     case DYN_INTEGRATOR_IMPLICIT_FAST:
@@ -211,6 +226,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
     }
   }
   if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) failed = project_to_constraints(m, d);
+  keep_all_rows(m, d);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
   record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // the inner steps are recorded already

@@ -2,14 +2,14 @@
 // Used for the Newton matrix of contacts: symmetric positive definite, except for what slip adds. Columns of blocks lie in lanes.
 #pragma once
 
-#include "base/pack.hpp"
+#include "base/simd.hpp"
 #include "simulation/island.hpp"
 
 namespace dyn::simulation {
 
 struct BlockFactor {
   static constexpr int R = segment_size, W = segment_lanes, size = W * R;
-  using P = Pack<double, W>;
+  using P = Simd<double, W>;
 
   const Elimination& order;
   // diagonal: inverse blocks by position. upper, lower: blocks (earlier, later) and (later, earlier) by entry

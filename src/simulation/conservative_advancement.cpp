@@ -12,15 +12,13 @@ using namespace tuning::advancement;
 
 // Bound of the motion so far (a) and in this step (b): |a| + |b| <= sqrt(2 (a^2 + b^2)), sum of n sizes <= sqrt(n sum of squares).
 double squares(const Model& m, const AdvancementCache& c, const double* q, const double* v, double h) {
-  using P = Pack<double, 4>;
+  using P = Simd<double, 4>;
   P sums = P::zero();
   for (Index k = 0; k < m.n.nv; k += 4) {
     const P l = P::load(c.lever + k), a = (P::load(q + k) - P::load(c.q + k)) * l, b = P::load(v + k) * (tuning::speed_growth * h) * l;
     sums = sums + a * a + b * b;
   }
-  double sum = 0;
-  for (int i = 0; i < 4; ++i) sum += sums[i];
-  return sum;
+  return sum(sums);
 }
 
 }  // namespace

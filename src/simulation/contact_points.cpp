@@ -212,27 +212,27 @@ struct Search {
     const Pose& A = d.geom_poses[row.a];
     const std::ptrdiff_t next = geom_capacity(m);
     const double* const x = w.centers + row.b + k;
-    const Vec3<Wide> to = Vec3<Wide>::make(load_wide(x) - A.p[0], load_wide(x + next) - A.p[1], load_wide(x + 2 * next) - A.p[2]);
-    const Wide reach = load_wide(x + 3 * next);
+    const Vec3<Double4> to = Vec3<Double4>::make(Double4::load(x) - A.p[0], Double4::load(x + next) - A.p[1], Double4::load(x + 2 * next) - A.p[2]);
+    const Double4 reach = Double4::load(x + 3 * next);
     const auto along = [&](const Vec3<double>& axis) { return to.v[0] * axis[0] + to.v[1] * axis[1] + to.v[2] * axis[2]; };
-    Wide distance;
+    Double4 distance;
     if (a.shape.type == shape::Type::HalfSpace) {
       distance = along(A.R.z) - a.shape.radius - reach;
     } else if (a.shape.type == shape::Type::Box) {
       const auto beyond = [&](const Vec3<double>& axis, int i) {
-        const Wide x = along(axis);
-        return max(max(x, Wide(0.0) - x) - a.shape.size[i], 0.0);
+        const Double4 x = along(axis);
+        return max(max(x, Double4(0.0) - x) - a.shape.size[i], 0.0);
       };
-      const Vec3<Wide> off = Vec3<Wide>::make(beyond(A.R.x, 0), beyond(A.R.y, 1), beyond(A.R.z, 2));
+      const Vec3<Double4> off = Vec3<Double4>::make(beyond(A.R.x, 0), beyond(A.R.y, 1), beyond(A.R.z, 2));
       distance = sqrt(dot(off, off)) - a.shape.radius - reach;
     } else {
       distance = sqrt(dot(to, to)) - a.bounding_radius - reach;
     }
-    const Wide near = min(min(reach, a.bounding_radius) * search::near, contact_margin(w, h, fast));
-    const Wide margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (search::speed_margin * h);
-    const unsigned lanes = (1u << std::min<Index>(row.count - k, Wide::lanes)) - 1, far = bits_of(distance > margin);
+    const Double4 near = min(min(reach, a.bounding_radius) * search::near, contact_margin(w, h, fast));
+    const Double4 margin = near + (Double4::load(w.speeds + row.b + k) + w.speeds[row.a]) * (search::speed_margin * h);
+    const unsigned lanes = (1u << std::min<Index>(row.count - k, Double4::lanes)) - 1, far = bits_of(distance > margin);
     if (w.advancement_cache.enabled) {
-      const Wide left = distance - near;
+      const Double4 left = distance - near;
       for_each_bit(far & lanes, [&](int l) { min_distance = std::min(min_distance, left[l]); });
     }
     return ~far & lanes;
@@ -245,7 +245,7 @@ struct Search {
     for (Index i = 0; i < geom_count; ++i)
       if (d.geoms[geoms[i]].body) place(geoms[i]), enter_center(geoms[i]);
     for (Index r = 0; r < w.row_count; ++r)
-      for (Index k = 0; k < w.rows[r].count; k += Wide::lanes)
+      for (Index k = 0; k < w.rows[r].count; k += Double4::lanes)
         for_each_bit(near_of(w.rows[r], k), [&](int l) {
           const NearPair& p = pairs[w.rows[r].first + k + l];
           look(p.a, p.b, [&](Index& pair) { return pair = p.number, true; });

@@ -12,7 +12,7 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr int lanes = Wide::lanes;
+constexpr int lanes = Double4::lanes;
 
 // Dinv[0] is 0 if some articulated inertia is not positive.
 FreeBodyColumns columns_of(const Body& b) {
@@ -61,10 +61,10 @@ void for_each_free_body(const Model& m, F&& f) {
     if (is_free_body(m, i)) f(i);
 }
 
-void set(Vec3<Wide>& a, int lane, const Vec3<double>& b) {
-  for (int i = 0; i < 3; ++i) a.v[i].x[lane] = b[i];
+void set(Vec3<Double4>& a, int lane, const Vec3<double>& b) {
+  for (int i = 0; i < 3; ++i) a.v[i].set(lane, b[i]);
 }
-void set(Mat3<Wide>& A, int lane, const Mat3<double>& B) { set(A.x, lane, B.x), set(A.y, lane, B.y), set(A.z, lane, B.z); }
+void set(Mat3<Double4>& A, int lane, const Mat3<double>& B) { set(A.x, lane, B.x), set(A.y, lane, B.y), set(A.z, lane, B.z); }
 
 void fill(const Model& m, FreeBodySet& e, int lane, Index i) {
   const Body& b = m.bodies()[i];
@@ -72,115 +72,116 @@ void fill(const Model& m, FreeBodySet& e, int lane, Index i) {
   const Vec3<double> c = b.h * (1 / b.m);
   const Mat3<double> I = b.I - (Mat3<double>::identity() * dot(c, c) - outer(c, c)) * b.m;
   const Vec3<double> yz = cross(I.y, I.z), zx = cross(I.z, I.x), xy = cross(I.x, I.y);
-  e.inverse_mass.x[lane] = 1 / b.m;
+  e.inverse_mass.set(lane, 1 / b.m);
   set(e.c, lane, c), set(e.I, lane, I), set(e.inverse, lane, transpose(Mat3<double>{yz, zx, xy} * (1 / dot(I.x, yz))));
 }
 
 struct LanePoses {
-  Vec3<Wide> p;
-  Quaternion<Wide> a;
-  Mat3<Wide> R;
+  Vec3<Double4> p;
+  Quaternion<Double4> a;
+  Mat3<Double4> R;
 };
 
-Vec3<Wide> first3(const Wide* x) { return Vec3<Wide>::make(x[0], x[1], x[2]); }
+Vec3<Double4> first3(const Double4* x) { return Vec3<Double4>::make(x[0], x[1], x[2]); }
 
 // Normalizes the quaternions of lanes whose squares could overflow or lose digits.
-[[gnu::cold, gnu::noinline]] Quaternion<Wide> no_overflow_lanes(Quaternion<Wide> a, const Wide::Mask& bad) {
+[[gnu::cold, gnu::noinline]] Quaternion<Double4> no_overflow_lanes(Quaternion<Double4> a, const Double4::Mask& bad) {
   for (int k = 0; k < lanes; ++k) {
     if (!bad[k]) continue;
     const Quaternion<double> one = normalized(Quaternion<double>{Vec3<double>::make(a.v.v[0][k], a.v.v[1][k], a.v.v[2][k]), a.w[k]});
-    set(a.v, k, one.v), a.w.x[k] = one.w;
+    set(a.v, k, one.v), a.w.set(k, one.w);
   }
   return a;
 }
 
 DYN_INLINE LanePoses poses_of(const double* q, const FreeBodySet& e) {
-  Wide x[7];
+  Double4 x[7];
   gather<7>(q, e.q, x);
-  const Vec3<Wide> p = first3(x);
-  Quaternion<Wide> a = {first3(x + 3), x[6]};
-  Wide square = dot(a.v, a.v) + a.w * a.w;
-  if (const Wide::Mask bad = ~((square > tuning::min_norm2) & (square < tuning::max_norm2)); any(bad)) [[unlikely]]
+  const Vec3<Double4> p = first3(x);
+  Quaternion<Double4> a = {first3(x + 3), x[6]};
+  Double4 square = dot(a.v, a.v) + a.w * a.w;
+  if (const Double4::Mask bad = ~((square > tuning::min_norm2) & (square < tuning::max_norm2)); any(bad)) [[unlikely]]
     a = no_overflow_lanes(a, bad), square = dot(a.v, a.v) + a.w * a.w;
-  return {p, a, rotation(a, Wide(2.0) / square)};
+  return {p, a, rotation(a, Double4(2.0) / square)};
 }
 
 struct HalfAngle {
-  Wide sinc, cos;
+  Double4 sinc, cos;
 };
-[[gnu::cold, gnu::noinline]] HalfAngle far_lanes(HalfAngle of, const Wide& h2, const Wide::Mask& far) {
+[[gnu::cold, gnu::noinline]] HalfAngle far_lanes(HalfAngle of, const Double4& h2, const Double4::Mask& far) {
   for (int k = 0; k < lanes; ++k) {
     if (!far[k]) continue;
     const double h = std::sqrt(h2[k]);
-    of.sinc.x[k] = math::sin(h) / h, of.cos.x[k] = math::cos(h);
+    of.sinc.set(k, math::sin(h) / h), of.cos.set(k, math::cos(h));
   }
   return of;
 }
 
 // Rotation by exp(w): applied to a vector, or its inverse.
 struct RotationExp {
-  Vec3<Wide> w;
+  Vec3<Double4> w;
   HalfAngle half;
-  Wide a, b;  // sin t / t, (1 - cos t) / t^2
+  Double4 a, b;  // sin t / t, (1 - cos t) / t^2
 
-  explicit DYN_INLINE RotationExp(const Vec3<Wide>& by) : w(by) {
-    const Wide t2 = dot(w, w), h2 = t2 * Wide(0.25);
+  explicit DYN_INLINE RotationExp(const Vec3<Double4>& by) : w(by) {
+    const Double4 t2 = dot(w, w), h2 = t2 * Double4(0.25);
     half_angle_series(h2, half.sinc, half.cos);
-    if (const Wide::Mask far = ~(t2 < 1.0); any(far)) [[unlikely]]
+    if (const Double4::Mask far = ~(t2 < 1.0); any(far)) [[unlikely]]
       half = far_lanes(half, h2, far);
-    a = half.sinc * half.cos, b = half.sinc * half.sinc * Wide(0.5);
+    a = half.sinc * half.cos, b = half.sinc * half.sinc * Double4(0.5);
   }
-  DYN_INLINE Quaternion<Wide> quaternion() const { return {w * (half.sinc * Wide(0.5)), half.cos}; }
-  DYN_INLINE Vec3<Wide> operator()(const Vec3<Wide>& x) const {
-    const Vec3<Wide> wx = cross(w, x);
+  DYN_INLINE Quaternion<Double4> quaternion() const { return {w * (half.sinc * Double4(0.5)), half.cos}; }
+  DYN_INLINE Vec3<Double4> operator()(const Vec3<Double4>& x) const {
+    const Vec3<Double4> wx = cross(w, x);
     return x + wx * a + cross(w, wx) * b;
   }
-  DYN_INLINE Vec3<Wide> inverse(const Vec3<Wide>& x) const {
-    const Vec3<Wide> wx = cross(w, x);
+  DYN_INLINE Vec3<Double4> inverse(const Vec3<Double4>& x) const {
+    const Vec3<Double4> wx = cross(w, x);
     return x - wx * a + cross(w, wx) * b;
   }
 };
 
 // Solves the lanes in which the fixed-point iteration does not converge.
-[[gnu::cold, gnu::noinline]] void solve_lanes_by_newton(const FreeBodySet& e, const Vec3<Wide>& L, double h, const Vec3<Wide>& guess, const Wide::Mask& far, Vec3<Wide>& w) {
-  const auto lane = [](const Vec3<Wide>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
+[[gnu::cold, gnu::noinline]] void solve_lanes_by_newton(const FreeBodySet& e, const Vec3<Double4>& L, double h, const Vec3<Double4>& guess,
+                                                 const Double4::Mask& far, Vec3<Double4>& w) {
+  const auto lane = [](const Vec3<Double4>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
   for (int k = 0; k < lanes; ++k)
     if (far[k]) set(w, k, integrator::implicit_angular_velocity_newton(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k), h, lane(guess, k)));
 }
 
 // Solves I w' = exp(-h w') L by fixed-point iteration; converged lanes stay as they are.
-DYN_INLINE Vec3<Wide> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Wide>& L, double step, const Vec3<Wide>& guess) {
-  const Wide h(step);
-  Vec3<Wide> w = guess;
-  Wide::Mask going = ~Wide::Mask{};
+DYN_INLINE Vec3<Double4> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Double4>& L, double step, const Vec3<Double4>& guess) {
+  const Double4 h(step);
+  Vec3<Double4> w = guess;
+  Double4::Mask going = ~Double4::Mask{};
   for (int k = 0; k < integrator::tuning::rotation_steps; ++k) {
-    const Vec3<Wide> next = e.inverse * RotationExp(w * h).inverse(L), change = next - w;
+    const Vec3<Double4> next = e.inverse * RotationExp(w * h).inverse(L), change = next - w;
     for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
-    going &= dot(change, change) > Wide(integrator::tuning::rotation_tolerance) * dot(w, w);
+    going &= dot(change, change) > Double4(integrator::tuning::rotation_tolerance) * dot(w, w);
     if (!any(going)) break;
   }
   if (any(going)) [[unlikely]]
     solve_lanes_by_newton(e, L, step, guess, going, w);
-  const Wide::Mask finite = dot(w, w) < std::numeric_limits<double>::infinity();
+  const Double4::Mask finite = dot(w, w) < std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) w.v[i] = select(finite, w.v[i], guess.v[i]);
   return w;
 }
 
 // Writes the numbers of each active lane to to(lane).
 template <class To>
-DYN_INLINE void scatter_four(const FreeBodySet& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
+DYN_INLINE void scatter_four(const FreeBodySet& e, const Double4& a, const Double4& b, const Double4& c, const Double4& d, To&& to) {
   for_each_lane(a, b, c, d, [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
-    if (e.active_lanes >> lane & 1u) std::memcpy(to(lane), &four, sizeof four);
+    if (e.active_lanes >> lane & 1u) four.store(to(lane));
   });
 }
-DYN_INLINE void scatter_velocity(const FreeBodySet& e, const Motion<Wide>& v, double* to) {
-  const Wide(&u)[3] = v.linear.v, (&w)[3] = v.angular.v;
+DYN_INLINE void scatter_velocity(const FreeBodySet& e, const Motion<Double4>& v, double* to) {
+  const Double4(&u)[3] = v.linear.v, (&w)[3] = v.angular.v;
   scatter_four(e, u[0], u[1], u[2], w[0], [&](int l) { return to + e.v[l]; });
   scatter_four(e, u[2], w[0], w[1], w[2], [&](int l) { return to + e.v[l] + 2; });
 }
 template <class To>
-DYN_INLINE void scatter_vector(const FreeBodySet& e, const Vec3<Wide>& x, To&& to) {
-  for_each_lane(x.v[0], x.v[1], x.v[2], Wide(0.0), [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
+DYN_INLINE void scatter_vector(const FreeBodySet& e, const Vec3<Double4>& x, To&& to) {
+  for_each_lane(x.v[0], x.v[1], x.v[2], Double4(0.0), [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
     if (e.active_lanes >> lane & 1u) std::memcpy(&to(e.body[lane]), &four, sizeof(Vec3<double>));
   });
 }
@@ -230,24 +231,24 @@ void begin_free_body_step(Data<double>& d) {
 }
 
 void integrate_velocity(const Model&, Data<double>& d, double h) {
-  const Wide dt(h);
-  const Vec3<Wide> gravity = Vec3<Wide>::make(d.world_gravity[0], d.world_gravity[1], d.world_gravity[2]);
+  const Double4 dt(h);
+  const Vec3<Double4> gravity = Vec3<Double4>::make(d.world_gravity[0], d.world_gravity[1], d.world_gravity[2]);
   Motion<double>* const V = d.step->root_velocity;
   for_each_active(d.step->free_bodies, [&](const FreeBodySet& e) {
     const LanePoses X = poses_of(d.q, e);
-    Wide v[6], tau[6];
+    Double4 v[6], tau[6];
     gather<6>(d.v, e.v, v), gather<6>(d.tau_applied, e.v, tau);
-    const Vec3<Wide> u = first3(v), w = first3(v + 3), f = first3(tau), t = first3(tau + 3) - cross(e.c, f), L = e.I * w;
-    const Vec3<Wide> vc = u + cross(w, e.c) + (transpose_times(X.R, gravity) + f * e.inverse_mass) * dt;
-    const Vec3<Wide> w1 = implicit_angular_velocity(e, L + t * dt, h, w + e.inverse * (t - cross(w, L)) * dt);
-    const Motion<Wide> v1 = {vc - cross(w1, e.c), w1};
+    const Vec3<Double4> u = first3(v), w = first3(v + 3), f = first3(tau), t = first3(tau + 3) - cross(e.c, f), L = e.I * w;
+    const Vec3<Double4> vc = u + cross(w, e.c) + (transpose_times(X.R, gravity) + f * e.inverse_mass) * dt;
+    const Vec3<Double4> w1 = implicit_angular_velocity(e, L + t * dt, h, w + e.inverse * (t - cross(w, L)) * dt);
+    const Motion<Double4> v1 = {vc - cross(w1, e.c), w1};
     scatter_velocity(e, v1, d.v);
     if (!V) return;
     scatter_vector(e, X.R.x, [&](Index i) -> auto& { return d.R[i].x; });
     scatter_vector(e, X.R.y, [&](Index i) -> auto& { return d.R[i].y; });
     scatter_vector(e, X.R.z, [&](Index i) -> auto& { return d.R[i].z; });
     scatter_vector(e, X.p, [&](Index i) -> auto& { return d.p[i]; });
-    scatter_vector(e, Vec3<Wide>::zero(), [&](Index i) -> auto& { return d.rel[i]; });
+    scatter_vector(e, Vec3<Double4>::zero(), [&](Index i) -> auto& { return d.rel[i]; });
     scatter_vector(e, X.R * v1.linear, [&](Index i) -> auto& { return V[i].linear; });
     scatter_vector(e, X.R * v1.angular, [&](Index i) -> auto& { return V[i].angular; });
   });
@@ -275,23 +276,23 @@ void ensure_all_columns(const Model& m, Data<double>& d) {
 }
 
 void integrate_position(Data<double>& d, double h, const double* correction) {
-  const Wide dt(h);
+  const Double4 dt(h);
   for_each_active(d.step->free_bodies, [&](const FreeBodySet& e) {
     const LanePoses X = poses_of(d.q, e);
-    Wide v[6];
+    Double4 v[6];
     gather<6>(d.v, e.v, v);
-    const Vec3<Wide> w = first3(v + 3), vc = first3(v) + cross(w, e.c);
-    Vec3<Wide> moved = vc * dt, turned = w * dt;
+    const Vec3<Double4> w = first3(v + 3), vc = first3(v) + cross(w, e.c);
+    Vec3<Double4> moved = vc * dt, turned = w * dt;
     if (correction) {
-      Wide x[6];
+      Double4 x[6];
       gather<6>(correction, e.v, x);
       moved = moved + first3(x) + cross(first3(x + 3), e.c), turned = turned + first3(x + 3);
     }
     const RotationExp turn(turned);
-    const Vec3<Wide> p = X.p + X.R * (e.c + moved - turn(e.c));
-    const Quaternion<Wide> a = X.a * turn.quaternion();
-    const Wide r = Wide(1.0) / sqrt(dot(a.v, a.v) + a.w * a.w);
-    const Vec3<Wide> n = a.v * r;
+    const Vec3<Double4> p = X.p + X.R * (e.c + moved - turn(e.c));
+    const Quaternion<Double4> a = X.a * turn.quaternion();
+    const Double4 r = Double4(1.0) / sqrt(dot(a.v, a.v) + a.w * a.w);
+    const Vec3<Double4> n = a.v * r;
     scatter_four(e, p.v[0], p.v[1], p.v[2], n.v[0], [&](int l) { return d.q + e.q[l]; });
     scatter_four(e, n.v[0], n.v[1], n.v[2], a.w * r, [&](int l) { return d.q + e.q[l] + 3; });
     scatter_velocity(e, {turn.inverse(vc) - cross(w, e.c), w}, d.v);

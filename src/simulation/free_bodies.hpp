@@ -4,18 +4,18 @@
 //   v_c' = v_c + h (g + f / m)     I w' = exp(-h w') (I w + h t)     c' = c + h v_c'     R' = R exp(h w')
 #pragma once
 
-#include "base/wide.hpp"
+#include "base/simd_memory.hpp"
 #include "model/data.hpp"
 #include "algorithm/tree_groups.hpp"
 
 namespace dyn::simulation {
 
 struct FreeBodySet {
-  Index body[Wide::lanes], q[Wide::lanes], v[Wide::lanes];  // the last body fills unused lanes
+  Index body[Double4::lanes], q[Double4::lanes], v[Double4::lanes];  // the last body fills unused lanes
   unsigned active_lanes;                                          // bit mask of lanes that steps visit
-  Wide inverse_mass;
-  Vec3<Wide> c;
-  Mat3<Wide> I, inverse;  // about the centre of mass
+  Double4 inverse_mass;
+  Vec3<Double4> c;
+  Mat3<Double4> I, inverse;  // about the centre of mass
 };
 
 // Articulated inertia columns of one body (aba.hpp), in its axes.

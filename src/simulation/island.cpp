@@ -1,6 +1,7 @@
 #include "simulation/island.hpp"
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
+#include "algorithm/constrained/redundant_rows.hpp"
 
 namespace dyn::simulation {
 
@@ -26,7 +27,7 @@ void fill_equality(const Island& x, const ConstraintInstance<double>& s) {
   const bool gains = s.c.stiffness > 0 || s.c.damping > 0;
   for (Index r = 0; r < s.rows; ++r) {
     const Index i = s.first + r;
-    x.g[i] = s.rate[r];
+    x.g[i] = s.dropped >> r & 1 ? 0 : s.rate[r];
     x.bias[i] = gains ? x.h * s.c.stiffness * s.error[r] - std::max(0.0, 1 - x.h * s.c.damping) * s.rate[r] : 0;
     x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
@@ -107,6 +108,7 @@ void Island::assign_rows() {
 }
 
 void Island::fill() {
+  drop_redundant();
   for (Index k = 0; k < constraint_count && w.closed_gap > 0; ++k)
     for (Index r = 0; r < constraint(k).s->rows; ++r) fast = std::max(fast, std::abs(constraint(k).s->rate[r]));
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
@@ -115,6 +117,20 @@ void Island::fill() {
     else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
     else fill_contact(*this, x, in_contacts++);
   }
+}
+
+// Leaves out rows of equalities that are redundant but for a misalignment, which would lock the mechanism.
+void Island::drop_redundant() {
+  Index count = 0;
+  for (Index k = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& x = constraint(k);
+    if (x.kind == RowKind::Equality && is_rigid_equality(x.s->c)) d.equality_rows[count++] = {x.s, x.support, x.Y};
+  }
+  dropped = count > 0 && w.misalignment > 0 ? drop_redundant_rows(m, d, count, w.misalignment) : 0;
+}
+
+void Island::keep_all() {
+  for (Index k = 0; dropped > 0 && k < constraint_count; ++k) constraint(k).s->dropped = 0;
 }
 
 void Island::clear_supporting_dofs(double* z) const {

@@ -16,7 +16,7 @@ struct Island {
   Index constraint_count;
   double h;
   const double* v_before;
-  Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
+  Index rows = 0, equalities = 0, boxes = 0, contacts = 0, dropped = 0;  // dropped: redundant rows of equalities
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double inconsistency = 0;  // inconsistency of the equalities, relative to the speed
@@ -39,6 +39,8 @@ struct Island {
   // island.cpp: numbers rows, fills vectors
   void assign_rows();
   void fill();
+  void drop_redundant();
+  void keep_all();
 
   // dense Delassus matrix (island_solve.cpp)
   void matrix();
@@ -84,8 +86,8 @@ struct Island {
       }
     });
   }
-  DYN_INLINE Pack<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv, const double* z) const {
-    using P = Pack<double, row_lanes>;
+  DYN_INLINE Simd<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv, const double* z) const {
+    using P = Simd<double, row_lanes>;
     P sum = P::zero();
     const double* y = a.Y;
     for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);

@@ -30,7 +30,7 @@ dynContactProblem problem(const Island& x) {
 
 // If few degrees of freedom support most constraints (one tree): G = Z^T Z, Z = D^-1/2 Y row by row. Returns false if they are many.
 bool Island::dense_matrix() {
-  using P = Pack<double, row_lanes>;
+  using P = Simd<double, row_lanes>;
   Index low = m.n.nvx, high = 0;
   std::ptrdiff_t carried = 0;
   for (Index k = 0; k < constraint_count; ++k) {

@@ -57,7 +57,7 @@ class Newton {
       const P at = P::load(of + W * e.position[r.segment]);
       for (Index i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(r.rows + W * i) * at;
     });
-    for (Index i = 0; i < rows; ++i) velocity[i] = solver::sum(sum[i]);
+    for (Index i = 0; i < rows; ++i) velocity[i] = dyn::sum(sum[i]);
   }
   double soft(const ActiveConstraint& a, const State& s, Index i) const { return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i]; }
   void activate(Index constraint) const {

@@ -20,7 +20,7 @@ struct MatrixFreeGaussSeidel {
   const double* Dinv;
   double* z;
 
-  Pack<double, row_lanes> gather(const ActiveConstraint& a) const { return x.gather(a, Dinv, z); }  // G lambda, rows in lanes
+  Simd<double, row_lanes> gather(const ActiveConstraint& a) const { return x.gather(a, Dinv, z); }  // G lambda, rows in lanes
   void change(const ActiveConstraint& a, const double* by) const { x.scatter(a, by, z); }
   double wanted(Index i) const { return x.g[i] + x.bias[i]; }
   double soft(Index i) const { return x.compliance[i]; }
@@ -139,7 +139,7 @@ struct MatrixFreeGaussSeidel {
 }  // namespace
 
 void Island::prepare_blocks() {
-  using P = Pack<double, row_lanes>;
+  using P = Simd<double, row_lanes>;
   fastest = speed();
   const double* Dinv = inverse_pivots(m, d);
   for (Index k = 0, at = 0; k < constraint_count; ++k) {

@@ -1,5 +1,5 @@
 // Solves the contact problems of a step, island by island, and corrects the configuration.
-#include "algorithm/constrained/delassus.hpp"
+#include "algorithm/constrained/redundant_rows.hpp"
 #include "simulation/island.hpp"
 #include "simulation/ledger.hpp"
 
@@ -97,7 +97,7 @@ bool Island::correct() {
       const Index i = s.first + r;
       double wrong = 0;
       if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
-        wrong = part(s.error[r] + ahead * c[i], is_angle(x, r) ? 1 : w.length);
+        if (dropped > 0 || !(s.dropped >> r & 1)) wrong = part(s.error[r] + ahead * c[i], is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
         wrong = one_sided(s.error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box) {
@@ -111,6 +111,7 @@ bool Island::correct() {
     in_boxes += x.kind == RowKind::Box;
   }
   if (!(largest > tuning::slop)) return false;
+  if (dropped > 0) share_errors(m, d, bias);
   if (large() || equalities == 0) gauss_seidel_frictionless();
   else solve_displacement(), scatter_all(by_dof);
   return true;
@@ -139,6 +140,7 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
     island.by_dof = impulse, island.impulses(report);
     if (w.ledger.open) record_impulses(island);
     island.by_dof = displacement, corrected |= island.correct();
+    island.keep_all();
     w.report.iterations += report.iterations + report.newton_steps;
     w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.options.tolerance;
   });

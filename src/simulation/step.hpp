@@ -84,6 +84,7 @@ void order_by_islands(Data<double>& d, Index slots);                  // islands
 inline void propagate_rows(const Model& m, Data<double>& d, const ActiveConstraint& x) {
   if (m.has_mimic) eliminate_constraint(m, d, *x.s, x.support, x.Y);
   else propagate(m, d, *x.s, x.support, x.Y);
+  if (x.s->dropped) clear_dropped(*x.s, x.Y);
 }
 
 // Returns by how much (m) the bounding box of a shape is enlarged in a step.

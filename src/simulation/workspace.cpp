@@ -25,7 +25,8 @@ template <class F>
 void for_each_array(const Model& m, FreeBodies& l, F&& f) {
   const std::ptrdiff_t count = m.n.manifold_joints;  // upper bound of the number of free bodies; plan.cpp needs sizes that follow from counts alone
   if (count == 0) return;
-  f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.active_sets, (count + Wide::lanes - 1) / Wide::lanes);
+  const std::ptrdiff_t sets = (count + Double4::lanes - 1) / Double4::lanes;
+  f(l.sets, sets), f(l.active_sets, sets);
   f(l.columns, count), f(l.has_columns, count), f(l.touched, count);
   f(l.number, m.n.bodies), f(l.trees, m.n.bodies);
   for_each_array(m, l.buffers, f);

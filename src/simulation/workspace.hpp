@@ -110,6 +110,7 @@ struct Workspace {
   double time_to_pass;
   // gap (m, rad) that counts as closed; 0 in fixed steps, where an open gap may close exactly
   double closed_gap;
+  double misalignment;          // up to which redundant rows of equalities are left out (algorithm/constrained/redundant_rows.hpp); 0: not at all
   int drift_count;              // drifts since the step began, when closed_gap > 0
 
   Ledger ledger;
@@ -206,7 +207,7 @@ inline void invalidate_sleep(Data<double>& d) {
 }
 
 // Arrays over shapes are read four at a time.
-inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Wide::lanes; }
+inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Double4::lanes; }
 
 // Largest island that is solved by its dense Delassus matrix.
 inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }

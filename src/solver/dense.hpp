@@ -7,14 +7,14 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/pack.hpp"
+#include "base/simd.hpp"
 #include "solver/tuning.hpp"
 
 namespace dyn::solver {
 
 inline constexpr Index lanes = 8;
 inline constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
-using Lanes = Pack<double, lanes>;
+using Lanes = Simd<double, lanes>;
 
 // A matrix of the workspace.
 struct Matrix {
@@ -23,12 +23,6 @@ struct Matrix {
   double* column(Index j) const { return x + std::ptrdiff_t(j) * ld; }
   double& operator()(Index i, Index j) const { return column(j)[i]; }
 };
-
-DYN_INLINE double sum(const Lanes& a) {
-  double s = 0;
-  for (Index k = 0; k < lanes; ++k) s += a[k];
-  return s;
-}
 
 inline double dot(const double* a, const double* b, Index n) {
   Lanes s = Lanes::zero();

@@ -14,15 +14,13 @@
 
 namespace dyn {
 
-struct Wide;  // base/wide.hpp
-
 namespace detail {
 
 // Numbers of which sums of series are polynomials.
 template <class T>
 inline constexpr bool is_polynomial = std::is_same_v<T, double>;
-template <>
-inline constexpr bool is_polynomial<Wide> = true;
+template <int N>
+inline constexpr bool is_polynomial<Simd<double, N>> = true;
 
 // sum over k of (-x)^k c_k with c_0 = first and c_{k+1} / c_k = ratio(k), to the last bit
 template <int, class T, class Ratio>

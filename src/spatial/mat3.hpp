@@ -31,15 +31,10 @@ DYN_INLINE Mat3<T> transpose(const Mat3<T>& A) {
 #if DYN_LANES == 4
 template <>
 DYN_INLINE Mat3<double> transpose(const Mat3<double>& A) {
-  using L = Vec3<double>::Lanes;
-  const L a = A.x.v, b = A.y.v, c = A.z.v, z = {0, 0, 0, 0};
-  const L ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6);  // a0 b0 a2 b2
-  const L ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);  // a1 b1 . .
-  const L cz02 = __builtin_shufflevector(c, z, 0, 4, 2, 6);  // c0 0 c2 0
-  const L cz13 = __builtin_shufflevector(c, z, 1, 5, 3, 7);  // c1 0 . 0
-  return {{__builtin_shufflevector(ab02, cz02, 0, 1, 4, 5)},
-           {__builtin_shufflevector(ab13, cz13, 0, 1, 4, 5)},
-           {__builtin_shufflevector(ab02, cz02, 2, 3, 6, 7)}};
+  const Double4 a = A.x.v, b = A.y.v, c = A.z.v, zero = Double4::zero();
+  const Double4 ab02 = shuffle<0, 4, 2, 6>(a, b), ab13 = shuffle<1, 5, 3, 7>(a, b);        // a0 b0 a2 b2, a1 b1 . .
+  const Double4 cz02 = shuffle<0, 4, 2, 6>(c, zero), cz13 = shuffle<1, 5, 3, 7>(c, zero);  // c0 0 c2 0, c1 0 . 0
+  return {{shuffle<0, 1, 4, 5>(ab02, cz02)}, {shuffle<0, 1, 4, 5>(ab13, cz13)}, {shuffle<2, 3, 6, 7>(ab02, cz02)}};
 }
 #endif
 
@@ -72,8 +67,7 @@ DYN_INLINE Vec3<T> trace3(const Mat3<T>& A) {
 #if DYN_LANES == 4
 template <>
 DYN_INLINE Vec3<double> trace3(const Mat3<double>& A) {
-  const auto xy = __builtin_shufflevector(A.x.v, A.y.v, 0, 5, 2, 3);
-  const Vec3<double> d{__builtin_shufflevector(xy, A.z.v, 0, 1, 6, 3)};
+  const Vec3<double> d{shuffle<0, 1, 6, 3>(shuffle<0, 5, 2, 3>(A.x.v, A.y.v), A.z.v)};
   return d + yzx(d) + zxy(d);
 }
 #endif

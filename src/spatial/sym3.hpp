@@ -43,13 +43,12 @@ DYN_INLINE Sym3<T> plus_transpose(const Mat3<T>& A) {
 template <>
 DYN_INLINE Sym3<double> plus_transpose(const Mat3<double>& A) {
   // lanes picked from the three columns without leaving their places
-  using L = Vec3<double>::Lanes;
-  const L xy = __builtin_shufflevector(A.x.v, A.y.v, 0, 5, 2, 3);  // x0 y1 x2 .
-  const L diagonal = __builtin_shufflevector(xy, A.z.v, 0, 1, 6, 3);
-  const L zx = __builtin_shufflevector(A.z.v, A.x.v, 0, 5, 2, 3);  // z0 x1 z2 .
-  const L lower = __builtin_shufflevector(zx, A.y.v, 0, 1, 6, 3);  // z0 x1 y2
-  const L yz = __builtin_shufflevector(A.y.v, A.z.v, 0, 5, 2, 3);  // y0 z1 y2 .
-  const L upper = __builtin_shufflevector(yz, A.x.v, 0, 1, 6, 3);  // y0 z1 x2: (xy, yz, zx)
+  const Double4 xy = shuffle<0, 5, 2, 3>(A.x.v, A.y.v);  // x0 y1 x2 .
+  const Double4 diagonal = shuffle<0, 1, 6, 3>(xy, A.z.v);
+  const Double4 zx = shuffle<0, 5, 2, 3>(A.z.v, A.x.v);  // z0 x1 z2 .
+  const Double4 lower = shuffle<0, 1, 6, 3>(zx, A.y.v);  // z0 x1 y2
+  const Double4 yz = shuffle<0, 5, 2, 3>(A.y.v, A.z.v);  // y0 z1 y2 .
+  const Double4 upper = shuffle<0, 1, 6, 3>(yz, A.x.v);  // y0 z1 x2: (xy, yz, zx)
   return {{diagonal + diagonal}, Vec3<double>{upper} + yzx(Vec3<double>{lower})};
 }
 #endif

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "base/types.hpp"
+#include "base/simd_shuffle.hpp"
 
 namespace dyn {
 
@@ -37,11 +37,11 @@ struct Vec3 {
 #if DYN_LANES == 4
 template <>
 struct Vec3<double> {
-  typedef double Lanes __attribute__((vector_size(32)));
-  alignas(32) Lanes v;  // as with AVX: a model's block is then the same on all of x86-64, on ARM and for every compiler (dynb.hpp)
+  // Aligned as with AVX. A model's block is then the same on x86-64, on ARM and for every compiler (dynb.hpp).
+  alignas(32) Double4 v;
 
-  static DYN_INLINE Vec3 zero() { return {Lanes{0, 0, 0, 0}}; }
-  static DYN_INLINE constexpr Vec3 make(double x, double y, double z) { return {Lanes{x, y, z, 0}}; }
+  static DYN_INLINE Vec3 zero() { return {Double4::zero()}; }
+  static DYN_INLINE constexpr Vec3 make(double x, double y, double z) { return {Double4(x, y, z, 0)}; }
   DYN_INLINE double operator[](int i) const { return v[i]; }
 
   friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.v + b.v}; }
@@ -49,22 +49,17 @@ struct Vec3<double> {
   friend DYN_INLINE Vec3 operator*(const Vec3& a, double s) { return {a.v * s}; }
   // a x b = (a * b_yzx - a_yzx * b)_yzx: three shuffles
   friend DYN_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
-    const Lanes ar = __builtin_shufflevector(a.v, a.v, 1, 2, 0, 3);
-    const Lanes br = __builtin_shufflevector(b.v, b.v, 1, 2, 0, 3);
-    const Lanes c = a.v * br - ar * b.v;
-    return {__builtin_shufflevector(c, c, 1, 2, 0, 3)};
+    const Double4 first = a.v * yzx(b).v;  // GCC contracts the product that it meets first
+    return yzx(Vec3{first - yzx(a).v * b.v});
   }
   friend DYN_INLINE double dot(const Vec3& a, const Vec3& b) {
-    const Lanes p = a.v * b.v;
+    const Double4 p = a.v * b.v;
     return p[0] + p[1] + p[2];
   }
-  friend DYN_INLINE Vec3 sizes(const Vec3& a) {
-    typedef std::int64_t Bits __attribute__((vector_size(32)));
-    return {(Lanes)((Bits)a.v & std::int64_t(0x7fffffffffffffff))};
-  }
+  friend DYN_INLINE Vec3 sizes(const Vec3& a) { return {abs(a.v)}; }
   friend DYN_INLINE Vec3 hadamard(const Vec3& a, const Vec3& b) { return {a.v * b.v}; }
-  friend DYN_INLINE Vec3 yzx(const Vec3& a) { return {__builtin_shufflevector(a.v, a.v, 1, 2, 0, 3)}; }
-  friend DYN_INLINE Vec3 zxy(const Vec3& a) { return {__builtin_shufflevector(a.v, a.v, 2, 0, 1, 3)}; }
+  friend DYN_INLINE Vec3 yzx(const Vec3& a) { return {shuffle<1, 2, 0, 3>(a.v)}; }
+  friend DYN_INLINE Vec3 zxy(const Vec3& a) { return {shuffle<2, 0, 1, 3>(a.v)}; }
 };
 #endif
 

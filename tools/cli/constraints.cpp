@@ -76,6 +76,27 @@ json constraint_terms_json(const Robot& robot, const Data& data, const double* q
   return std::string(what) == "J" ? matrix_json(J.data(), rows, robot.nv) : vector_json(C.data(), rows);
 }
 
+// Eigenvalues are squares of the share of its terms by which the joints move a row.
+std::vector<std::string> misalignment_notes(const Robot& robot, const dynConstraintReport& report) {
+  constexpr double aligned = 1e-9, slight = 0.02;
+  std::vector<std::string> notes;
+  if (report.contradictory == 0 && report.contradiction > aligned)
+    notes.push_back("redundant rows are misaligned by " + short_number(report.contradiction, 3) + " m or rad: steps leave them out, and the mechanism moves");
+  if (report.rank == robot.nv && report.rank > 0 && std::sqrt(report.smallest) < slight)
+    notes.push_back("the mechanism is locked by a misalignment of about " + short_number(std::sqrt(report.smallest), 2) +
+                    " rad: align its axes to 5e-4 rad, or remove rows that only repeat others");
+  return notes;
+}
+
+std::vector<std::string> misalignment_notes(const Robot& robot, const double* q) {
+  const Data data(robot, DYN_PART_CONSTRAINTS);
+  if (row_count(robot, data) == 0) return {};
+  dynConstraintReport report{};
+  report.struct_size = sizeof report;
+  check(dyn_constraint_report(robot, data, q, &report, nullptr, 0));
+  return misalignment_notes(robot, report);
+}
+
 namespace {
 
 struct CheckOptions {
@@ -128,11 +149,14 @@ void run(const CheckOptions& options) {
     answer["dependent"].push_back({{"constraint", slot_name(robot, r.slot)}, {"row", r.row}, {"verdict", name_of("dynRowVerdict", r.verdict)}, {"share", r.share}, {"error", r.error}});
   }
   answer["constraints"] = slots.size();
+  const std::vector<std::string> notes = misalignment_notes(robot, report);
+  answer["notes"] = notes;
   if (options.robot.json) return print(json_text(answer));
   std::string text = std::to_string(slots.size()) + " constraints, " + std::to_string(report.rows) + " rows, rank " + std::to_string(report.rank) + ": " +
                      std::to_string(robot.nv - report.rank) + " of " + std::to_string(robot.nv) + " degrees of freedom are left\n";
   text += report.error < 1e-9 ? "q satisfies them" : options.as_is ? "q does not satisfy them" : "no q was found that satisfies them";
   text += ": largest error " + short_number(report.error) + "; condition " + short_number(report.condition) + "\n";
+  for (const std::string& note : notes) text += note + "\n";
   if (!answer["dependent"].empty()) {
     std::vector<std::vector<std::string>> lines = {{"constraint", "row", "verdict", "share", "error"}};
     for (const json& r : answer["dependent"])

@@ -232,6 +232,7 @@ void run(const Options& options) {
     fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) +
          " GB: take a larger --dt, or leave it out.");
 
+  for (const std::string& note : misalignment_notes(robot, start.q.data())) warnings.push_back(note);
   set_start(robot, data, state);
   double kinetic, potential;
   check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));

@@ -4,7 +4,7 @@
 #include "algorithm/articulated_factor.hpp"
 #include "algorithm/forward_dynamics.hpp"
 #include "algorithm/constrained/bounded.hpp"
-#include "algorithm/constrained/delassus.hpp"
+#include "algorithm/constrained/redundant_rows.hpp"
 
 namespace dyn {
 
@@ -95,11 +95,15 @@ Index constrained_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau,
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -(s.acceleration[r] + kp * s.error[r] + kd * s.rate[r]);
   });
   propagate_rows(m, d);
+  if constexpr (std::is_same_v<T, double>)
+    if (options.misalignment > 0) drop_redundant_rows(m, d, options.misalignment);
+  clear_dropped_rows(m, d, b);
   solve_rows(m, d, rows, b, bounded, options, d.lambda, found);
   gather(m, d, d.lambda, x);
   scatter(m, d, x);
   for (Index k = 0; k < m.n.nv; ++k) ddq[k] += x[k];
   report_rows(m, d, rows, b, bounded, found, result);
+  if (options.misalignment > 0) keep_all_rows(m, d);
   return 0;
 }
 

@@ -110,7 +110,7 @@ inline Index last_user_dof(const Model& m, Index body) {
 // L^-T J^T of one constraint, with mimic joints.
 template <class T>
 void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T>& s, Index* support, T* y) {
-  using P = Pack<T, row_lanes>;
+  using P = Simd<T, row_lanes>;
   const Index *parent = m.dof_parent(), *user = m.expand_v();
   const bool joints = between_joints(s.c.type);
   Index a = joints ? user[s.c.v1 + (of_ball(s.c) ? 2 : 0)] : last_user_dof(m, s.c.body1);
@@ -137,14 +137,23 @@ void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T
   }
 }
 
+// Clears the dropped rows of a constraint in its propagated columns.
+template <class T>
+void clear_dropped(const ConstraintInstance<T>& s, T* y) {
+  for (Index r = 0; r < s.rows; ++r)
+    if (s.dropped >> r & 1)
+      for (Index n = 0; n < s.support_count; ++n) y[row_lanes * n + r] = T(0);
+}
+
 template <class T>
 void propagate_rows(const Model& m, Data<T>& d) {
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index k) {
-    if (m.has_mimic) eliminate_constraint(m, d, s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k));
-    else propagate(m, d, s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k));
+    T* y = propagated_jacobian_of(m, d, k);
+    if (m.has_mimic) eliminate_constraint(m, d, s, supporting_dofs_of(m, d, k), y);
+    else propagate(m, d, s, supporting_dofs_of(m, d, k), y);
+    if (s.dropped) clear_dropped(s, y);
   });
 }
-
 
 // Calls f.template operator()<rows>().
 template <class F>
@@ -162,7 +171,7 @@ DYN_INLINE void with_row_count(Index rows, F&& f) {
 // Sum of y_s y_t^T / D over common degrees of freedom. Columns are the rows of s; the rows of t are in lanes.
 template <int columns, class T>
 DYN_INLINE void couple(const Index* ks, Index ns, const T* ys, const Index* kt, Index nt, const T* yt, const T* Dinv, T* G, std::ptrdiff_t ld) {
-  using P = Pack<T, row_lanes>;
+  using P = Simd<T, row_lanes>;
   P sum[columns];
 #pragma GCC unroll 6
   for (int c = 0; c < columns; ++c) sum[c] = P::zero();
@@ -262,7 +271,7 @@ void delassus_times(const Model& m, Data<T>& d, const T* x, T* by_dof, T* out) {
   const T* Dinv = inverse_pivots(m, d);
   for (Index k = 0; k < m.n.nv; ++k) by_dof[k] *= Dinv[k];
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index i) {
-    using P = Pack<T, row_lanes>;
+    using P = Simd<T, row_lanes>;
     P sum = P::zero();
     const Index* k = supporting_dofs_of(m, d, i);
     const T* y = propagated_jacobian_of(m, d, i);

@@ -33,7 +33,7 @@ void subtract_constraint_forces(const Model& m, Data<T>& d) {
 // H(k, l) -= S_k . f_l for degrees of freedom k from one body up to another (exclusive) and l of a constraint.
 template <class T>
 DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, Index to, const Index* dofs, Index count, const Force<T>* f, T* H) {
-  using P = Pack<T, 4>;
+  using P = Simd<T, 4>;
   const std::ptrdiff_t n = m.n.nv;
   for (Index i = from; i != to; i = m.bodies()[i].parent) {
     Index first = m.bodies()[i].idx_v;
@@ -83,8 +83,8 @@ void subtract_force_changes(const Model& m, Data<T>& d, const ConstraintInstance
 
 // Rows x nv.
 template <class T>
-DYN_INLINE void add_lanes(const Pack<T, row_lanes>& x, T* to) {
-  (Pack<T, row_lanes>::load(to) + x).store(to);
+DYN_INLINE void add_lanes(const Simd<T, row_lanes>& x, T* to) {
+  (Simd<T, row_lanes>::load(to) + x).store(to);
 }
 
 // Adds a constraint's part of Dq, Dv, H. Stores its degrees of freedom and J in place of those of G.

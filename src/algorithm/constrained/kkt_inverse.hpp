@@ -26,7 +26,7 @@ KktSystem<T> kkt_system(const Model& m, const Data<T>& d, Index rows) {
 // Several packs of a column.
 template <int packs, class T>
 struct PackColumn {
-  using P = Pack<T, row_lanes>;
+  using P = Simd<T, row_lanes>;
   P sum[packs];
   DYN_INLINE void load(const T* from) {
     for (int p = 0; p < packs; ++p) sum[p] = P::load(from + row_lanes * p);
@@ -50,7 +50,7 @@ DYN_INLINE void for_each_packs(std::ptrdiff_t n, F&& f) {
 // Z, nv x rows with the system's leading dimension, from d.Minv and J.
 template <class T>
 void inverse_times_rows(const Model& m, Data<T>& d, std::ptrdiff_t ld, T* Z) {
-  using P = Pack<T, row_lanes>;
+  using P = Simd<T, row_lanes>;
   const std::ptrdiff_t n = m.n.nv;
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
     const Index* dofs = supporting_dofs_of(m, d, slot);

@@ -31,12 +31,15 @@ Index project_rows(const Model& m, Data<T>& d, bool weigh) {
   });
   return 0;
 }
+// Sum of squares.
 template <class T>
-T gather_errors(const Model& m, Data<T>& d, T* C) {
+T gather_errors(const Model& m, Data<T>& d, T* C, bool with_dropped) {
   T sum = T(0);
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
-    for (Index r = 0; r < s.rows; ++r) C[s.first + r] = s.error[r], sum += s.error[r] * s.error[r];
+    for (Index r = 0; r < s.rows; ++r) C[s.first + r] = s.error[r];
   });
+  if (!with_dropped) clear_dropped_rows(m, d, C);
+  for (Index i = 0, rows = active_rows(m, d); i < rows; ++i) sum += C[i] * C[i];
   return sum;
 }
 
@@ -52,6 +55,7 @@ void project_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstra
     if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = s.upper[0] = T(0);
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -s.rate[r];
   });
+  clear_dropped_rows(m, d, b);
   propagate_rows(m, d);
   solve_rows(m, d, active_rows(m, d), b, bounded, ProximalOptions{}, d.lambda, found);
   result.rank = found.rank, result.condition = double(found.condition);
@@ -88,7 +92,7 @@ T largest_part(const Model& m, const T* step, T length) {
 // Steps from d.q while they reduce |C|. The damping is proportional to |C|, so it also converges where J loses rank at the solution
 // (a linkage stretched to its full length; Sugihara 2011); each step there leaves a quarter of C. C is row vector 0.
 template <class T>
-Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, DescentResult<T>& found) {
+Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, double misalignment, DescentResult<T>& found) {
   constexpr double least = 1e-9, most = 1e6;
   const T length = T(own_length(m));
   const Index rows = active_rows(m, d);
@@ -96,17 +100,22 @@ Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool w
   const RowWork<T> work = row_work(m, d);
   T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step, *before = d.constraint_q;
   if (const Index failed = project_rows(m, d, weigh)) return failed;
-  found.cost = gather_errors(m, d, C), found.ended = false;
+  found.cost = gather_errors(m, d, C, misalignment > 0), found.ended = false;
   T damping = T(least);
   for (int k = 0; k < max_iterations && largest_size(C, rows) > tolerance && damping < T(most); ++k) {
     ++found.iterations;
-    propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
+    propagate_rows(m, d);
+    if constexpr (std::is_same_v<T, double>)
+      if (misalignment > 0) keep_all_rows(m, d), drop_redundant_rows(m, d, misalignment);
+    delassus(m, d, rows, d.row_matrix);
     T trace = T(0);
     for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
     const T mu = std::max(damping * std::min(T(1), T(2) * largest_size(C, rows) / length), min_damping) * trace / T(double(rows));
     if (!(mu > T(0))) break;
-    factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
+    if constexpr (std::is_same_v<T, double>)
+      if (misalignment > 0) share_errors(m, d, lambda);
+    factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     solve_factored(work.factor, Dinv, ld, rows, lambda);
     gather(m, d, lambda, step);
     scatter(m, d, step);
@@ -117,7 +126,7 @@ Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool w
     integrate(m, static_cast<const T*>(before), static_cast<const T*>(step), d.q);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
     T* trial = lambda;
-    const T now = gather_errors(m, d, trial);
+    const T now = gather_errors(m, d, trial, misalignment > 0);
     if (now < found.cost) {
       std::copy(trial, trial + rows, C);
       found.cost = now, damping = std::max(T(least), damping / T(10));
@@ -133,7 +142,7 @@ Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool w
 
 // Restarts beside a point where no small step helps, which may be a saddle (a flat stretched linkage). Keeps the better q.
 template <class T>
-Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, DescentResult<T>& found) {
+Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, double misalignment, DescentResult<T>& found) {
   T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
   Random random{1};
   for (const double size : {0.01, 0.3}) {
@@ -142,24 +151,24 @@ Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, 
     for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
     integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
     const T before = found.cost;
-    if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, found)) return failed;
+    if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, found)) return failed;
     if (found.cost < T(0.999) * before) continue;
     std::copy(kept, kept + m.n.nq, d.q);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
-    found.cost = gather_errors(m, d, row_vector(m, d, 0)), found.ended = true;
+    found.cost = gather_errors(m, d, row_vector(m, d, 0), misalignment > 0), found.ended = true;
   }
   return 0;
 }
 
 // Sets d.q to the solution. v, unless null: becomes the nearest velocity that the rows allow there. min_damping: lower bound that
-// keeps rounding from moving d.q where J nearly loses rank.
+// keeps rounding from moving d.q where J nearly loses rank. misalignment: redundant rows are left out up to it (redundant_rows.hpp).
 template <class T>
-Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T min_damping) {
+Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T min_damping, double misalignment) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
   DescentResult<T> descent;
-  if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
-  if (const Index failed = escape_saddle(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
+  if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, descent)) return failed;
+  if (const Index failed = escape_saddle(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, descent)) return failed;
   result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
   result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINT_REASON_CONVERGED
                   : descent.ended                      ? DYN_CONSTRAINT_REASON_CONTRADICTORY
@@ -167,6 +176,7 @@ Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
   result.contradiction = result.reason == DYN_CONSTRAINT_REASON_CONTRADICTORY ? result.residual : 0;
 
   project_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);
+  if (misalignment > 0) keep_all_rows(m, d);
   return 0;
 }
 

@@ -13,6 +13,7 @@ inline constexpr double clearly_independent = 1e-6, independent = 1e-10, automat
 struct ProximalOptions {
   int max_iterations = 100;
   double regularisation = 0, tolerance = 1e-12;
+  double misalignment = 0;  // redundant rows are left out up to this (redundant_rows.hpp); 0: none
 };
 
 template <class T>

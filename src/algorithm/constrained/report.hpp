@@ -1,8 +1,12 @@
 // Constraint diagnostics: rank, condition, and dependent rows, from the eigenvectors of the Delassus matrix with unit diagonal.
-// Eigenvectors of eigenvalue 0 are combinations of rows that no motion changes: C along them cannot be removed.
+// Eigenvectors of eigenvalue 0 are combinations of rows that no motion changes: C along them cannot be removed. As many count as zero
+// as steps leave out rows (redundant_rows.hpp). An error of ten times their misalignment is no contradiction.
 #pragma once
 
+#include <algorithm>
+
 #include "algorithm/constrained/constrained_dynamics.hpp"
+#include "model/length.hpp"
 
 namespace dyn {
 
@@ -39,10 +43,13 @@ template <class T, class Out>
 Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report, Out&& rows_out) {
   using std::abs;
   using std::sqrt;
-  constexpr double zero = 1e-10, participating = 1e-6, agreement = 1e-8;
+  constexpr double rounding = 1e-10, participating = 1e-6, little = 0.1, exact = 1e-7, explained = 10;
   if (const Index failed = constraint_factor(m, d)) return failed;
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   propagate_rows(m, d);
+  const Index left_out = drop_redundant_rows(m, d, misalignment_tolerance);
+  const double agreement = std::max(exact, explained * double(d.row_moved[0]) * own_length(m));
+  keep_all_rows(m, d), propagate_rows(m, d);
   const Index n = active_rows(m, d);
   const std::ptrdiff_t ld = padded_rows(n);
   delassus(m, d, n, d.row_matrix);
@@ -53,6 +60,11 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
   });
   for (Index i = 0; i < n; ++i) most = std::max(most, d.row_matrix[ld * i + i]);
   for (Index i = 0; i < n; ++i) scale[i] = d.row_matrix[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(d.row_matrix[ld * i + i]) : T(0);
+  // rows that almost nothing moves: by what would move them
+  for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) {
+    for (Index r = 0; is_rigid_equality(s.c) && r < s.rows; ++r)
+      if (const T moved = d.row_share[s.first + r]; moved < T(little)) scale[s.first + r] *= moved;
+  });
   bool has_friction = false;
   const auto decompose = [&](bool with_friction) {
     for (Index j = 0; j < n; ++j)
@@ -65,6 +77,10 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
     jacobi_eigenvectors(A, V, ld, n);
   };
   decompose(true);
+  // the left_out smallest eigenvalues count as zero
+  for (Index k = 0; k < n; ++k) along[k] = A[ld * k + k];
+  std::sort(along, along + n);
+  const double zero = std::max(rounding, left_out > 0 ? double(along[left_out - 1]) * (1 + rounding) : 0);
 
   report.rows = n, report.rank = 0;
   report.smallest = report.largest = 0;

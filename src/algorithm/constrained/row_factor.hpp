@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/pack.hpp"
+#include "base/simd.hpp"
 #include "constraint/constraint_instance.hpp"
 
 namespace dyn {
@@ -14,7 +14,7 @@ namespace dyn {
 // diagonal entry: 1 for uncoupled rows, near 0 for dependent ones, 0 if an entry is not positive.
 template <class T>
 T factor_rows(const T* G, std::ptrdiff_t ld, Index n, T mu, T least, T* W, T* Dinv) {
-  using P = Pack<T, row_lanes>;
+  using P = Simd<T, row_lanes>;
   T smallest = T(1);
   for (std::ptrdiff_t j = 0; j < n; ++j) {
     const std::ptrdiff_t first = j / row_lanes * row_lanes;

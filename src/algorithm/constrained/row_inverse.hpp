@@ -8,7 +8,7 @@ namespace dyn {
 // X = (L D L^T)^-1, n x n with the factor's leading dimension. Two packs of columns at a time hide each other's latency.
 template <class T>
 void invert_rows(const T* W, const T* Dinv, std::ptrdiff_t ld, std::ptrdiff_t n, T* X) {
-  using P = Pack<T, row_lanes>;
+  using P = Simd<T, row_lanes>;
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     std::fill_n(X + ld * i, ld, T(0));
     X[ld * i + i] = T(1);

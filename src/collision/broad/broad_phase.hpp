@@ -51,8 +51,8 @@ class BroadPhase {
   std::ptrdiff_t candidates() const { return candidates_; }
 
   static bool overlap(const Bounds& a, const Bounds& b) {
-#if defined(__AVX__)
-    return __builtin_ia32_movmskpd256((shape::Vec::Lanes)((a.lower.v <= b.upper.v) & (b.lower.v <= a.upper.v))) == 15;
+#if DYN_LANES == 4
+    return all((a.lower.v <= b.upper.v) & (b.lower.v <= a.upper.v));
 #else
     bool yes = true;
     for (int i = 0; i < 3; ++i) yes &= (a.lower[i] <= b.upper[i]) & (b.lower[i] <= a.upper[i]);
@@ -106,9 +106,9 @@ class BroadPhase {
 template <class F>
 void BroadPhase::for_each_overlap(const Box& b, F&& take) {
   tree_.descend([&](const Block& x) { return x.overlaps(b); }, 0,
-                [&](Index k) { for_each_lane(tree_.block[0][k].overlaps(b), [&](Index lane) { take(id_[k * Block::lanes + lane]); }); });
+                [&](Index k) { for_each_bit(tree_.block[0][k].overlaps(b), [&](Index lane) { take(id_[k * Block::lanes + lane]); }); });
   for (Index k = 0; k < PackedTree::blocks_for(overflow_count_); ++k)
-    for_each_lane(overflow_[k].overlaps(b), [&](Index lane) { take(overflow_id_[k * Block::lanes + lane]); });
+    for_each_bit(overflow_[k].overlaps(b), [&](Index lane) { take(overflow_id_[k * Block::lanes + lane]); });
 }
 
 template <class F>
@@ -145,7 +145,7 @@ void BroadPhase::ray(const shape::Vec& o, const shape::Vec& d, double far, F&& t
     return bits;
   };
   auto leaf = [&](const Block& x, const Index* ids) {
-    for_each_lane(lanes(x), [&](Index k) {
+    for_each_bit(lanes(x), [&](Index k) {
       const Bounds& b = tight_[ids[k]];
       const double lower[3] = {b.lower[0], b.lower[1], b.lower[2]}, upper[3] = {b.upper[0], b.upper[1], b.upper[2]};
       if (meets(lower, upper)) take(ids[k]);

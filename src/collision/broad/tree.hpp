@@ -59,7 +59,7 @@ struct PackedTree {
         continue;
       }
       const Index first_child = o.block * Block::lanes, last_wanted = from >> 3 * (o.level - 1);
-      for_each_lane(test(block[o.level][o.block]), [&](Index k) {
+      for_each_bit(test(block[o.level][o.block]), [&](Index k) {
         if (first_child + k >= last_wanted) stack[depth++] = {o.level - 1, first_child + k};
       });
     }

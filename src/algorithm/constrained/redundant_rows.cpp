@@ -1,0 +1,267 @@
+#include "algorithm/constrained/redundant_rows.hpp"
+
+#include "algorithm/constrained/constrained_dynamics.hpp"
+#include "model/length.hpp"
+
+namespace dyn {
+
+namespace {
+
+constexpr double suspicious = 1e-2;  // of the unit diagonal: pivots below it are looked at; a misaligned row has its square
+constexpr double rounding = 1e-15;   // of the unit diagonal, a row: pivots that are rounding
+
+double length_of(const Vec3<double>& x) { return std::sqrt(dot(x, x)); }
+
+Vec3<double> lane(const double* F, int first, Index r) {
+  return Vec3<double>::make(F[row_lanes * first + r], F[row_lanes * (first + 1) + r], F[row_lanes * (first + 2) + r]);
+}
+
+// The rows of one system.
+class RedundantRows {
+ public:
+  RedundantRows(const Model& m_, Data<double>& d_, Index count_, double misalignment_)
+      : m(m_), d(d_), work(row_work(m_, d_)), count(count_), misalignment(misalignment_), length(own_length(m_)) {
+    for (Index i = 0; i < count; ++i) n += d.equality_rows[i].s->rows;
+    ld = padded_rows(n);
+  }
+  Index drop();
+
+ private:
+  const Model& m;
+  Data<double>& d;
+  RowWork<double> work;
+  Index count, n = 0;
+  double misalignment, length, least_share = 1;
+  std::ptrdiff_t ld = 0;
+  double *S = work.scaled, *R = work.range, *scale = work.vector(1), *remaining = work.vector(2), *weight = work.vector(3);
+  Index *pivots = d.row_state, *state = d.row_state + padded_rows(m.n.constraint_rows);  // state: 0 open, 1 kept, 2 dropped
+
+  // J and its bound by the user's degrees of freedom, rows in lanes.
+  double* jacobian() const { return d.row_terms; }
+  double* bound() const { return d.row_terms + row_lanes * std::ptrdiff_t(m.n.nv); }
+
+  void terms(const EqualityRows& x) const;
+  void scale_rows_by_motion();
+  void couple_rows() const;
+  bool clearly_independent_rows() const;
+  double moved(Index row, Index rank) const;
+  void weights(Index row, Index rank) const;
+  Index eliminate();
+  void finish(Index rank);
+
+  template <class F>
+  void for_each_row(F&& f) const {
+    for (Index i = 0, row = 0; i < count; row += d.equality_rows[i++].s->rows) f(d.equality_rows[i], row);
+  }
+};
+
+// Entries of J and what each would be without cancellation between its force and its joint's axis: |f| |v| + |t| |w| at the point where
+// the row acts. Joints that move both bodies alike do not count. Degrees of freedom are in rad, or in lengths of the model.
+void RedundantRows::terms(const EqualityRows& x) const {
+  const ConstraintInstance<double>& s = *x.s;
+  double *const J = jacobian(), *const B = bound();
+  for (Index k = 0; k < x.s->support_count; ++k) {
+    std::fill_n(J + row_lanes * x.support[k], row_lanes, 0.0);
+    std::fill_n(B + row_lanes * x.support[k], row_lanes, 0.0);
+  }
+  const auto enter = [&](Index k, Index r, double entry, double least) {
+    const Index user = m.has_mimic ? m.expand_v()[k] : k;
+    const double ratio = m.has_mimic ? m.ratio_v()[k] : 1;
+    J[row_lanes * user + r] += ratio * entry, B[row_lanes * user + r] += std::abs(ratio) * least;
+  };
+  if (between_joints(s.c.type)) {
+    enter(s.c.v1, 0, s.g1, std::abs(s.g1));
+    if (s.c.body2) enter(s.c.v2, 0, s.g2, std::abs(s.g2));
+    return;
+  }
+  const auto add = [&](Index body, const double* F) {
+    for (Index k = m.bodies()[body].idx_v, end = first_dof(m, body + 1); k < end; ++k) {
+      const Vec3<double>&v = d.S[k].linear, &w = d.S[k].angular;
+      const double unit = m.has_mimic || dot(w, w) > 0 ? 1 : length;
+      for (Index r = 0; r < s.rows; ++r) {
+        const Vec3<double> f = lane(F, 0, r), moment = lane(F, 3, r);
+        const double force2 = dot(f, f);
+        const Vec3<double> at = force2 > 0 ? cross(f, moment) * (1 / force2) : f, couple = moment - cross(at, f);
+        enter(k, r, unit * (dot(f, v) + dot(moment, w)), unit * (std::sqrt(force2) * length_of(v + cross(w, at)) + length_of(couple) * length_of(w)));
+      }
+    }
+  };
+  for (Index a = s.c.body1, b = s.c.body2; a != b;) {
+    if (a > b) add(a, s.F1), a = m.bodies()[a].parent;
+    else add(b, s.F2), b = m.bodies()[b].parent;
+  }
+}
+
+// S = G scaled so that a diagonal entry is the square of the share of its terms that does not cancel.
+void RedundantRows::scale_rows_by_motion() {
+  for_each_row([&](const EqualityRows& x, Index row) {
+    terms(x);
+    for (Index r = 0; r < x.s->rows; ++r) {
+      double most = 0, whole = 0;
+      for (Index k = 0; k < x.s->support_count; ++k) {
+        const Index at = row_lanes * x.support[k] + r;
+        most = std::max(most, std::abs(jacobian()[at])), whole = std::max(whole, bound()[at]);
+      }
+      const double entry = S[ld * (row + r) + row + r];
+      double& share = d.row_share[x.s->first + r];
+      share = whole > 0 ? most / whole : 0, least_share = std::min(least_share, share);
+      scale[row + r] = entry > 0 ? share / std::sqrt(entry) : 0;
+    }
+  });
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) S[ld * j + i] *= scale[i] * scale[j];
+}
+
+// Lanes beyond a constraint's rows are overwritten by the next.
+void RedundantRows::couple_rows() const {
+  const double* Dinv = inverse_pivots(m, d);
+  for_each_row([&](const EqualityRows& a, Index i) {
+    for_each_row([&](const EqualityRows& b, Index j) {
+      if (j < i) return;
+      const auto block = [&]<int columns>() {
+        couple<columns>(a.support, a.s->support_count, a.Y, b.support, b.s->support_count, b.Y, Dinv, S + j + ld * i, ld);
+      };
+      with_row_count(a.s->rows, block);
+    });
+  });
+  for (Index c = 0; c < n; ++c)
+    for (Index r = c + 1; r < n; ++r) S[c + ld * r] = S[r + ld * c];
+}
+
+bool RedundantRows::clearly_independent_rows() const {
+  return least_share > std::sqrt(suspicious) && factor_rows(S, ld, n, 0.0, 0.0, work.factor, work.vector(0)) > suspicious;
+}
+
+// Coefficients, in S, of the kept rows in a row that they determine: R_K c = R_row.
+void RedundantRows::weights(Index row, Index rank) const {
+  for (Index k = rank - 1; k >= 0; --k) {
+    double sum = R[ld * k + row];
+    for (Index j = k + 1; j < rank; ++j) sum -= R[ld * k + pivots[j]] * weight[pivots[j]];
+    weight[pivots[k]] = sum / R[ld * k + pivots[k]];
+  }
+}
+
+// Share of its terms by which the joints move a row less what the kept ones determine of it.
+double RedundantRows::moved(Index row, Index rank) const {
+  std::fill_n(weight, n, 0.0);
+  weights(row, rank);
+  for (Index k = 0; k < rank; ++k) weight[pivots[k]] *= -scale[pivots[k]];
+  weight[row] = scale[row];
+  double *const sum = d.row_sums, *const whole = d.row_sums + m.n.nv;
+  for_each_row([&](const EqualityRows& x, Index) {
+    for (Index k = 0; k < x.s->support_count; ++k) sum[x.support[k]] = whole[x.support[k]] = 0;
+  });
+  double most = 0, all = 0;
+  for_each_row([&](const EqualityRows& x, Index first) {
+    terms(x);
+    for (Index k = 0; k < x.s->support_count; ++k)
+      for (Index r = 0; r < x.s->rows; ++r) {
+        const Index at = row_lanes * x.support[k] + r;
+        sum[x.support[k]] += weight[first + r] * jacobian()[at], whole[x.support[k]] += std::abs(weight[first + r]) * bound()[at];
+      }
+  });
+  for_each_row([&](const EqualityRows& x, Index) {
+    for (Index k = 0; k < x.s->support_count; ++k) most = std::max(most, std::abs(sum[x.support[k]])), all = std::max(all, whole[x.support[k]]);
+  });
+  return all > 0 ? most / all : 0;
+}
+
+// Pivoted Cholesky, R^T R = S. Returns the number of rows kept.
+Index RedundantRows::eliminate() {
+  Index rank = 0;
+  for (Index i = 0; i < n; ++i) remaining[i] = S[ld * i + i], state[i] = 0;
+  for (Index k = 0; k < n; ++k) {
+    Index best = -1;
+    for (Index i = 0; i < n; ++i)
+      if (state[i] == 0 && (best < 0 || remaining[i] > remaining[best])) best = i;
+    const double pivot = remaining[best];
+    const double share = pivot > 0 && pivot < suspicious ? moved(best, rank) : pivot > 0;
+    if (!(pivot > rounding * n) || share < misalignment) {
+      if (share < misalignment) d.row_moved[0] = std::max(d.row_moved[0], share);
+      state[best] = 2;
+      continue;
+    }
+    double* row = R + ld * rank;
+    for (Index i = 0; i < n; ++i) row[i] = S[ld * best + i];
+    for (Index j = 0; j < rank; ++j) {
+      const double x = R[ld * j + best];
+      for (Index i = 0; i < n; ++i) row[i] -= R[ld * j + i] * x;
+    }
+    const double factor = 1 / std::sqrt(pivot);
+    for (Index i = 0; i < n; ++i) row[i] *= factor, remaining[i] -= row[i] * row[i];
+    row[best] = std::sqrt(pivot);
+    state[best] = 1, pivots[rank++] = best;
+  }
+  return rank;
+}
+
+// Marks and clears the dropped rows. d.row_dependence: a column for each, its coefficients in the caller's units.
+void RedundantRows::finish(Index rank) {
+  Index& dropped = d.row_system[2];
+  for (Index i = 0; i < n; ++i) {
+    if (state[i] != 2) continue;
+    double* column = d.row_dependence + ld * dropped;
+    d.row_system[3 + dropped++] = i;
+    std::fill_n(weight, n, 0.0);
+    if (scale[i] > 0) weights(i, rank);
+    for (Index j = 0; j < n; ++j) column[j] = scale[i] > 0 ? weight[j] * scale[j] / scale[i] : 0;
+  }
+  for_each_row([&](const EqualityRows& x, Index row) {
+    for (Index r = 0; r < x.s->rows; ++r)
+      if (state[row + r] == 2) x.s->dropped |= 1 << r;
+    clear_dropped(*x.s, x.Y);
+  });
+}
+
+Index RedundantRows::drop() {
+  d.row_system[0] = count, d.row_system[1] = n, d.row_system[2] = 0, d.row_moved[0] = 0;
+  if (n == 0) return 0;
+  couple_rows();
+  scale_rows_by_motion();
+  if (clearly_independent_rows()) return 0;
+  const Index rank = eliminate();
+  if (rank < n) finish(rank);
+  return n - rank;
+}
+
+}  // namespace
+
+Index drop_redundant_rows(const Model& m, Data<double>& d, Index count, double misalignment) { return RedundantRows(m, d, count, misalignment).drop(); }
+
+Index drop_redundant_rows(const Model& m, Data<double>& d, double misalignment) {
+  Index count = 0;
+  for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index k) {
+    if (is_rigid_equality(s.c)) d.equality_rows[count++] = {&s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k)};
+  });
+  return drop_redundant_rows(m, d, count, misalignment);
+}
+
+// With the dropped rows C times the kept ones: (1 + C^T C) y = errors_K + C^T errors_D.
+void share_errors(const Model& m, Data<double>& d, double* errors) {
+  const Index count = d.row_system[0], n = d.row_system[1], dropped = d.row_system[2];
+  if (dropped == 0) return;
+  const RowWork<double> work = row_work(m, d);
+  const std::ptrdiff_t ld = padded_rows(n);
+  double *const A = work.scaled, *const out = work.vector(1), *const own = work.vector(2);
+  const auto for_each_error = [&](auto&& f) {
+    for (Index i = 0, row = 0; i < count; ++i)
+      for (Index r = 0; r < d.equality_rows[i].s->rows; ++r, ++row) f(errors[d.equality_rows[i].s->first + r], row);
+  };
+  for_each_error([&](double error, Index row) { out[row] = own[row] = error; });
+  std::fill_n(A, ld * n, 0.0);
+  for (Index i = 0; i < n; ++i) A[ld * i + i] = 1;
+  for (Index k = 0; k < dropped; ++k) {
+    const double* C = d.row_dependence + ld * k;
+    const Index row = d.row_system[3 + k];
+    out[row] = 0;
+    for (Index i = 0; i < n; ++i) {
+      out[i] += C[i] * own[row];
+      for (Index j = 0; j < n; ++j) A[ld * j + i] += C[i] * C[j];
+    }
+  }
+  factor_rows(A, ld, n, 0.0, 0.0, work.factor, work.vector(0));
+  solve_factored(work.factor, work.vector(0), ld, n, out);
+  for_each_error([&](double& error, Index row) { error = out[row]; });
+}
+
+}  // namespace dyn
