@@ -103,15 +103,31 @@ dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double*
   return call.status;
 }
 
+dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name) {
+  Call call(model, data, 0, "dyn_data_reset");
+  if (!call) return call.status;
+  const Model& m = call.m();
+  Index k = m.simulation()->initial;
+  if (name && (k = find_configuration(m, name)) < 0) return DYN_ERROR_NAME;
+  Data<double>& d = call.d();
+  if (d.step) simulation::wake_all(m, d);
+  set_to_configuration(m, d, k);
+  for (std::uint64_t& version : d.version) version = ++data->body->counter;
+  if (!d.step) return DYN_OK;
+  d.step->contact_count = 0, d.step->advancement_cache.square = 0;
+  std::fill_n(d.step->sleep.slow_time, d.step->sleep.count, 0.0);
+  return DYN_OK;
+}
+
 dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects) {
   Call call(model, data, 0, "dyn_data_set_effects");
   if (!call || !call.joint_or_all(joint)) return call.status;
-  if (effects & ~uint32_t(DYN_EFFECT_ALL))
+  if (effects & ~uint32_t(DYN_EFFECT_ALL | DYN_EFFECT_AS_STATED))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_effects: effects 0x%x has unknown bits: use DYN_EFFECT_... values", unsigned(effects));
   const Model& m = call.m();
   Data<double>& d = call.d();
-  for (Index j = joint ? joint : 0, end = joint ? joint + 1 : m.n.joints; j < end; ++j) d.effects[j] = effects;
-  apply_effects(m, d);
+  for (Index j = joint ? joint : 0, end = joint ? joint + 1 : m.n.joints; j < end; ++j) d.chosen_effects[j] = effects;
+  switch_effects(m, d, data->body->stepping);
   simulation::invalidate_sleep(d);
   call.drop_results();
   return DYN_OK;
@@ -120,7 +136,8 @@ dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, 
 dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects) {
   Call call(model, data, 0, "dyn_data_effects");
   if (!call || !call.joint_or_all(joint) || !call.required("effects", effects)) return call.status;
-  *effects = joint ? call.d().effects[joint] : call.d().acting & std::uint32_t(DYN_EFFECT_ALL);
+  if (joint == 0) call.have_effects_of(true);
+  *effects = joint ? call.d().chosen_effects[joint] : call.d().acting & std::uint32_t(DYN_EFFECT_ALL);
   return DYN_OK;
 }
 

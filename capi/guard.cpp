@@ -3,6 +3,7 @@
 
 #include "handles.hpp"
 
+#include "model/effects.hpp"
 #include "simulation/workspace.hpp"
 
 #include <cstdarg>
@@ -102,7 +103,9 @@ void Call::enter(const dynModel* model, dynData* data, dynParts part) {
     for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
       if (missing >> k & 1u) name = names[k];
     status = fail(DYN_ERROR_PART, "%s needs part DYN_PART_%s, which this data was made without: name it in dyn_data_new", function, name);
+    return;
   }
+  if (part & ~dynParts(DYN_PART_SIMULATION)) have_effects_of(false);
 }
 
 bool Call::not_finite(const char* name, const double* x, Index k) {
@@ -250,6 +253,12 @@ void Call::begin_step() {
     x.version[which] = ++body->counter;
     changed |= 1u << which;
   }
+}
+
+void Call::have_effects_of(bool steps) {
+  if (body->stepping == steps) return;
+  switch_effects(m(), d(), steps);
+  body->stepping = steps;
 }
 
 void Call::end_step() {

@@ -38,10 +38,18 @@ inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // Sums of 0 times each of x[0 .. n-1]: zero where all are finite.
+<<<<<<< HEAD
 inline Double4 zero_times(const double* x, std::ptrdiff_t n) {
   using P = Simd<double, block_lanes>;
   constexpr Index w = block_lanes;
   Double4 sum = n >= 4 ? Double4::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
+=======
+inline Simd<double, 4> zero_times(const double* x, std::ptrdiff_t n) {
+  using P = Simd<double, block_lanes>;
+  using Four = Simd<double, 4>;
+  constexpr Index w = block_lanes;
+  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
+>>>>>>> main
   std::ptrdiff_t i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;
@@ -53,7 +61,11 @@ inline Double4 zero_times(const double* x, std::ptrdiff_t n) {
   for (; i + 4 < n; i += 4) sum = sum + Double4::load(x + i) * 0.0;
   return sum;
 }
+<<<<<<< HEAD
 inline bool all_zero(const Double4& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
+=======
+inline bool all_zero(const Simd<double, 4>& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
+>>>>>>> main
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
 inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
@@ -85,6 +97,7 @@ struct DataBody {
   std::uint64_t counter;  // of versions
   bool on_heap;           // otherwise in the caller's memory
   std::atomic<int> busy;
+  bool stepping;          // d has the effects of steps (switch_effects)
   Data<double> d;
 };
 }  // namespace dyn::capi
@@ -143,6 +156,8 @@ dynStatus check(const dynBroadPhase* broad_phase);
 dynStatus check(const dynContactSolver* solver);
 
 
+// The number of a named configuration, or -1 with the error set.
+Index find_configuration(const Model& m, const char* name);
 // Wraps a finished model.
 dynStatus make_handle(ModelPtr model, dynModel** out);
 
@@ -154,6 +169,7 @@ class Call {
     if (model && data && model->magic == live_model && data->magic == live_data && data->body->model_id == model->m->id &&
         (data->body->d.parts & part) == part) [[likely]] {
       model_ = model->m.get(), body = data->body;
+      if (body->stepping && (part & ~dynParts(DYN_PART_SIMULATION))) [[unlikely]] have_effects_of(false);
       return;
     }
 #endif
@@ -197,6 +213,8 @@ class Call {
   void drop_results();
   // Nothing to do when no input was replaced: what was computed then belongs to the state that stays.
   void rollback();
+  // Effects of steps, or of algorithms called alone. No result is of the other kind: a step leaves none, and algorithms come before its state.
+  void have_effects_of(bool steps);
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();
   void end_step();

@@ -121,11 +121,19 @@ dynStatus check_index(const dynModel* model, int index, Index count, const char*
 
 }  // namespace
 
+Index capi::find_configuration(const Model& m, const char* name) {
+  const auto at = [&](Index k) { return m.string(m.configuration_names()[k]); };
+  for (Index k = 0; k < m.n.configurations; ++k)
+    if (std::strcmp(at(k), name) == 0) return k;
+  return unknown("configuration", name, m.n.configurations, at);
+}
+
 template <>
 dynLoadOptions capi::defaults() {
   dynLoadOptions o{};
   o.gravity[2] = -9.81;
   o.constraint_slots = 8;
+  o.meshes = DYN_MESH_USE_AUTO;
   return o;
 }
 
@@ -329,15 +337,13 @@ dynStatus dyn_model_configuration(const dynModel* model, const char* name, doubl
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
   if (!name || (!q && m.n.nq)) return fail(DYN_ERROR_ARGUMENT, "dyn_model_configuration: %s is NULL", name ? "q" : "name");
-  auto at = [&](Index k) { return m.string(m.configuration_names()[k]); };
-  for (Index k = 0; k < m.n.configurations; ++k)
-    if (std::strcmp(at(k), name) == 0) {
-      copy_out(m.configurations() + std::ptrdiff_t(k) * m.n.nq, m.n.nq, q);
-      return DYN_OK;
-    }
-  unknown("configuration", name, m.n.configurations, at);
-  return DYN_ERROR_NAME;
+  const Index k = find_configuration(m, name);
+  if (k < 0) return DYN_ERROR_NAME;
+  copy_out(m.configurations() + std::ptrdiff_t(k) * m.n.nq, m.n.nq, q);
+  return DYN_OK;
 }
+
+int dyn_model_initial_configuration(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->simulation()->initial) : -1; }
 
 dynStatus dyn_model_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v) {
   if (const dynStatus s = check(model)) return s;

@@ -98,6 +98,7 @@ dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect,
   if (!call) return call.status;
   if (const dynStatus s = check_struct(call.function, "info", info)) return s;
   if (effect < 0 || effect >= row_count) return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, row_count);
+  call.have_effects_of(true);
   const Row& row = rows[std::size_t(effect)];
   const Model& m = call.m();
   const int present = row.present(m);

@@ -113,7 +113,10 @@ dynStatus Batch::rollout(std::int64_t n, const dynRollout& x) {
   const Turn turn(*this, "dyn_batch_rollout");
   if (turn.status != DYN_OK) return turn.status;
   if (const dynStatus s = check_sensors(*handle->m, {x.sensor, x.sensor_frame, x.sensors}, "dyn_batch_rollout")) return s;
-  const Given<dynStepOptions> stepping("dyn_batch_rollout", x.stepping);
+  dynStepOptions of_model{};
+  of_model.struct_size = sizeof of_model;
+  if (const dynStatus s = dyn_model_step_options(handle, &of_model)) return s;
+  const Given<dynStepOptions> stepping("dyn_batch_rollout", x.stepping ? x.stepping : &of_model);
   if (stepping.status != DYN_OK) return stepping.status;
   for (const auto& data : datas)
     if (const dynStatus s = dyn_data_set_step_options(handle, data.get(), &*stepping)) return s;  // the first one, if any

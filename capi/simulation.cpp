@@ -23,7 +23,7 @@ const char* joint_at(const Model& m, Index k, bool in_v) {
 
 // Whether the state that steps left is finite, where trees are awake.
 bool has_finite_state(const Model& m, const Data<double>& d) {
-  Double4 sum = Double4::zero();
+  Simd<double, 4> sum = Simd<double, 4>::zero();
   simulation::with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
       sum = sum + zero_times(d.v + t.v, t.v_end - t.v);
@@ -54,7 +54,8 @@ bool has_finite_state(const Model& m, const Data<double>& d) {
               joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
 }
 
-void begin_report(Call& call) {
+void begin(Call& call) {
+  call.have_effects_of(true);
   call.d().step->report = {};
   if (const simulation::Workspace& w = *call.d().step; w.options.ledger || w.ledger.open) simulation::open_ledger(call.m(), call.d());
 }
@@ -115,8 +116,8 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (!(options->accuracy >= 0))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt", options->accuracy);
   if (const dynStatus s = check_value(options->solver, "dyn_data_set_step_options", "solver")) return s;
-  if (options->max_iterations < 1)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more", int(options->max_iterations));
+  if (options->max_iterations < 0)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more, or 0 for the default", int(options->max_iterations));
   if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;
   if (!(options->tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
   if (!call.finite("sleep_speed", &options->sleep_speed, 1) || !call.finite("sleep_time", &options->sleep_time, 1)) return call.status;
@@ -136,6 +137,13 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   return DYN_OK;
 }
 
+dynStatus dyn_model_step_options(const dynModel* model, dynStepOptions* options) {
+  if (const dynStatus s = check(model)) return s;
+  if (const dynStatus s = check_struct("dyn_model_step_options", "options", options)) return s;
+  write_struct(simulation::default_options(*model->m), options);
+  return DYN_OK;
+}
+
 dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_step_options");
   if (!call) return call.status;
@@ -147,7 +155,7 @@ dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOpt
 dynStatus dyn_step(const dynModel* model, dynData* data) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_step");
   if (!call) return call.status;
-  begin_report(call);
+  begin(call);
   return make_step(call, "dyn_step", call.d().step->options.dt);
 }
 
@@ -156,7 +164,7 @@ dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
   if (!call || !call.finite("duration", &duration, 1)) return call.status;
   Data<double>& d = call.d();
   if (!(duration >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: duration is %g s: time does not run backwards", duration);
-  begin_report(call);
+  begin(call);
   if (duration == 0) return DYN_OK;
   if (d.step->options.accuracy > 0) return advance_to_accuracy(call, "dyn_advance", duration);
   const double dt = d.step->options.dt, ratio = duration / dt;

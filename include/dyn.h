@@ -172,15 +172,18 @@ typedef enum dynBase {
 } dynBase;
 
 /* Replacement of the collision meshes of a robot file. Equal meshes are kept once. Hulls and triangles have a
-   line each in the load report. */
+   line each in the load report. HULL and TRIANGLES refuse a mesh that cannot be read. */
 typedef enum dynMeshUse {
-  /* Names alone (default): no file is opened, and their pairs are not tested (DYN_PAIR_REASON_MESH). */
+  /* Names alone: no file is opened, and their pairs are not tested (DYN_PAIR_REASON_MESH). */
   DYN_MESH_USE_NONE = 0,
   /* Convex hulls, shapes of type CONVEX of at most 65,536 vertices; a mesh that is not convex is a warning
      with hull_volume_ratio and hull_depth of dynMeshInfo. */
   DYN_MESH_USE_HULL = 1,
   /* Triangles, shapes of type TRIANGLES; a mesh that encloses nothing is a warning. */
-  DYN_MESH_USE_TRIANGLES = 2
+  DYN_MESH_USE_TRIANGLES = 2,
+  /* Default: HULL for each mesh that can be read, NONE for each other one. The others are warnings of the load
+     report, and an error when strict. */
+  DYN_MESH_USE_AUTO = 3
 } dynMeshUse;
 
 typedef struct dynLoadOptions {
@@ -192,8 +195,7 @@ typedef struct dynLoadOptions {
   size_t package_dirs_count;
   double gravity[3]; /* m/s^2, world axes; default (0, 0, -9.81). An MJCF file's own counts unless changed. */
   const char* srdf;                /* path of an SRDF for this robot; NULL: none */
-  /* HULL and TRIANGLES need libdyn_mesh.so. A mesh that cannot be read is then an error. */
-  dynMeshUse meshes;
+  dynMeshUse meshes;               /* default AUTO; hulls and triangles need libdyn_mesh.so */
   int32_t constraint_slots;        /* spare slots for constraints, 0 to 1000; default 8 */
   /* contact points that a step can hold, 1 to 10^6; default 0: see dyn_builder_set_contact_capacity */
   int32_t contact_capacity;
@@ -219,13 +221,16 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
        friction and springs;
      - geoms as shapes (visual when contype and conaffinity are 0), height fields, sites as frames;
      - meshes: STL, OBJ, MSH, vertices in the file;
-     - excluded and wanted pairs;
+     - excluded and wanted pairs, with MuJoCo's rule for the others;
+     - keys with velocity, controls, activations and time; timestep, integrator, and flags of effects;
      - actuators of one degree of freedom with affine laws;
      - connect, weld and joint equalities (rigid).
 
    MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
    see dynStateLayout. The configuration that the file draws is named "qpos0" unless it is the neutral one.
-   Keys are named configurations. A joint without a name has its body's name with _joint behind it. A body
+   New data begins there. Its steps have the file's timestep and the nearest integrator. Keys are named
+   configurations: see dyn_data_reset. An actuator that is not supported keeps its place and its control, and
+   exerts no force. A joint without a name has its body's name with _joint behind it. A body
    without a name is body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible
    bodies and plugins are in the load report, with their lines. base is ignored: the file has free joints.
    srdf is refused. */
@@ -448,6 +453,9 @@ DYN_API int dyn_model_nconfigurations(const dynModel* model);
 DYN_API const char* dyn_model_configuration_name(const dynModel* model, int index);
 /* Writes a configuration by name: q, nq. */
 DYN_API dynStatus dyn_model_configuration(const dynModel* model, const char* name, double* q);
+/* Returns the index of the configuration where new data begins: "qpos0" of an MJCF file, otherwise 0; -1 for
+   an invalid handle. */
+DYN_API int dyn_model_initial_configuration(const dynModel* model);
 
 /* Writes the first index in q (and v) of each named joint, in the order of names. Fails on unknown or
    repeated names. */
@@ -627,9 +635,12 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
 DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
 
 /* Sets the state held in data. NULL leaves a value unchanged. A call with q, v, a or tau sets them too. New
-   data is at the neutral configuration and at rest. */
+   data is at the model's initial configuration (dyn_model_initial_configuration) and at rest. */
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v,
                                      const double* a, const double* tau);
+/* Sets q, v, a, tau, controls, activations and time to those of a named configuration; name NULL: to those of
+   new data. A key of an MJCF file states velocity, controls, activations and time. Those not stated are zero. */
+DYN_API dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name);
 
 #define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
 
@@ -651,14 +662,18 @@ enum {
   DYN_EFFECT_FLUID = 1u << 6,                /* Drag of the medium on the links that the joint carries. */
   DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7, /* Gravity compensation of the links that the joint carries. */
   DYN_EFFECT_SLEEPING = 1u << 8,             /* Bodies at rest may sleep: see dynStepOptions. */
-  /* The effects of new data: ARMATURE, LIMITS, ACTUATORS, FLUID, GRAVITY_COMPENSATION. */
-  DYN_EFFECT_DEFAULT = 0xf1,
-  DYN_EFFECT_ALL = 0x1ff                     /* All effects. */
+  /* Steps apply all effects that the model states, and no others, whatever the other bits say: all but
+     SLEEPING, less those that the file's flags switch off. Algorithms called alone apply the other bits. */
+  DYN_EFFECT_AS_STATED = 1u << 9,
+  /* The effects of new data: AS_STATED, and for algorithms called alone ARMATURE, LIMITS, ACTUATORS, FLUID,
+     GRAVITY_COMPENSATION. */
+  DYN_EFFECT_DEFAULT = 0x2f1,
+  DYN_EFFECT_ALL = 0x1ff                     /* All effects, in steps and in algorithms. */
 };
 /* Sets the effects of a joint (joint 0: of all joints) to the mask. A follower's effects belong to its
    leader: set them there. All results are stale afterwards. */
 DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
-/* Writes the effects that are on. With joint 0: the effects that act, at some joint that has them. */
+/* Writes the mask that was set. With joint 0: the effects that act in steps, at some joint that has them. */
 DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
 /* One effect of a step of this data. An absent effect takes no instruction and no byte of a step. Only
    wrenches always have room, because they may come at any time. */
@@ -1481,14 +1496,17 @@ DYN_API dynStatus dyn_geometry_distance(const dynGeometry* a, const double place
                                         const dynDistanceOptions* options, dynDistance* out);
 
 /* Pairs of a robot's collision shapes. Never tested: pairs of one body, and of a body and its parent. The
-   world is nobody's parent, but a link fixed to the world is the parent of a joint's link on it. Joints on
-   one another without mass between them, as those of one body of an MJCF, count as one. A model of more than
-   1,000 shapes lists only some pairs: wanted (dyn_builder_add_pair), disabled and overlapping ones. Its other
-   pairs are tested, if their masks match, in steps and by dyn_contacts. Functions that number pairs
-   (dyn_distances, dyn_smooth_distances, dyn_collisions) then return DYN_ERROR_LIMIT. */
+   world is nobody's parent, but a link fixed to the world is the parent of a joint's link on it, except in an
+   MJCF. Joints on one another without mass between them, as those of one body of an MJCF, count as one. The
+   flag filterparent="disable" of an MJCF pairs parents, too. A model of more than 1,000 shapes lists only some
+   pairs: wanted (dyn_builder_add_pair), disabled and overlapping ones. Its other pairs are tested, if their
+   masks match, in steps and by dyn_contacts. Functions that number pairs (dyn_distances,
+   dyn_smooth_distances, dyn_collisions) then return DYN_ERROR_LIMIT. */
 typedef enum dynPairReason {
   DYN_PAIR_REASON_TESTED = 0,   /* The pair is tested. */
-  /* The shapes overlap in the neutral configuration, and neither flies freely relative to the other. */
+  /* The shapes overlap in the neutral configuration and in at least 31 of 32 random ones within the limits, and
+     neither flies freely relative to the other. The load report names their links. Never given to shapes of an
+     MJCF, nor to those of a URDF with an SRDF that disables pairs: these files list the pairs themselves. */
   DYN_PAIR_REASON_OVERLAPS = 1,
   DYN_PAIR_REASON_MESH = 2, /* A shape is a mesh of which only the file's name is known: see dynMeshUse. */
   DYN_PAIR_REASON_OFF = 3,      /* The pair is switched off in the data. */
@@ -1928,12 +1946,12 @@ typedef struct dynStepOptions {
      of dt. */
   double accuracy;
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
-  /* of the solver, per island and step; default 100. ADMM and NEWTON restart when short of the tolerance,
-     then the other one is tried. Islands of more than 240 rows may take three times as many (not PGS), jammed
-     ones nine times as many more. In the end the best impulses act: in their cones, with their residual in
-     the report. */
+  /* of the solver, for each island and step, over everything that it tries: sweeps, Newton steps, fall-backs.
+     Then the best impulses act: in their cones, with their residual in the report. Default 0: 100; 1200 with
+     a tolerance or an accuracy. Without a tolerance ADMM and NEWTON begin with accelerated sweeps, which end
+     where the residual stops falling. */
   int32_t max_iterations;
-  double tolerance;            /* of the solver's residual (dynContactReport); default 1e-9 */
+  double tolerance;            /* of the solver's residual (dynContactReport); 0: 1e-4, 1e-9 with accuracy */
   double sleep_speed;          /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;           /* s, > 0; default 0.5 */
   int32_t visit_sleepers; /* non-zero: steps compute sleeping islands too, with the same bits; default 0 */
@@ -1963,6 +1981,9 @@ typedef struct dynStepOptions {
              are computed while any constraint of the data is enabled. */
 DYN_API void dyn_step_options_init(dynStepOptions* options, uint32_t struct_size);
 #define dyn_step_options_init(x) dyn_step_options_init(x, sizeof(dynStepOptions))
+/* Writes the options of steps of new data: the defaults, with dt and integrator of the model's file if it
+   states them. */
+DYN_API dynStatus dyn_model_step_options(const dynModel* model, dynStepOptions* options);
 /* Sets the options of steps. */
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data,
                                             const dynStepOptions* options);
@@ -2327,7 +2348,7 @@ typedef struct dynRollout {
   int32_t steps, every;           /* default 1, 1; every divides steps */
   int32_t contact_capacity;       /* contacts of a record; default 0 */
   int32_t sensors;                /* number of sensors; default 0 */
-  const dynStepOptions* stepping; /* NULL: as dyn_step_options_init */
+  const dynStepOptions* stepping; /* NULL: as dyn_model_step_options */
   const dynSensorType* sensor;    /* sensors */
   const int32_t* sensor_frame;    /* sensors: a frame each, read where the sensor has one */
   const void* states; /* n of dyn_model_state_size bytes, from dyn_data_save_state or final_states */

@@ -149,7 +149,8 @@ void check_moments(const std::string& who, double mass, const std::array<double,
 }
 
 // Forward dynamics must be defined: M positive at some configurations off the singular ones.
-void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames) {
+std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames, bool allow_massless) {
+  std::vector<std::string> massless;
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
     const int owner = order[std::size_t(b.joint - 1)];
@@ -164,7 +165,7 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
                                          ") has a negative principal moment " + number(moments[0]) +
                                          " kg m^2: no mass distribution has that; correct the file");
   }
-  if (m.n.nv == 0) return;
+  if (m.n.nv == 0) return massless;
   const std::vector<double> pivots = m.has_mimic ? factor_pivots(m) : articulated_pivots(m);
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
@@ -175,11 +176,14 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
         if (std::isnan(pivots[std::size_t(b.user_v + k)]))
           throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name + "': the inertia that it moves overflows: masses, distances or "
                                              "mimic ratios are too large for double precision");
-        throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
-                                           " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
-                                           "give the links an inertial, give the joint an armature, or make it fixed");
+        const std::string message = "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
+                                    " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
+                                    "give the links an inertial, give the joint an armature, or make it fixed";
+        if (!allow_massless || pivots[std::size_t(b.user_v + k)] != 0) throw Error(DYN_ERROR_INVALID, message);
+        massless.push_back(message);
       }
   }
+  return massless;
 }
 
 }  // namespace dyn

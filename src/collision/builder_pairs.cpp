@@ -1,11 +1,13 @@
 // Which pairs of collision shapes there are, and which of them a new data tests.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <new>
 #include <map>
 #include <set>
 
+#include "algorithm/configuration.hpp"
 #include "collision/pair_search.hpp"
 #include "model/builder_impl.hpp"
 
@@ -30,7 +32,7 @@ struct Judge {
   void add(Index a, Index b, bool overlaps) {
     const auto special = wanted.find(std::minmax(geoms[std::size_t(a)].shape, geoms[std::size_t(b)].shape));
     const bool is_wanted = special != wanted.end();
-    if (joint(a) == joint(b) || (!is_wanted && collision::adjacent(joints.data(), bodies.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
+    if (joint(a) == joint(b) || (!is_wanted && collision::adjacent(joints.data(), bodies.data(), frames.data(), shape(a), shape(b)))) return;
     const bool mesh = shape(a).type == DYN_SHAPE_TYPE_MESH || shape(b).type == DYN_SHAPE_TYPE_MESH;
     const bool masked = !collision::masks_allow({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
     const dynPairReason reason = mesh                                                    ? DYN_PAIR_REASON_MESH
@@ -53,8 +55,7 @@ struct Judge {
     for (const auto& [two, material] : wanted) special.insert(std::minmax(geom_of[two.first], geom_of[two.second]));
     if (!special.empty() && geoms.size() > UINT16_MAX)
       throw Error(DYN_ERROR_LIMIT, std::to_string(geoms.size()) + " collision shapes: pairs that are wanted, disabled or overlap are known up to " + std::to_string(UINT16_MAX));
-    const std::set<std::pair<Index, Index>> overlap(overlapping.begin(), overlapping.end());
-    for (const auto& p : special) add(p.first, p.second, overlap.count(p) > 0);
+    for (const auto& p : special) add(p.first, p.second, std::binary_search(overlapping.begin(), overlapping.end(), p));
   }
 };
 
@@ -64,25 +65,59 @@ Index tree(const Model& m, Index i) {
 }
 bool flies(const Model& m, Index root) { return root && m.bodies()[root].type == BodyType::FreeFlyer; }
 
-// In the neutral configuration: f(a, b) of pairs that overlap and are not to be tested because of that. Where something flies says nothing of
-// what it may touch.
-template <class Pairs, class F>
-void judge(const Model& m, Pairs&& for_each_tested, F&& f) {
-  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, data_bytes<double>(m, DYN_PART_COLLISION)), std::free);
-  if (!memory) throw std::bad_alloc();
-  Data<double> d;
-  data_layout(m, DYN_PART_COLLISION, memory.get(), d);
-  collision::place_geoms(m, d);
-  for (Index k = 0; k < m.n.geoms; ++k)
-    if (!(sizes(d.geom_poses[k].p)[0] + sizes(d.geom_poses[k].p)[1] + sizes(d.geom_poses[k].p)[2] <= shape::max_length)) return;
-  auto apart = [&](Index geom_a, Index geom_b) {
-    const Index a = tree(m, d.geoms[geom_a].body), b = tree(m, d.geoms[geom_b].body);
-    return a != b && (flies(m, a) || flies(m, b));
+// Two trees of which one flies: where it flies says nothing of what it may touch.
+bool apart(const Model& m, const Data<double>& d, Index geom_a, Index geom_b) {
+  const Index a = tree(m, d.geoms[geom_a].body), b = tree(m, d.geoms[geom_b].body);
+  return a != b && (flies(m, a) || flies(m, b));
+}
+
+// Tested pairs that no one asked for, of filter Guess, by their bounding boxes where pairs are not listed: f(a, b).
+template <class F>
+void for_each_guess(const Model& m, Data<double>& d, F&& f) {
+  const auto look = [&](Index a, Index b) {
+    const ShapeRecord &x = m.shapes()[m.geoms()[a].shape], &y = m.shapes()[m.geoms()[b].shape];
+    if (collision::filter_of(x, y) == PairFilter::Guess && !apart(m, d, a, b)) f(a, b);
   };
-  for_each_tested(d, [&](Index a, Index b, auto&&... which) {
-    if (apart(a, b)) return;
-    const collision::Result r = collision::distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace);
-    if (r.status == collision::Status::Penetrating) f(a, b, which...);
+  if (lists_pairs(m)) {
+    for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)
+      if (p->reason == DYN_PAIR_REASON_TESTED && !p->wanted()) look(p->a, p->b);
+    return;
+  }
+  collision::PairSearch& search = *collision::PairSearch::of(d);
+  search.set_up(m, d), search.place_all(d, 0);
+  const auto look_unlisted = [&](Index a, Index b) {
+    if (Index pair; collision::is_tested(m, d, a, b, pair) && (pair < 0 || !m.pairs()[pair].wanted())) look(a, b);
+  };
+  // shapes of what flies meet those of the same tree alone: many may be in one place
+  std::map<Index, std::vector<Index>> flying;
+  for (Index k = 0; k < search.moving_count; ++k) {
+    const Index geom = search.moving_geoms[k], root = tree(m, d.geoms[geom].body);
+    if (!flies(m, root)) continue;
+    flying[root].push_back(geom);
+    search.moving->update(k, {shape::Vec::make(1e30, 1e30, 1e30), shape::Vec::make(-1e30, -1e30, -1e30)});
+  }
+  search.for_each(d, look_unlisted);
+  for (const auto& [root, geoms] : flying)
+    for (std::size_t i = 0; i < geoms.size(); ++i)
+      for (std::size_t j = i + 1; j < geoms.size(); ++j)
+        if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]], d.geom_poses[geoms[j]]) > 0)) look_unlisted(geoms[i], geoms[j]);
+}
+
+bool places_are_measurable(const Model& m, const Data<double>& d) {
+  return std::all_of(d.geom_poses, d.geom_poses + m.n.geoms, [](const shape::Pose& X) { return sizes(X.p)[0] + sizes(X.p)[1] + sizes(X.p)[2] <= shape::max_length; });
+}
+
+bool overlap(const Data<double>& d, Index a, Index b) {
+  return collision::distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace).status == collision::Status::Penetrating;
+}
+
+// Uniform within the limits. Displacements without limits stay at 0, and what flies stays where it is.
+void draw_configuration(const Model& m, Random& random, double* q) {
+  for_each_leader(m, [&]<class J>(const Body& b) {
+    const double *low = m.lower_limit() + b.user_q, *high = m.upper_limit() + b.user_q;
+    const bool bounded = std::all_of(low, low + J::nq, [](double x) { return std::isfinite(x); }) && std::all_of(high, high + J::nq, [](double x) { return std::isfinite(x); });
+    if (J::nv == 6 || (!J::rotates && !bounded)) return;
+    J::random(random, low, high, q + b.user_q);
   });
 }
 
@@ -95,46 +130,37 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
   for (const DisabledRecord& d : disabled) judge.off.insert(std::minmax(d.frame1, d.frame2));
   if (geoms.size() > std::size_t(max_geoms)) return judge.add_special(disabled, overlapping), judge.pairs;
   for (Index a = 0; a < Index(geoms.size()); ++a)
-    for (Index b = a + 1; b < Index(geoms.size()); ++b) judge.add(a, b, false);
+    for (Index b = a + 1; b < Index(geoms.size()); ++b) judge.add(a, b, std::binary_search(overlapping.begin(), overlapping.end(), std::pair(a, b)));
   return judge.pairs;
 }
 
-bool tests_nothing(const Model& m) {
-  return std::none_of(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; });
-}
-
-void judge_pairs(const Model& m, PairRecord* pairs) {
-  if (m.n.pairs == 0) return;
-  judge(m, [&](Data<double>&, auto&& f) {
-    for (Index k = 0; k < m.n.pairs; ++k)
-      if (pairs[k].reason == DYN_PAIR_REASON_TESTED && !pairs[k].wanted()) f(pairs[k].a, pairs[k].b, k);
-  }, [&](Index, Index, Index k) { pairs[k].reason = DYN_PAIR_REASON_OVERLAPS; });
-}
-
 GeomPairs overlapping(const Model& m) {
-  GeomPairs out;
-  judge(m, [&](Data<double>& d, auto&& f) {
-    collision::PairSearch& search = *collision::PairSearch::of(d);
-    search.set_up(m, d), search.place_all(d, 0);
-    const auto look = [&](Index a, Index b) {
-      if (Index pair; collision::is_tested(m, d, a, b, pair) && (pair < 0 || !m.pairs()[pair].wanted())) f(a, b);
-    };
-    // shapes of what flies meet those of the same tree alone: many may be in one place
-    std::map<Index, std::vector<Index>> flying;
-    for (Index k = 0; k < search.moving_count; ++k) {
-      const Index geom = search.moving_geoms[k], root = tree(m, d.geoms[geom].body);
-      if (!flies(m, root)) continue;
-      flying[root].push_back(geom);
-      search.moving->update(k, {shape::Vec::make(1e30, 1e30, 1e30), shape::Vec::make(-1e30, -1e30, -1e30)});
-    }
-    search.for_each(d, look);
-    for (const auto& [root, geoms] : flying)
-      for (std::size_t i = 0; i < geoms.size(); ++i)
-        for (std::size_t j = i + 1; j < geoms.size(); ++j)
-          if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]], d.geom_poses[geoms[j]]) > 0)) look(geoms[i], geoms[j]);
-  }, [&](Index a, Index b) { out.emplace_back(a, b); });
-  std::sort(out.begin(), out.end());
-  return out;
+  constexpr int samples = 32, most_apart = 1;
+  constexpr std::uint64_t seed = 1;
+  GeomPairs found;
+  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, data_bytes<double>(m, DYN_PART_COLLISION)), std::free);
+  if (!memory) throw std::bad_alloc();
+  Data<double> d;
+  data_layout(m, DYN_PART_COLLISION, memory.get(), d);
+  collision::place_geoms(m, d);
+  if (!places_are_measurable(m, d)) return found;
+  for_each_guess(m, d, [&](Index a, Index b) {
+    if (overlap(d, a, b)) found.emplace_back(a, b);
+  });
+  std::vector<int> times_apart(found.size());
+  Random random{seed};
+  for (int k = 0; k < samples && !found.empty(); ++k) {
+    draw_configuration(m, random, d.q), d.changed(input_q);
+    collision::place_geoms(m, d);
+    if (!places_are_measurable(m, d)) continue;
+    for (std::size_t i = 0; i < found.size(); ++i) times_apart[i] += times_apart[i] <= most_apart && !overlap(d, found[i].first, found[i].second);
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (times_apart[i] <= most_apart) found[kept++] = found[i];
+  found.resize(kept);
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 }  // namespace dyn

@@ -22,17 +22,21 @@ inline Index fixed_link(const FrameRecord* frames, Index frame) {
 }
 
 // A body and its parent touch at their joint, so they are not tested. Joints without mass between them count as one. A free flyer
-// has no parent. A joint on the world has the link that holds it as parent.
-inline bool parent_and_child(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index parent, Index child) {
+// has no parent. A joint on the world has the link that holds it as parent, where `held`.
+inline bool parent_and_child(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index parent, Index child, bool held) {
   for (Index k = frames[child].joint; k != 0 && joints[k].type != DYN_JOINT_TYPE_FREE_FLYER; k = joints[k].parent) {
     const Index carrier = joints[k].parent;
-    if (carrier == frames[parent].joint) return carrier != 0 || (parent != 0 && parent == fixed_link(frames, child));
+    if (carrier == frames[parent].joint) return carrier != 0 || (held && parent != 0 && parent == fixed_link(frames, child));
     if (bodies[joints[carrier].last_body].m > 0) return false;
   }
   return false;
 }
-inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index a, Index b) {
-  return parent_and_child(joints, bodies, frames, a, b) || parent_and_child(joints, bodies, frames, b, a);
+inline PairFilter filter_of(const ShapeRecord& a, const ShapeRecord& b) { return PairFilter(std::min<std::uint32_t>(a.filter, b.filter)); }
+inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, const ShapeRecord& a, const ShapeRecord& b) {
+  const PairFilter filter = filter_of(a, b);
+  const bool held = filter < PairFilter::Mujoco;
+  return filter != PairFilter::SameBody &&
+         (parent_and_child(joints, bodies, frames, a.frame, b.frame, held) || parent_and_child(joints, bodies, frames, b.frame, a.frame, held));
 }
 
 inline bool has_geometry(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH; }
@@ -41,9 +45,9 @@ inline bool has_geometry(const Model& m, Index geom) { return m.shapes()[m.geoms
 inline bool is_tested(const Model& m, const Data<double>& d, Index a, Index b, Index& pair) {
   if (pair = listed_pair(m, a, b); pair >= 0) return d.pair_states[pair] == DYN_PAIR_REASON_TESTED;
   if (lists_pairs(m)) return false;
-  const auto frame = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame; };
+  const auto shape = [&](Index geom) -> const ShapeRecord& { return m.shapes()[m.geoms()[geom].shape]; };
   return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_allow(d.geom_masks[a], d.geom_masks[b]) &&
-         !adjacent(m.joints(), m.bodies(), m.frames(), frame(a), frame(b)) && has_geometry(m, a) && has_geometry(m, b);
+         !adjacent(m.joints(), m.bodies(), m.frames(), shape(a), shape(b)) && has_geometry(m, a) && has_geometry(m, b);
 }
 
 // Whether steps search pairs by boxes. Measured: boxes are cheaper from this many listed pairs a shape.

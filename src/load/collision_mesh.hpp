@@ -6,9 +6,10 @@
 namespace dyn::load {
 
 struct CollisionMesh {
-  std::shared_ptr<const SurfaceData> surface;
-  bool warning;
-  std::string message;  // after "mesh 'name'"
+  dynShapeType type = DYN_SHAPE_TYPE_MESH;
+  std::shared_ptr<const SurfaceData> surface = nullptr;
+  bool warning = false;
+  std::string message = "";  // after "mesh 'name'"
 };
 CollisionMesh collision_mesh_of(const meshes::Mesh& mesh, dynMeshUse use);
 

@@ -39,6 +39,7 @@ void refuse(const Damage& d) {
 // Adds the whole model to a builder as a user would, so the builder checks names and numbers.
 void check_by_building(const Model& m) {
   Builder b(m.string(m.model_name));
+  b.allow_massless_joints();
   b.gravity({m.gravity[0], m.gravity[1], m.gravity[2]});
   b.medium(m.density, m.viscosity, {m.wind[0], m.wind[1], m.wind[2]});
   b.constraint_slots(m.n.slots - m.n.constraints), b.contact_capacity(m.contact_capacity);
@@ -76,7 +77,7 @@ void check_by_building(const Model& m) {
     const ShapeRecord& r = m.shapes()[k];
     Shape s{m.string(r.name), r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name), placement(r.placement), {}, m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
-    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material], s.surface = surface_of(m, k), s.colour = r.colour;
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material], s.surface = surface_of(m, k), s.colour = r.colour, s.filter = PairFilter(r.filter);
     b.shape(s);
   }
   for (Index k = 0; k < m.n.constraints; ++k) {
@@ -107,11 +108,13 @@ struct Free {
 
 }  // namespace load
 
-ModelPtr load_dynb(const std::string& bytes, const std::string& file, const LoadOptions& options) {
+ModelPtr load_dynb(const std::string& given, const std::string& file, const LoadOptions& options) {
+  const std::string renewed = load::from_older_dynb(given);
+  const std::string& bytes = renewed.empty() ? given : renewed;
   const std::string where = file.empty() ? "" : load::printable(file) + ": ";
   try {
     load::refuse(check_header(bytes.data(), bytes.size()));
-    if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != DYN_MESH_USE_NONE)
+    if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != LoadOptions().meshes)
       throw Error(DYN_ERROR_ARGUMENT, "a .dynb holds a model as it was loaded: omit base, cos_sin, srdf and meshes, or load the robot file");
     const std::size_t size = bytes.size() - sizeof(DynbHeader);
     const std::unique_ptr<void, load::Free> block(allocate_block(size));
@@ -123,6 +126,9 @@ ModelPtr load_dynb(const std::string& bytes, const std::string& file, const Load
       throw Error(DYN_ERROR_UNSUPPORTED, "the .dynb has no names: use it in place as a buffer, or write it again with names");
     load::check_by_building(m);
     Builder builder(m);
+    const auto is_drawn = [&](Index k) { return std::strcmp(m.string(m.configuration_names()[k]), "qpos0") == 0; };
+    for (Index k = 1; !renewed.empty() && k < m.n.configurations; ++k)
+      if (is_drawn(k)) builder.initial_configuration("qpos0");
     if (options.gravity != LoadOptions().gravity) builder.gravity(options.gravity);
     if (options.constraint_slots != LoadOptions().constraint_slots) builder.constraint_slots(options.constraint_slots);
     if (options.contact_capacity != 0) builder.contact_capacity(options.contact_capacity);

@@ -63,6 +63,7 @@ struct MeshOptions {
   std::vector<std::string> package_dirs;
   std::string relative_to;  // the robot file that names the mesh
   load::Confined confined = {};
+  bool points = false;  // an OBJ of vertices alone is a mesh without triangles, not an error
 };
 
 // mesh_read.cpp

@@ -1,11 +1,14 @@
 // Reads mesh files: resolves the path, checks the file, parses it in the module, scales and welds.
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 #include "mesh.hpp"
 #include "mesh_check.hpp"
 #include "mesh_module.hpp"
 #include "mesh_path.hpp"
+#include "file.hpp"
+#include "number.hpp"
 #include "report.hpp"
 
 namespace dyn::meshes {
@@ -36,6 +39,21 @@ struct Soup : mesh::Soup {
   ~Soup() { module.free_soup(this); }
 };
 
+// Vertices of an OBJ without faces, lines and surfaces; none if it has any.
+std::vector<double> points_of(const std::string& path) {
+  std::vector<double> out;
+  std::istringstream lines(read_file(path, "a mesh file"));
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<std::string_view> words = split(line);
+    if (words.empty()) continue;
+    if (words[0] == "f" || words[0] == "l" || words[0] == "surf") return {};
+    if (words[0] != "v" || words.size() < 4) continue;
+    for (std::size_t k = 1; k <= 3; ++k)
+      if (const std::string wrong = parse_number(words[k], out.emplace_back()); !wrong.empty()) throw Error(DYN_ERROR_PARSE, quoted(path) + ": '" + std::string(words[k].substr(0, 60)) + "' " + wrong);
+  }
+  return out;
+}
+
 }  // namespace
 
 Mesh read_mesh(const std::string& name, const MeshOptions& options) {
@@ -45,6 +63,13 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
   const double mirror = options.scale[0] * options.scale[1] * options.scale[2];
   for (double s : options.scale)
     if (!std::isfinite(s) || s == 0) throw Error(DYN_ERROR_ARGUMENT, "the scale of mesh " + quoted(name) + " has " + text(s) + ": give finite numbers that are not zero");
+
+  if (options.points && extension(path) == ".obj") {
+    Mesh cloud;
+    cloud.vertices = points_of(path);
+    for (std::size_t i = 0; i < cloud.vertices.size(); ++i) cloud.vertices[i] *= options.scale[i % 3];
+    if (!cloud.vertices.empty()) return cloud;
+  }
 
   Soup soup(mesh_module());
   mesh::Failure failure{};

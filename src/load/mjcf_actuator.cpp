@@ -81,57 +81,65 @@ void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuato
 
 }  // namespace
 
-void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context) {
-  for (Element* e : file.source.children(section)) {
-    const std::string_view kind = e->Name();
-    const std::string given = e->Attribute("name") ? e->Attribute("name") : "";
-    const std::string name = context.name(given.empty() ? std::string(kind) + "_" + std::to_string(file.robot.actuators.size()) : given);
-    const Reader reader = file.source.reader(*e, "actuator " + load::quoted(name));
-    const MjcfPlace place{&reader.report, line(*e), reader.owner};
-    const auto leave_out = [&](const std::string& why) { place.physics(why + ": it is left out"); };
-    if (!is_actuator(*e)) {
-      leave_out("<" + std::string(kind.substr(0, 60)) + "> is not supported");
-      continue;
-    }
-    reader.unread(*e, {"name", "class", "group", "nsample", "interp", "delay", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange", "actrange", "lengthrange", "gear", "joint",
-                       "jointinparent", "tendon", "site", "refsite", "body", "slidersite", "cranksite", "cranklength", "user", "actdim", "dyntype", "gaintype",
-                       "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping", "area", "diameter", "bias"}, {"plugin"});
-    file.defaults.apply(file.source, *e, "actuator", context.childclass);
-    as_general(reader, *e);
-    if (reader.optional_number(*e, "delay").value_or(0) > 0) place.physics("its delay is not used: controls act at once");
-    const char* joint_name = e->Attribute("joint");
-    if (!joint_name && e->Attribute("jointinparent")) joint_name = e->Attribute("jointinparent");
-    if (!joint_name) {
-      leave_out("it drives no joint, and other transmissions are not supported");
-      continue;
-    }
-    MjcfActuator actuator{place, name, {}, context.name(joint_name), 0};
-    actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
-    MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
-    if (!joint && file.part) {
-      place.info("its joint was not attached: left out");
-      continue;
-    }
-    if (!joint) reader.fail(DYN_ERROR_NAME, *e, "there is no joint " + load::quoted(actuator.joint));
-    if (const char* why = transmission(*joint, reader.numbers(*e, "gear").value_or(std::vector<double>()), actuator.spec)) {
-      leave_out(why);
-      continue;
-    }
-    if (const char* why = law(reader, *e, actuator)) {
-      leave_out(why);
-      continue;
-    }
-    read_range(reader, *e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
-    read_range(reader, *e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
-    if (actuator.spec.time_constant > 0 || actuator.spec.integrates) read_range(reader, *e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
-    if (const double inherit = reader.optional_number(*e, "inheritrange").value_or(0); inherit > 0 && !joint->spec.lower.empty()) {
-      const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2, half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
-      double (&range)[2] = kind == "intvelocity" ? actuator.spec.act_range : actuator.spec.control_range;
-      range[0] = middle - half, range[1] = middle + half;
-    }
-    add_motor_inertia(reader, *e, actuator, *joint);
+namespace {
+
+void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) {
+  const std::string_view kind = e.Name();
+  const std::string given = e.Attribute("name") ? e.Attribute("name") : "";
+  const std::string name = context.name(given.empty() ? std::string(kind) + "_" + std::to_string(file.robot.actuators.size()) : given);
+  const Reader reader = file.source.reader(e, "actuator " + load::quoted(name));
+  const MjcfPlace place{&reader.report, line(e), reader.owner};
+  MjcfActuator actuator{place, name, default_actuator(DYN_ACTUATOR_TYPE_MOTOR), ""};
+  // the order and number of controls is the file's
+  const auto keep_place = [&](const std::string& why) {
+    place.physics(why + ": it keeps its control and exerts no force");
+    const dynActuator read = actuator.spec;
+    actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_AFFINE);  // its gain is 0
+    actuator.spec.gear = 0, actuator.inert = true, actuator.damping_ratio = 0;
+    std::copy_n(read.control_range, 2, actuator.spec.control_range);
     file.robot.actuators.push_back(std::move(actuator));
+  };
+  const std::string_view dynamics_before = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
+  actuator.activations = kind == "muscle" || dynamics_before != "none";
+  if (!is_actuator(e)) {
+    read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
+    return keep_place("<" + std::string(kind.substr(0, 60)) + "> is not supported");
   }
+  reader.unread(e, {"name", "class", "group", "nsample", "interp", "delay", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange", "actrange", "lengthrange", "gear", "joint",
+                    "jointinparent", "tendon", "site", "refsite", "body", "slidersite", "cranksite", "cranklength", "user", "actdim", "dyntype", "gaintype",
+                    "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping", "area", "diameter", "bias"}, {"plugin"});
+  file.defaults.apply(file.source, e, "actuator", context.childclass);
+  as_general(reader, e);
+  const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
+  actuator.activations = dynamics != "none";
+  read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
+  if (reader.optional_number(e, "delay").value_or(0) > 0) place.physics("its delay is not used: controls act at once");
+  const char* joint_name = e.Attribute("joint");
+  if (!joint_name && e.Attribute("jointinparent")) joint_name = e.Attribute("jointinparent");
+  if (!joint_name) return keep_place("it drives no joint, and other transmissions are not supported");
+  actuator.joint = context.name(joint_name);
+  MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
+  if (!joint && file.part) return place.info("its joint was not attached: left out");
+  if (!joint) reader.fail(DYN_ERROR_NAME, e, "there is no joint " + load::quoted(actuator.joint));
+  if (const char* why = transmission(*joint, reader.numbers(e, "gear").value_or(std::vector<double>()), actuator.spec)) return keep_place(why);
+  if (const char* why = law(reader, e, actuator)) return keep_place(why);
+  if (actuator.spec.bias[1] != 0 || actuator.spec.kp != 0)
+    if (joint_nq(joint->spec.type) != 1) return keep_place("it depends on the length of a " + std::string(joint->spec.type == DYN_JOINT_TYPE_SPHERICAL ? "ball" : "free") + " joint, which is not supported");
+  read_range(reader, e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
+  if (actuator.spec.time_constant > 0 || actuator.spec.integrates) read_range(reader, e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
+  if (const double inherit = reader.optional_number(e, "inheritrange").value_or(0); inherit > 0 && !joint->spec.lower.empty()) {
+    const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2, half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
+    double (&range)[2] = kind == "intvelocity" ? actuator.spec.act_range : actuator.spec.control_range;
+    range[0] = middle - half, range[1] = middle + half;
+  }
+  add_motor_inertia(reader, e, actuator, *joint);
+  file.robot.actuators.push_back(std::move(actuator));
+}
+
+}  // namespace
+
+void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context) {
+  for (Element* e : file.source.children(section)) read_mjcf_actuator(file, *e, context);
 }
 
 void limit_mjcf_actuators(MjcfRobot& robot) {
@@ -149,7 +157,16 @@ void limit_mjcf_actuators(MjcfRobot& robot) {
 }
 
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot) {
-  for (const MjcfActuator& a : robot.actuators) with_location(a.place, [&] { builder.actuator(a.name, a.spec, a.joint); });
+  const MjcfJoint* first = nullptr;  // those that are inert hang on it, with gear 0
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfJoint& j : b.joints) first = first ? first : &j;
+  constexpr double none = std::numeric_limits<double>::infinity();
+  for (const MjcfActuator& a : robot.actuators) {
+    if (a.inert && !first) continue;
+    dynActuator spec = a.spec;
+    if (!robot.control_ranges) spec.control_range[0] = -none, spec.control_range[1] = none;
+    with_location(a.place, [&] { builder.actuator(a.name, spec, a.inert ? first->spec.name : a.joint); });
+  }
 }
 
 }  // namespace dyn::load

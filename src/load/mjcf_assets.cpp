@@ -137,7 +137,7 @@ const Element& MjcfAssets::model(const Element& e, const std::string& name) cons
 void MjcfAssets::read(Entry& entry) const {
   const Element& e = *entry.element;
   const Reader reader = source_.reader(e, "mesh " + load::quoted(entry.path));
-  reader.unread(e, {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal", "maxhullvert", "inertia", "content_type", "material"}, {});
+  reader.unread(e, {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal", "maxhullvert", "inertia", "content_type", "material", "builtin", "params"}, {});
   const auto scale = reader.vector3(e, "scale").value_or(std::array<double, 3>{1, 1, 1});
   SE3<double> reference = SE3<double>::identity();
   if (const auto p = reader.vector3(e, "refpos")) reference.p = load3(p->data());
@@ -158,11 +158,16 @@ void MjcfAssets::read(Entry& entry) const {
       if (faces.size() % 3) reader.bad_numbers(e, "face", "three vertices a face are expected");
       if (faces.empty()) mesh.vertices = *vertices;
       else mesh = meshes::make_mesh(vertices->data(), std::int64_t(vertices->size() / 3), faces.data(), std::int64_t(faces.size() / 3), 0, reader.owner);
+    } else if (e.Attribute("builtin") && e.Attribute("builtin") != std::string_view("none")) {
+      const auto corners = mjcf_builtin_corners(reader, e);
+      if (!corners) reader.fail(DYN_ERROR_UNSUPPORTED, e, "builtin=" + load::quoted(attribute(e, "builtin")) + " is not supported: give sphere, hemisphere or cone, or a file");
+      mesh.vertices = *corners;
     } else if (entry.path.ends_with(".msh")) {
       mesh = read_msh(entry.path);
     } else {
       meshes::MeshOptions how;
       how.package_dirs = options_.package_dirs;  // source.path has checked that it may be read
+      how.points = true;
       mesh = meshes::read_mesh(entry.path, how);
     }
     mesh = in_frame(std::move(mesh), reference, scale, reader.owner);
@@ -175,27 +180,42 @@ void MjcfAssets::read(Entry& entry) const {
   }
 }
 
-void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom) {
+MjcfAssets::Entry& MjcfAssets::mesh_entry(const Element& e, const std::string& name) {
   Entry& entry = find(meshes_, "mesh", e, name);
-  const Element& asset = *entry.element;
-  if (entry.path.empty()) {
-    std::string file = attribute(asset, "file");
-    if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
-    entry.path = file.empty() ? name : source_.path(asset, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
-  }
+  if (!entry.path.empty()) return entry;
+  std::string file = attribute(*entry.element, "file");
+  if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
+  entry.path = file.empty() ? name : source_.path(*entry.element, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
+  return entry;
+}
+
+const meshes::Mesh& MjcfAssets::mesh(const Element& e, const std::string& name) {
+  Entry& entry = mesh_entry(e, name);
+  if (!entry.mesh) read(entry);
+  return *entry.mesh;
+}
+
+void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom) {
+  Entry& entry = mesh_entry(e, name);
   const bool touches = options_.meshes != DYN_MESH_USE_NONE && geom.shape.role == DYN_SHAPE_ROLE_COLLISION;
   geom.shape.mesh = entry.path;
   geom.shape.size = {1, 1, 1};
   if (!needed && !touches) return;
-  if (!entry.mesh) read(entry);
+  try {
+    if (!entry.mesh) read(entry);
+    if (touches && !entry.collision) entry.collision = collision_mesh_of(*entry.mesh, options_.meshes);
+  } catch (const Error& error) {
+    if (needed || options_.meshes != DYN_MESH_USE_AUTO) throw;
+    return geom.place.physics("mesh " + load::quoted(name) + " is left out of collisions: " + error.what());
+  }
   geom.mesh = entry.mesh;
-  geom.rule = attribute(asset, "inertia");
+  geom.rule = attribute(*entry.element, "inertia");
   if (!touches) return;
-  const CollisionMesh collision = collision_mesh_of(*entry.mesh, options_.meshes);
+  const CollisionMesh& collision = *entry.collision;
   const std::string message = "mesh " + load::quoted(name) + collision.message;
   if (collision.warning) geom.place.warning(message);
   else geom.place.info(message);
-  geom.shape.type = options_.meshes == DYN_MESH_USE_HULL ? DYN_SHAPE_TYPE_CONVEX : DYN_SHAPE_TYPE_TRIANGLES;
+  geom.shape.type = collision.type;
   geom.shape.surface = collision.surface;
 }
 

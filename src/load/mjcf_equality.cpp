@@ -82,7 +82,7 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
   for (const MjcfEquality& e : robot.equalities) {
     dynConstraint c = default_constraint(e.kind == "connect" ? DYN_CONSTRAINT_TYPE_CONNECT : e.kind == "weld" ? DYN_CONSTRAINT_TYPE_WELD : DYN_CONSTRAINT_TYPE_COUPLING);
-    c.enabled = e.enabled;
+    c.enabled = e.enabled && robot.closed;
     if (e.kind == "joint") {
       const MjcfJoint& first = joint_named(robot, e, e.first);
       if (e.second.empty()) {
@@ -146,6 +146,7 @@ void mark_mjcf_pairs(MjcfRobot& robot) {
 }
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
+  if (!robot.contacts) return;
   for (const MjcfPair& p : robot.pairs) with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], p.material ? &*p.material : nullptr); });
 }
 

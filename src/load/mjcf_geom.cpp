@@ -67,7 +67,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   const Reader reader = file.source.reader(e, owner);
   geom.place = {&file.source.report(e), line(e), owner};
   reader.unread(e, {"name", "class", "type", "contype", "conaffinity", "group", "size", "material", "rgba", "mass", "density", "fromto", "pos", "quat", "axisangle",
-                    "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
+                    "euler", "xyaxes", "zaxis", "hfield", "mesh", "fitscale", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
                 {"plugin"});
   count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap"});
   const std::optional<ShapeForm> type = type_of(reader, e);
@@ -102,8 +102,14 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     else size = {size[0], size[0], half}, needed = 1;
     geom.X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
   }
-  if (e.Attribute("mesh") && type->type != DYN_SHAPE_TYPE_MESH)
-    return geom.place.physics("a " + std::string(type->name) + " fitted to a mesh is not supported: the geom is left out; give its size, or type=\"mesh\"");
+  const bool fitted = e.Attribute("mesh") && type->sizes > 0;
+  if (fitted) {
+    const double scale = reader.optional_number(e, "fitscale").value_or(1);
+    if (!(scale > 0)) reader.bad_numbers(e, "fitscale", "it is not positive");
+    fit_mjcf_geom(file.assets.mesh(e, reader.name(e, "mesh")), file.compiler.fit_bounds, scale, geom);
+    std::copy(geom.shape.size.begin(), geom.shape.size.end(), size.begin());
+    given = needed = type->sizes;
+  }
   if (given < needed) reader.fail(DYN_ERROR_INVALID, e, "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
   for (size_t k = 0; k < needed; ++k)
     if (!(size[k] > 0)) reader.bad_numbers(e, "size", "sizes are positive metres");

@@ -68,26 +68,9 @@ MjcfMass legacy(const meshes::Mesh& mesh) {
   return {about_com.volume, com, symmetric(about_com.second.trace() * Eigen::Matrix3d::Identity() - about_com.second)};
 }
 
-MjcfMass mass_of(const meshes::Mesh& mesh, const MjcfGeom& g) {
-  const bool closed = mesh.topology.closed && meshes::solid_of(mesh).volume != 0;
-  const std::string who = "mesh " + load::quoted(g.shape.mesh);
-  if (g.rule == "convex") return of(meshes::solid_of(meshes::hull_of(mesh)));
-  if (g.rule == "exact") {
-    if (!closed) g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no exact mass: give inertia=\"convex\" or an <inertial>");
-    return of(meshes::solid_of(mesh));
-  }
-  if (g.rule == "shell") g.place.physics(who + ": shell inertia is not supported: the mesh counts as a solid");
-  const MjcfMass out = legacy(mesh);
-  if (!closed) g.place.warning(who + " is not closed: the mass of its body is MuJoCo's estimate (legacy)");
-  else if (const MjcfMass exact = of(meshes::solid_of(mesh)); std::abs(out.mass - exact.mass) > 1e-3 * exact.mass)
-    g.place.warning(who + ": by MuJoCo's rule (legacy) its volume is " + text(out.mass) + " m^3, and exactly it is " + text(exact.mass) +
-                    " m^3: give inertia=\"exact\" to the mesh, or an <inertial> to the body");
-  return out;
-}
-
 // Moments of the geom's shape at density 1, about its centre of mass, in the shape's frame.
 MjcfMass solid_of(const MjcfGeom& g) {
-  if (g.mesh) return mass_of(*g.mesh, g);
+  if (g.mesh) return mjcf_mesh_mass(*g.mesh, g);
   MjcfMass out;
   shape::Shape s{};
   if (!collision::geometry_of(g.shape.type, g.shape.size.data(), 0, s) || s.type == shape::Type::HalfSpace || g.shape.surface) return out;
@@ -124,6 +107,23 @@ std::optional<MjcfMass> from_geoms(const MjcfBody& body) {
 }
 
 }  // namespace
+
+MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g) {
+  const bool closed = mesh.topology.closed && meshes::solid_of(mesh).volume != 0;
+  const std::string who = "mesh " + load::quoted(g.shape.mesh);
+  if (g.rule == "convex") return of(meshes::solid_of(meshes::hull_of(mesh)));
+  if (g.rule == "exact") {
+    if (!closed) g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no exact mass: give inertia=\"convex\" or an <inertial>");
+    return of(meshes::solid_of(mesh));
+  }
+  if (g.rule == "shell") g.place.physics(who + ": shell inertia is not supported: the mesh counts as a solid");
+  const MjcfMass out = legacy(mesh);
+  if (!closed) g.place.warning(who + " is not closed: the mass of its body is MuJoCo's estimate (legacy)");
+  else if (const MjcfMass exact = of(meshes::solid_of(mesh)); std::abs(out.mass - exact.mass) > 1e-3 * exact.mass)
+    g.place.warning(who + ": by MuJoCo's rule (legacy) its volume is " + text(out.mass) + " m^3, and exactly it is " + text(exact.mass) +
+                    " m^3: give inertia=\"exact\" to the mesh, or an <inertial> to the body");
+  return out;
+}
 
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner) {
   const Reader reader = file.source.reader(e, owner);

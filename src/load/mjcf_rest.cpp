@@ -1,4 +1,4 @@
-// Sections beside the bodies: <option>, <contact>, <keyframe>, and sections that are not used.
+// Sections beside the bodies: <option>, <contact>, and sections that are not used.
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +9,40 @@ namespace dyn::load {
 namespace {
 
 std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
+
+constexpr std::uint32_t passive = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION;
+constexpr std::pair<std::string_view, std::uint32_t> effects_of_flags[] = {
+    {"limit", DYN_EFFECT_LIMITS}, {"frictionloss", DYN_EFFECT_FRICTION}, {"spring", DYN_EFFECT_SPRINGS}, {"damper", DYN_EFFECT_DAMPING},
+    {"passive", passive}, {"actuation", DYN_EFFECT_ACTUATORS}, {"constraint", DYN_EFFECT_LIMITS | DYN_EFFECT_FRICTION}};
+
+void read_flags(const Reader& reader, MjcfRobot& robot, const Element& flags) {
+  for (const tinyxml2::XMLAttribute* a = flags.FirstAttribute(); a; a = a->Next()) {
+    const std::string name = a->Name();
+    const std::string_view value = a->Value();
+    const bool off = value == "disable";
+    if (!off && value != "enable") reader.fail(DYN_ERROR_PARSE, flags, "<flag " + name + "> is " + load::quoted(a->Value()) + ": enable or disable is expected");
+    const auto effect = std::find_if(std::begin(effects_of_flags), std::end(effects_of_flags), [&](const auto& x) { return x.first == name; });
+    if (off && effect != std::end(effects_of_flags)) robot.effects &= ~effect->second;
+    if (off && (name == "contact" || name == "constraint")) robot.contacts = false;
+    if (off && (name == "equality" || name == "constraint")) robot.closed = false;
+    if (name == "filterparent") robot.filter = off ? PairFilter::SameBody : PairFilter::Mujoco;
+    if (off && name == "clampctrl") robot.control_ranges = false;
+    if (off && name == "gravity") robot.gravity = {0, 0, 0};
+    if (effect != std::end(effects_of_flags) || name == "contact" || name == "equality" || name == "clampctrl" || name == "gravity" || name == "filterparent") continue;
+    reader.report.info(a->GetLineNum(), "<flag " + name + ">: not used");
+  }
+}
+
+void read_integrator(const Reader& reader, MjcfRobot& robot, const Element& e) {
+  const char* given = e.Attribute("integrator");
+  if (!given) return;
+  const std::string_view name = given;
+  const char* ours = "semi_implicit_euler";
+  if (name == "RK4") robot.integrator = DYN_INTEGRATOR_RK4, ours = "rk4";
+  else if (name == "implicit" || name == "implicitfast") robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
+  else if (name != "Euler") reader.fail(DYN_ERROR_PARSE, e, "<option integrator> is " + load::quoted(given) + ": Euler, RK4, implicit or implicitfast is expected");
+  reader.report.info(line(e), "<option integrator> is " + std::string(name) + ": steps are those of " + ours + ", the nearest integrator");
+}
 
 }  // namespace
 
@@ -21,29 +55,18 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
   if (const auto x = reader.optional_number(e, "density")) file.robot.density = *x;
   if (const auto x = reader.optional_number(e, "viscosity")) file.robot.viscosity = *x;
   if (const auto x = reader.vector3(e, "wind")) file.robot.wind = *x;
+  if (const auto x = reader.optional_number(e, "timestep")) {
+    if (!(*x > 0)) reader.bad_numbers(e, "timestep", "a positive number of seconds is expected");
+    file.robot.timestep = *x;
+  }
+  read_integrator(reader, file.robot, e);
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     const std::string_view name = a->Name();
     if (name == "actuatorgroupdisable") reader.report.physics(a->GetLineNum(), "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
-    else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind")
-      reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: steps and solvers are the caller's choice");
+    else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" && name != "integrator")
+      reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
   }
-  for (const Element* flag : file.source.children(e, "flag"))
-    for (const tinyxml2::XMLAttribute* a = flag->FirstAttribute(); a; a = a->Next()) {
-      const std::string name = a->Name();
-      const std::string_view value = a->Value();
-      const bool off = value == "disable";
-      if (!off && value != "enable") reader.fail(DYN_ERROR_PARSE, *flag, "<flag " + name + "> is " + load::quoted(a->Value()) + ": enable or disable is expected");
-      const auto is = [&](std::initializer_list<std::string_view> names) { return std::find(names.begin(), names.end(), name) != names.end(); };
-      if (name == "gravity") {
-        if (off) file.robot.gravity = {0, 0, 0};
-      } else if (off && is({"contact", "limit", "constraint", "frictionloss", "spring", "damper", "passive", "actuation", "equality"})) {
-        reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used: switch effects off in the data");
-      } else if (off && is({"clampctrl", "filterparent"})) {
-        reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used");
-      } else {
-        reader.report.info(a->GetLineNum(), "<flag " + name + ">: not used");
-      }
-    }
+  for (const Element* flag : file.source.children(e, "flag")) read_flags(reader, file.robot, *flag);
 }
 
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {
@@ -58,21 +81,6 @@ void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {
     } else {
       reader.report.physics(line(*c), "<contact>: element <" + std::string(kind.substr(0, 60)) + "> is not used");
     }
-  }
-}
-
-void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
-  for (Element* c : file.source.children(e, "key")) {
-    std::string name = attribute(*c, "name");
-    if (name.empty()) name = "key_" + std::to_string(file.robot.keys.size());
-    name = context.name(name);
-    const Reader reader = file.source.reader(*c, "key " + load::quoted(name));
-    reader.unread(*c, {"name", "class", "qpos", "time", "qvel", "act", "ctrl", "mpos", "mquat"}, {});
-    for (const char* unused : {"qvel", "act", "ctrl", "mpos", "mquat"})
-      if (c->Attribute(unused)) reader.report.info(line(*c), reader.owner + ": " + unused + " is not used: a configuration holds q alone");
-    MjcfKey key{{&reader.report, line(*c), reader.owner}, name, {}};
-    if (const auto q = reader.numbers(*c, "qpos")) key.qpos = *q;
-    if (!key.qpos.empty()) file.robot.keys.push_back(std::move(key));
   }
 }
 

@@ -1,8 +1,10 @@
 // An MJCF model as values, and the steps between file and builder.
 #pragma once
 
+#include "collision_mesh.hpp"
 #include "colour.hpp"
 #include "model/constraints.hpp"
+#include "model/model.hpp"
 #include "algorithm/actuators.hpp"
 #include "mjcf_settings.hpp"
 
@@ -11,6 +13,8 @@ struct Mesh;
 }
 
 namespace dyn::load {
+
+struct CollisionMesh;
 
 // A place in a file, as the prefix of messages.
 struct MjcfPlace {
@@ -95,6 +99,8 @@ struct MjcfActuator {
   dynActuator spec;
   std::string joint;
   double damping_ratio = 0;  // instead of kv, or of the last bias parameter
+  size_t activations = 0;    // numbers in the file's keys
+  bool inert = false;        // not supported: it keeps its control and exerts no force
 };
 
 // first, second: bodies, sites or joints. numbers: relpose or polycoef as in the file.
@@ -115,7 +121,8 @@ struct MjcfPair {
 struct MjcfKey {
   MjcfPlace place;
   std::string name;
-  std::vector<double> qpos;
+  std::vector<double> qpos, qvel = {}, act = {}, ctrl = {};
+  double time = 0;
 };
 
 struct MjcfRobot {
@@ -130,6 +137,11 @@ struct MjcfRobot {
   std::vector<MjcfPair> pairs;
   double density = 0, viscosity = 0;
   std::array<double, 3> wind = {0, 0, 0};
+  PairFilter filter = PairFilter::Mujoco;  // <flag filterparent>
+  double timestep = 0.002;
+  dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
+  std::uint32_t effects = SimulationRecord().effects;             // less those that flags switch off
+  bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
 };
 
 // Meshes and height fields by the names that geoms use.
@@ -141,6 +153,8 @@ class MjcfAssets {
   const Element& model(const Element& e, const std::string& name) const;
   // Sets the geom's mesh by name. needed: the mass is needed, so the file must be read.
   void mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom);
+  // The mesh by name, read.
+  const meshes::Mesh& mesh(const Element& e, const std::string& name);
   // Sets the geom's height field by name. Returns false, with a report entry, if its format is not supported.
   bool height_field(const Element& e, const std::string& name, MjcfGeom& geom);
   // Colour of a geom: its own, else that of its material; 0: none.
@@ -151,8 +165,10 @@ class MjcfAssets {
     Element* element;
     std::shared_ptr<const meshes::Mesh> mesh;
     std::string path;
+    std::optional<CollisionMesh> collision = std::nullopt;
   };
   Entry& find(std::map<std::string, Entry>& all, const char* kind, const Element& e, const std::string& name) const;
+  Entry& mesh_entry(const Element& e, const std::string& name);
   void read(Entry& entry) const;
 
   MjcfSource& source_;
@@ -196,11 +212,19 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_mass.cpp
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner);
 std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot);
+MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g);  // at density 1
+// mjcf_fit.cpp: sizes and pose of a primitive that is fitted to a mesh; bounds: to its box, not to its inertia.
+void fit_mjcf_geom(const meshes::Mesh& mesh, bool bounds, double scale, MjcfGeom& geom);
+// mjcf_builtin.cpp: corners of a <mesh builtin>. Nothing if its type is not supported.
+std::optional<std::vector<double>> mjcf_builtin_corners(const Reader& reader, const Element& e);
 // mjcf_rest.cpp: sections beside the bodies
 void read_mjcf_option(MjcfFile& file, Element& e);
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);
-void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void report_mjcf_section(MjcfFile& file, Element& e);
+// mjcf_keys.cpp: named configurations. Keys come after the actuators, whose controls they hold.
+void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
+void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot);
+void add_mjcf_keys(Builder& builder, const MjcfRobot& robot);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
 void limit_mjcf_actuators(MjcfRobot& robot);  // applies a joint's actuator force range to its only actuator

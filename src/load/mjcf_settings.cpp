@@ -73,6 +73,7 @@ void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
   compiler.total_mass = reader.optional_number(e, "settotalmass").value_or(compiler.total_mass);
   compiler.masses.balance = *read_switch(reader, e, "balanceinertia", compiler.masses.balance);
   compiler.discard_visual = *read_switch(reader, e, "discardvisual", compiler.discard_visual);
+  compiler.fit_bounds = *read_switch(reader, e, "fitaabb", compiler.fit_bounds);
   compiler.strip_path = *read_switch(reader, e, "strippath", compiler.strip_path);
   if (const char* folder = e.Attribute("assetdir")) compiler.mesh_folder = folder;
   if (const char* folder = e.Attribute("meshdir")) compiler.mesh_folder = folder;

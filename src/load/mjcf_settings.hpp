@@ -23,7 +23,7 @@ struct MjcfCompiler {
   bool autolimits = true;
   MjcfMassRules masses;
   double total_mass = -1;
-  bool discard_visual = false, align_free = false;
+  bool discard_visual = false, align_free = false, fit_bounds = false;
   std::string mesh_folder;
   bool strip_path = false;
 };

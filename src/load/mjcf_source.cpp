@@ -15,16 +15,19 @@ MjcfSource::MjcfSource(const std::string& text, const std::string& file, const L
     : folder_(std::filesystem::path(file).parent_path()), strict_(options.strict), confined_(file, options), root_(&open(text, file)) {}
 
 Element& MjcfSource::open(const std::string& text, const std::string& file) {
-  File f{std::make_unique<Report>(file, strict_), nullptr};
-  check_xml(text, *f.report);
-  f.document = std::make_unique<Document>(text, *f.report);
-  Element& root = f.document->root();
-  reports_[root.GetDocument()] = f.report.get();
+  File f{std::make_unique<Report>(file, strict_), {}};
+  check_xml(text, *f.report, max_split_depth);
+  for (const std::string& part : split_deep(text, *f.report)) {
+    f.documents.push_back(std::make_unique<Document>(part, *f.report));
+    reports_[f.documents.back()->root().GetDocument()] = {f.report.get(), files_.size()};
+  }
   files_.push_back(std::move(f));
-  return root;
+  return files_.back().documents[0]->root();
 }
 
-Report& MjcfSource::report(const Element& e) const { return *reports_.at(e.GetDocument()); }
+Report& MjcfSource::report(const Element& e) const { return *reports_.at(e.GetDocument()).first; }
+
+Element* MjcfSource::part(const Element& e) const { return &files_[reports_.at(e.GetDocument()).second].documents[size_t(e.IntAttribute("n"))]->root(); }
 
 void MjcfSource::include(Element& e, std::vector<Element*>& out) {
   Element*& root = included_[&e];
@@ -48,6 +51,7 @@ std::vector<Element*> MjcfSource::children(Element& e) {
   std::vector<Element*> out;
   for (Element* c = e.FirstChildElement(); c; c = c->NextSiblingElement())
     if (std::string_view(c->Name()) == "include") include(*c, out);
+    else if (std::string_view(c->Name()) == part_name) out.push_back(part(*c));
     else out.push_back(c);
   return out;
 }

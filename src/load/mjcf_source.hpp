@@ -40,16 +40,17 @@ class MjcfSource {
  private:
   struct File {
     std::unique_ptr<Report> report;
-    std::unique_ptr<Document> document;
+    std::vector<std::unique_ptr<Document>> documents;  // the file's parts (split_deep), the main one first
   };
   Element& open(const std::string& text, const std::string& file);
   void include(Element& e, std::vector<Element*>& out);
+  Element* part(const Element& e) const;  // that <dyn:part> stands for
 
   std::filesystem::path folder_;
   bool strict_;
   Confined confined_;
   std::vector<File> files_;  // the first one is the main file
-  std::map<const tinyxml2::XMLDocument*, Report*> reports_;
+  std::map<const tinyxml2::XMLDocument*, std::pair<Report*, size_t>> reports_;  // and the number of the file
   std::map<const Element*, Element*> included_;  // <include> elements to their files' roots
   std::set<std::string> names_;                  // included files
   std::vector<std::string> opening_;             // models within models

@@ -1,5 +1,6 @@
 // <body>, <frame>, <replicate>, <attach>, <site>: the tree of an MJCF model.
 #include <cmath>
+#include <memory>
 
 #include "mjcf_robot.hpp"
 
@@ -29,17 +30,29 @@ void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (!site.name.empty()) body.sites.push_back(std::move(site));
 }
 
-void read_frame(MjcfFile& file, Element& e, MjcfContext context) {
+// Elements whose content is read next, each with its context; the last one comes first. A list, so that nesting needs no recursion.
+struct Todo {
+  Element* e;
+  std::shared_ptr<const MjcfContext> context;
+};
+using TodoList = std::vector<Todo>;
+void add_content(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo) {
+  const auto shared = std::make_shared<const MjcfContext>(std::move(context));
+  const std::vector<Element*> children = file.source.children(e);
+  for (auto c = children.rbegin(); c != children.rend(); ++c) todo.push_back({*c, shared});
+}
+
+void read_frame(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo) {
   const Reader reader = file.source.reader(e, "a <frame>");
   reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"},
                 {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp", "composite", "inertial", "plugin"});
   context.X = context.X * read_pose(reader, e, file.compiler);
   context.childclass = file.defaults.around(file.source, e, context.childclass);
-  read_mjcf_content(file, e, context);
+  add_content(file, e, std::move(context), todo);
 }
 
 // Each replica is offset from the previous one and rotated by its number times the angles. Its number ends its names.
-void read_replicate(MjcfFile& file, Element& e, MjcfContext context) {
+void read_replicate(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo) {
   const Reader reader = file.source.reader(e, "a <replicate>");
   reader.unread(e, {"count", "sep", "offset", "euler", "childclass"},
                 {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp", "composite", "plugin"});
@@ -51,14 +64,16 @@ void read_replicate(MjcfFile& file, Element& e, MjcfContext context) {
   context.childclass = file.defaults.around(file.source, e, context.childclass);
   const std::string separator = attribute(e, "sep"), outer = context.suffix;
   const size_t digits = std::to_string(int(count) - 1).size();
+  std::vector<MjcfContext> replicas;
   for (int k = 0; k < int(count); ++k) {
     const std::string number = std::to_string(k);
     context.suffix = separator + std::string(digits - number.size(), '0') + number + outer;
     context.X = first * place;
-    read_mjcf_content(file, e, context);
+    replicas.push_back(context);
     place.p = place.act(load3(offset.data()));
     place.R = from_euler({angles[0] * (k + 1), angles[1] * (k + 1), angles[2] * (k + 1)}, file.compiler);
   }
+  for (auto replica = replicas.rbegin(); replica != replicas.rend(); ++replica) add_content(file, e, std::move(*replica), todo);
 }
 
 void read_attach(MjcfFile& file, Element& e, MjcfContext context) {
@@ -73,9 +88,8 @@ void read_attach(MjcfFile& file, Element& e, MjcfContext context) {
   file.source.close_model();
 }
 
-}  // namespace
-
-void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
+// Adds the body, and its content to what comes next.
+void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList& todo) {
   MjcfRobot& robot = file.robot;
   const int at = int(robot.bodies.size());
   MjcfBody body;
@@ -90,7 +104,7 @@ void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (read_switch(reader, e, "mocap", false).value_or(false)) {
     if (context.body != 0) reader.fail(DYN_ERROR_INVALID, e, "a mocap body is a child of the world");
     if (!file.source.children(e, "joint").empty() || !file.source.children(e, "freejoint").empty()) reader.fail(DYN_ERROR_INVALID, e, "a mocap body has no joints");
-    body.place.info("a mocap body: fixed to the world");
+    body.place.physics("a mocap body stands still: it is fixed to the world");
   }
   if (body.name == "world" || body.name == "universe") reader.fail(DYN_ERROR_NAME, e, "the world has this name");
   body.X = context.X * read_pose(reader, e, file.compiler);
@@ -104,23 +118,37 @@ void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
   inside.body = at, inside.X = SE3<double>::identity();
   inside.childclass = file.defaults.around(file.source, e, context.childclass);
   robot.bodies.push_back(std::move(body));
-  read_mjcf_content(file, e, inside);
+  add_content(file, e, std::move(inside), todo);
 }
 
-void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context) {
-  for (Element* c : file.source.children(e)) {
-    const std::string_view kind = c->Name();
-    if (kind == "body") read_mjcf_body(file, *c, context);
-    else if (kind == "joint" || kind == "freejoint") read_mjcf_joint(file, *c, context);
-    else if (kind == "geom") read_mjcf_geom(file, *c, context);
-    else if (kind == "site") read_site(file, *c, context);
-    else if (kind == "frame") read_frame(file, *c, context);
-    else if (kind == "replicate") read_replicate(file, *c, context);
-    else if (kind == "attach") read_attach(file, *c, context);
-    else if (kind == "camera" || kind == "light") file.source.report(*c).count("<" + std::string(kind) + ">: not used", line(*c));
+void read_all(MjcfFile& file, TodoList todo) {
+  while (!todo.empty()) {
+    const Todo next = std::move(todo.back());
+    todo.pop_back();
+    Element& e = *next.e;
+    const MjcfContext& context = *next.context;
+    const std::string_view kind = e.Name();
+    if (kind == "body") read_body(file, e, context, todo);
+    else if (kind == "joint" || kind == "freejoint") read_mjcf_joint(file, e, context);
+    else if (kind == "geom") read_mjcf_geom(file, e, context);
+    else if (kind == "site") read_site(file, e, context);
+    else if (kind == "frame") read_frame(file, e, context, todo);
+    else if (kind == "replicate") read_replicate(file, e, context, todo);
+    else if (kind == "attach") read_attach(file, e, context);
+    else if (kind == "camera" || kind == "light") file.source.report(e).count("<" + std::string(kind) + ">: not used", line(e));
     else if (kind == "composite" || kind == "flexcomp" || kind == "plugin")
-      file.source.report(*c).physics(line(*c), "<" + std::string(kind) + "> is not used: what it would make is missing from the model");
+      file.source.report(e).physics(line(e), "<" + std::string(kind) + "> is not used: what it would make is missing from the model");
   }
+}
+
+}  // namespace
+
+void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) { read_all(file, {{&e, std::make_shared<const MjcfContext>(context)}}); }
+
+void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context) {
+  TodoList todo;
+  add_content(file, e, context, todo);
+  read_all(file, std::move(todo));
 }
 
 }  // namespace dyn::load

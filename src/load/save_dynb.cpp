@@ -97,7 +97,7 @@ std::string image(const Model& m, bool names) {
     type x = m.field()[k];                                                                           \
     clear_padding(x);                                                                                \
     if (!names) drop_name(x);                                                                        \
-    if (!names && Model::Field::field == Model::Field::configuration_names) std::memset(&x, 0, sizeof(Index)); \
+    if (!names && Model::Field::field == Model::Field::configuration_names) x = type{};             \
     put<Layout>(x, block.data() + at + k * Layout::template size<type>);                             \
   }
 #include "model/model_fields.def"

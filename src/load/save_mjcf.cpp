@@ -59,6 +59,8 @@ void MjcfWriter::add_option() {
   put(option, "gravity", std::span(m.gravity));
   if (m.density != 0) put(option, "density", m.density);
   if (m.viscosity != 0) put(option, "viscosity", m.viscosity);
+  const auto pairs_parents = [](const ShapeRecord& s) { return s.role != DYN_SHAPE_ROLE_COLLISION || s.filter == std::uint32_t(PairFilter::SameBody); };
+  if (m.n.geoms > 0 && std::all_of(m.shapes(), m.shapes() + m.n.shapes, pairs_parents)) put(*option.InsertNewChildElement("flag"), "filterparent", std::string("disable"));
   if (m.wind[0] != 0 || m.wind[1] != 0 || m.wind[2] != 0) put(option, "wind", std::span(m.wind));
 }
 

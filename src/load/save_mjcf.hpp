@@ -42,11 +42,14 @@ class MjcfWriter {
   void add_keys();
   // save_mjcf_geom.cpp
   void add_geom(XmlElement& body, const ShapeRecord& s, Index k);
+  double height_asset(const ShapeRecord& s, std::string& name);  // height of its lowest point over its origin
+  std::set<std::pair<Index, Index>> untested_links();
+  void add_contacts();
+  // save_mjcf_mesh.cpp
   std::string mesh_asset(const ShapeRecord& s);
   std::string mesh_file(const ShapeRecord& s);
-  double height_asset(const ShapeRecord& s, std::string& name);  // height of its lowest point over its origin
-  std::set<std::pair<Index, Index>> pairs_with_world_links() const;
-  void add_contacts();
+  XmlElement& new_mesh(const std::string& wish, std::string& name);
+  static void put_mesh(XmlElement& mesh, std::span<const double> vertices, const Index* corners, size_t triangles);
   // save_mjcf_laws.cpp
   void add_actuators();
   void add_constraints();

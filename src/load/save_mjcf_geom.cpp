@@ -71,41 +71,6 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes with empty masks become visual", called);
 }
 
-std::string MjcfWriter::mesh_file(const ShapeRecord& s) {
-  std::string path = m.string(s.mesh);
-  std::error_code none;
-  if (std::filesystem::exists(path, none)) path = std::filesystem::absolute(path).string();
-  std::string& name = file_assets[path + " " + number_list(s.size)];
-  if (!name.empty()) return name;
-  name = assets.claim(std::filesystem::path(path).stem().string());
-  XmlElement& mesh = *section("asset").InsertNewChildElement("mesh");
-  put(mesh, "name", name), put(mesh, "file", path);
-  if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(mesh, "scale", std::span(s.size));
-  return name;
-}
-
-std::string MjcfWriter::mesh_asset(const ShapeRecord& s) {
-  if (*m.string(s.mesh) && std::filesystem::path(m.string(s.mesh)).has_extension()) return mesh_file(s);
-  std::string& name = surface_assets[{int(s.type), s.surface}];
-  if (!name.empty()) return name;
-  name = assets.claim(*m.string(s.mesh) ? m.string(s.mesh) : "mesh");
-  XmlElement& mesh = *section("asset").InsertNewChildElement("mesh");
-  put(mesh, "name", name);
-  if (s.type == DYN_SHAPE_TYPE_CONVEX) {
-    const Stored<shape::Hull>& at = m.hulls()[s.surface];
-    const shape::Hull h = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
-    std::vector<double> vertices;
-    for (Index i = 0; i < h.vertices; ++i) vertices.insert(vertices.end(), {h.x[i], h.y[i], h.z[i]});
-    put(mesh, "vertex", vertices);
-  } else if (s.type == DYN_SHAPE_TYPE_TRIANGLES) {
-    const Stored<shape::TriangleTree>& at = m.trees()[s.surface];
-    const shape::TriangleTree t = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
-    put(mesh, "vertex", {t.vertex, 3 * size_t(t.vertices)});
-    put(mesh, "face", std::vector<double>(t.corner, t.corner + 3 * std::ptrdiff_t(t.triangles)));
-  }
-  return name;
-}
-
 double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
   const Stored<shape::Grid>& at = m.grids()[s.surface];
   const shape::Grid g = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
@@ -126,17 +91,26 @@ double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
   return least;
 }
 
-// Links of the world paired with links on their joints: MuJoCo tests them, so they are excluded.
-std::set<std::pair<Index, Index>> MjcfWriter::pairs_with_world_links() const {
+// Pairs of links that MuJoCo would test and the model does not: a link of the world with one on its joints, and those that overlap.
+std::set<std::pair<Index, Index>> MjcfWriter::untested_links() {
+  const auto is_geom = [&](const ShapeRecord& s) { return s.role == DYN_SHAPE_ROLE_COLLISION && s.frame != 0 && s.filter < std::uint32_t(PairFilter::Mujoco); };
   std::set<Index> fixed, moving;
-  for (Index k = 0; k < m.n.shapes; ++k) {
-    const ShapeRecord& s = m.shapes()[k];
-    if (s.role == DYN_SHAPE_ROLE_COLLISION && s.frame != 0) (m.frames()[s.frame].joint == 0 ? fixed : moving).insert(s.frame);
-  }
-  std::set<std::pair<Index, Index>> out;
+  for (Index k = 0; k < m.n.shapes; ++k)
+    if (const ShapeRecord& s = m.shapes()[k]; is_geom(s)) (m.frames()[s.frame].joint == 0 ? fixed : moving).insert(s.frame);
+  std::set<std::pair<Index, Index>> out, tested;
   for (const Index a : fixed)
     for (const Index b : moving)
-      if (collision::parent_and_child(m.joints(), m.bodies(), m.frames(), a, b)) out.emplace(a, b);
+      if (collision::parent_and_child(m.joints(), m.bodies(), m.frames(), a, b, true)) out.emplace(a, b);
+  for (const bool overlap : {false, true})
+    for (Index k = 0; k < m.n.pairs; ++k) {
+      const PairRecord& p = m.pairs()[k];
+      const auto frame = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame; };
+      const auto links = std::minmax({frame(p.a), frame(p.b)});
+      if (!overlap && p.reason == DYN_PAIR_REASON_TESTED) tested.insert(links);
+      if (!overlap || p.reason != DYN_PAIR_REASON_OVERLAPS) continue;
+      if (tested.count(links)) losses.loss("pairs of shapes that overlap, of links of which others are tested", frame_name(links.first));
+      else out.insert(links);
+    }
   return out;
 }
 
@@ -145,7 +119,7 @@ void MjcfWriter::add_contacts() {
     XmlElement& e = *section("contact").InsertNewChildElement("exclude");
     put(e, "body1", body_name(a)), put(e, "body2", body_name(b));
   };
-  std::set<std::pair<Index, Index>> more = pairs_with_world_links();
+  std::set<std::pair<Index, Index>> more = untested_links();
   for (Index k = 0; k < m.n.disabled; ++k) {
     const DisabledRecord& d = m.disabled_pairs()[k];
     exclude(d.frame1, d.frame2), more.erase({d.frame1, d.frame2}), more.erase({d.frame2, d.frame1});

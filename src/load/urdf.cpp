@@ -18,10 +18,13 @@ auto with_location(const Report& report, int line, const Call& call) {
   }
 }
 
-void add_link(Builder& builder, const UrdfLink& link, const Parent& parent, const Report& report) {
+void add_link(Builder& builder, const UrdfLink& link, const Parent& parent, PairFilter filter, const Report& report) {
   with_location(report, link.inertial_line ? link.inertial_line : link.line,
           [&] { builder.body(link.name, parent, identity_placement, link.mass, link.com, link.inertia); });
-  for (const UrdfShape& s : link.shapes) with_location(report, s.line, [&] { builder.shape(s.shape); });
+  for (UrdfShape s : link.shapes) {
+    s.shape.filter = filter;
+    with_location(report, s.line, [&] { builder.shape(s.shape); });
+  }
 }
 
 }  // namespace
@@ -35,7 +38,7 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   const bool floating = floating_base(robot, tree, options.base, report);
   for (UrdfLink& link : robot.links) check_inertia(link, report);
   check_welded_inertia(robot, tree, !floating, report);
-  check_moving_mass(robot, tree, report);
+  if (options.strict) check_moving_mass(robot, tree, report);  // otherwise the builder warns
   report_unused_data(robot, report);
   compare_with_urdfdom(text, robot, tree, report);
   read_collision_meshes(robot, report, options);
@@ -44,6 +47,7 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
 
   Builder builder(robot.name);
   with_location(report, 0, [&] { builder.gravity(options.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity); });
+  if (!options.strict) builder.allow_massless_joints();
   Parent base;
   if (floating) {
     JointSpec free;
@@ -52,12 +56,13 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
     with_location(report, robot.links[tree.root].line, [&] { builder.joint(free); });
     base = {free.name, DYN_FRAME_TYPE_JOINT};
   }
-  add_link(builder, robot.links[tree.root], base, report);
+  const PairFilter filter = srdf.pairs.empty() ? PairFilter::Guess : PairFilter::Parents;
+  add_link(builder, robot.links[tree.root], base, filter, report);
   for (int i : tree.order) {
     UrdfJoint& joint = robot.joints[i];
     joint.spec.parent = {joint.parent, DYN_FRAME_TYPE_BODY};
     with_location(report, joint.line, [&] { builder.joint(joint.spec); });
-    add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_TYPE_JOINT | DYN_FRAME_TYPE_FIXED_JOINT}, report);
+    add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_TYPE_JOINT | DYN_FRAME_TYPE_FIXED_JOINT}, filter, report);
   }
   for (const UrdfConstraint& c : robot.constraints)
     with_location(report, c.line, [&] { builder.constraint(c.name, c.spec, {c.first, 0}, {c.second, 0}); });

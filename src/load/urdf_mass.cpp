@@ -1,4 +1,4 @@
-// Every joint must move mass: otherwise its acceleration under a force is undefined.
+// Strict: every joint must move mass. Otherwise its acceleration under a force is undefined.
 #include <algorithm>
 
 #include "urdf_robot.hpp"

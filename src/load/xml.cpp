@@ -8,7 +8,6 @@ namespace dyn::load {
 
 namespace {
 
-constexpr int max_depth = 80;             // tinyxml2 stops at 100; real files stay below 20
 constexpr int max_attributes = 64;        // of one element; parsers compare them pairwise
 constexpr size_t max_elements = 5000000;  // about 1 GB in memory
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
@@ -90,7 +89,7 @@ int line_at(std::string_view text, size_t at) {
 
 }  // namespace
 
-void check_xml(const std::string& text, const Report& report) {
+void check_xml(const std::string& text, const Report& report, int deepest) {
   const auto fail = [&](dynStatus status, size_t at, const std::string& message) {
     report.fail(status, line_at(text, at), message);
   };
@@ -110,19 +109,19 @@ void check_xml(const std::string& text, const Report& report) {
   Markup m;
   m.text = text;
   size_t elements = 0;
-  struct {
+  struct Opened {
     size_t at;
     std::string_view name;
-  } opened[max_depth + 1];
-  int depth = 0;
+  };
+  std::vector<Opened> opened;
   for (;;) {
     const size_t before = m.at;
     const Markup::Kind kind = m.next();
     check_references(before, std::min(m.begin, text.size()));
     switch (kind) {
       case Markup::end:
-        if (depth > 0)
-          fail(DYN_ERROR_PARSE, opened[depth - 1].at, "<" + shown(opened[depth - 1].name) + "> is never closed: the file is cut off or an end tag is missing");
+        if (!opened.empty())
+          fail(DYN_ERROR_PARSE, opened.back().at, "<" + shown(opened.back().name) + "> is never closed: the file is cut off or an end tag is missing");
         return;
       case Markup::other:
         break;
@@ -133,10 +132,11 @@ void check_xml(const std::string& text, const Report& report) {
         fail(DYN_ERROR_PARSE, m.begin, "markup that begins here is never closed: the file is cut off or a quote is missing");
         break;
       case Markup::close:
-        if (depth == 0) fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> closes nothing: remove it");
-        if (--depth; m.name != opened[depth].name)
-          fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> where <" + shown(opened[depth].name) + "> of line " +
-                                             std::to_string(line_at(text, opened[depth].at)) + " is still open");
+        if (opened.empty()) fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> closes nothing: remove it");
+        if (m.name != opened.back().name)
+          fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> where <" + shown(opened.back().name) + "> of line " +
+                                             std::to_string(line_at(text, opened.back().at)) + " is still open");
+        opened.pop_back();
         break;
       case Markup::open:
         if (m.name.empty()) fail(DYN_ERROR_PARSE, m.begin, "malformed element: a name follows '<' at once");
@@ -151,12 +151,47 @@ void check_xml(const std::string& text, const Report& report) {
                "<" + shown(m.name) +
                    "> is a xacro macro: run xacro first (xacro FILE > robot.urdf) and load its output");
         if (m.empty) break;
-        opened[depth] = {m.begin, m.name};
-        if (++depth > max_depth)
+        opened.push_back({m.begin, m.name});
+        if (int(opened.size()) > deepest)
           fail(DYN_ERROR_LIMIT, m.begin,
-               "elements are nested more than " + std::to_string(max_depth) + " deep, which is the limit");
+               "elements are nested more than " + std::to_string(deepest) + " deep, which is the limit");
     }
   }
+}
+
+std::vector<std::string> split_deep(const std::string& text, const Report& report) {
+  constexpr size_t part_depth = 64, max_lines = 10000000;  // lines of all parts, which are kept as empty ones
+  struct Part {
+    size_t number, from, begin;  // from: where the text goes on that no part has yet
+  };
+  std::vector<std::string> out(1);
+  std::vector<Part> open = {{0, 0, 0}};
+  size_t depth = 0, lines = 0;
+  const auto pad = [&](size_t part, size_t n) {
+    if ((lines += n) > max_lines) report.fail(DYN_ERROR_LIMIT, 0, "too many lines for elements that are nested more than " + std::to_string(part_depth) + " deep");
+    out[part].append(n, '\n');
+  };
+  Markup m;
+  m.text = text;
+  for (Markup::Kind kind = m.next(); kind != Markup::end; kind = m.next()) {
+    if (kind == Markup::open && m.name == part_name) report.fail(DYN_ERROR_PARSE, line_at(text, m.begin), "<" + std::string(part_name) + "> is not an element of MJCF");
+    if (kind == Markup::open && !m.empty && ++depth % part_depth == 0) {
+      const size_t number = out.size();
+      out[open.back().number].append(text, open.back().from, m.begin - open.back().from);
+      out[open.back().number] += "<" + std::string(part_name) + " n=\"" + std::to_string(number) + "\"/>";
+      out.emplace_back(), pad(number, size_t(line_at(text, m.begin)) - 1);
+      open.push_back({number, m.begin, m.begin});
+    }
+    if (kind == Markup::close && depth-- % part_depth == 0) {
+      const Part part = open.back();
+      out[part.number].append(text, part.from, m.at - part.from);
+      open.pop_back();
+      pad(open.back().number, size_t(std::count(text.begin() + std::ptrdiff_t(part.begin), text.begin() + std::ptrdiff_t(m.at), '\n')));
+      open.back().from = m.at;
+    }
+  }
+  out[0].append(text, open[0].from);
+  return out;
 }
 
 std::string root_element(const std::string& text) {

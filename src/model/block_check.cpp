@@ -39,6 +39,7 @@ bool BlockChecker::layout(std::size_t bytes) {
     if (!require(size >= 0 && size <= Index(1) << 30, "a size is out of range")) return false;
   if (!require(n.joints >= 1 && n.bodies >= 1 && n.frames >= 1 && n.configurations >= 1 && n.text >= 1, "it has no universe")) return false;
   if (!require(std::uint64_t(n.configurations) * std::uint64_t(n.nq) <= bytes, "its configurations are larger than the file")) return false;
+  if (!require(std::uint64_t(n.configurations) * (std::uint64_t(n.nv) + std::uint64_t(n.nu) + std::uint64_t(n.na) + 1) <= bytes, "the states of its configurations are larger than the file")) return false;
   if (!require((n.mimic_v == 0 && n.mimic_q == 0 && n.nvx == n.nv && n.nqx == n.nq) ||
       (n.mimic_v == n.nvx && n.mimic_q == n.nqx && n.nvx >= n.nv && n.nqx >= n.nq),
                "sizes contradict each other"))
@@ -70,7 +71,12 @@ bool BlockChecker::coefficients() {
       !numbers(m.velocity_limit(), n.nv, "a limit of velocity", known_range) || !numbers(m.effort_limit(), n.nv, "a limit of effort", known_range) ||
       !numbers(m.lower_limit(), n.nq, "a limit", is_known) || !numbers(m.upper_limit(), n.nq, "a limit", is_known) ||
       !numbers(m.neutral(), n.nq, "the neutral configuration", [](double x) { return std::isfinite(x); }) ||
-      !numbers(m.configurations(), std::int64_t(n.configurations) * n.nq, "a configuration", [](double x) { return std::isfinite(x); }))
+      !numbers(m.configurations(), std::int64_t(n.configurations) * n.nq, "a configuration", [](double x) { return std::isfinite(x); }) ||
+      !numbers(m.configuration_states(), std::int64_t(n.configurations) * (n.nv + n.nu + n.na + 1), "the state of a configuration", [](double x) { return std::isfinite(x); }))
+    return false;
+  const SimulationRecord& s = *m.simulation();
+  if (!require(std::isfinite(s.dt) && s.dt > 0 && is_value(s.integrator) && (s.effects & ~std::uint32_t(DYN_EFFECT_ALL)) == 0, "what its steps are") ||
+      !index(s.initial, n.configurations, "its initial configuration"))
     return false;
   for (Index k = 0; k < n.configurations; ++k)
     if (!require(zero_norm_joint(m, m.configurations() + std::ptrdiff_t(k) * n.nq) == 0, "the quaternion of a configuration")) return false;

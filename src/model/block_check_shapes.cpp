@@ -130,7 +130,7 @@ bool BlockChecker::shape(Index k) {
   if (!text(r.name) || !text(r.mesh) || !index(r.frame, n.frames, "frame of a shape") || !index(r.material, n.materials, "material of a shape")) return false;
   if (!require(r.frame == 0 || m.frames()[r.frame].type == DYN_FRAME_TYPE_BODY, "a shape is on no link") ||
       !require(is_value(dynShapeType(r.type)), "type of a shape") ||
-      !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape"))
+      !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape") || !require(r.filter <= std::uint32_t(PairFilter::SameBody), "filter of a shape"))
     return false;
   const bool made = r.type == DYN_SHAPE_TYPE_CONVEX || r.type == DYN_SHAPE_TYPE_TRIANGLES || r.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   const Index surfaces = r.type == DYN_SHAPE_TYPE_CONVEX ? n.hulls : r.type == DYN_SHAPE_TYPE_TRIANGLES ? n.trees : n.grids;

@@ -8,6 +8,7 @@
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
 #include "shape/geometry.hpp"
+#include "table/enums.hpp"
 
 namespace dyn {
 
@@ -373,19 +374,47 @@ void Builder::configuration(const std::string& name, const std::vector<double>& 
   impl->configurations.push_back({name, false, q, {}});
 }
 
-void Builder::configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints) {
+void Builder::configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints, const ConfigurationState& state) {
   impl->check_configuration_name(name);
   ConfigurationEntry entry{name, true, {}, std::vector<std::vector<double>>(impl->joints.size())};
-  for (const auto& [joint, q] : joints) {
-    const std::string who = "configuration '" + name + "', joint '" + joint + "'";
-    const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&wanted = joint](const JointEntry& e) { return e.spec.name == wanted; });
-    if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
-    check_finite(who, q.data(), q.size());
-    if (int(q.size()) != own_nq(*at)) refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(q.size()) + " numbers, needs " + std::to_string(own_nq(*at)));
-    entry.by_joint[std::size_t(at - impl->joints.begin())] = q;
+  entry.v_by_joint.resize(impl->joints.size());
+  const auto set = [&](const auto& given, std::vector<std::vector<double>>& by_joint, int (*size)(const JointEntry&)) {
+    for (const auto& [joint, x] : given) {
+      const std::string who = "configuration '" + name + "', joint '" + joint + "'";
+      const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&wanted = joint](const JointEntry& e) { return e.spec.name == wanted; });
+      if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
+      check_finite(who, x.data(), x.size());
+      if (int(x.size()) != size(*at)) refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(x.size()) + " numbers, needs " + std::to_string(size(*at)));
+      by_joint[std::size_t(at - impl->joints.begin())] = x;
+    }
+  };
+  set(joints, entry.by_joint, own_nq), set(state.v, entry.v_by_joint, own_nv);
+  for (const auto& [actuator, x] : state.actuators) {
+    const std::string who = "configuration '" + name + "', actuator '" + actuator + "'";
+    if (std::none_of(impl->actuators.begin(), impl->actuators.end(), [&wanted = actuator](const ActuatorEntry& a) { return a.name == wanted; }))
+      refuse(DYN_ERROR_NAME, who + ": there is no such actuator");
+    check_finite(who, x.control.data(), x.control.size()), check_finite(who, &x.activation, 1);
+    entry.actuators[actuator] = x;
   }
+  check_finite("configuration '" + name + "': time", &state.time, 1);
+  entry.time = state.time;
   impl->configurations.push_back(std::move(entry));
 }
+
+void Builder::allow_massless_joints() { impl->allow_massless = true; }
+void Builder::initial_configuration(const std::string& name) {
+  if (name != "neutral" && std::none_of(impl->configurations.begin(), impl->configurations.end(), [&](const ConfigurationEntry& c) { return c.name == name; }))
+    refuse(DYN_ERROR_NAME, "initial configuration: there is no configuration '" + name + "'");
+  impl->initial = name;
+}
+
+void Builder::stepping(double dt, dynIntegrator integrator, std::uint32_t effects) {
+  if (!(dt > 0) || !std::isfinite(dt)) refuse(DYN_ERROR_INVALID, "stepping: dt is " + number(dt) + " s: give a positive number");
+  if (!is_value(integrator)) refuse(DYN_ERROR_ARGUMENT, "stepping: integrator " + std::to_string(int(integrator)) + " is no dynIntegrator");
+  if (effects & ~std::uint32_t(DYN_EFFECT_ALL)) refuse(DYN_ERROR_ARGUMENT, "stepping: effects have unknown bits");
+  impl->simulation.dt = dt, impl->simulation.integrator = integrator, impl->simulation.effects = effects;
+}
+
 
 void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
   const std::string who = "pair '" + body1 + "', '" + body2 + "'";

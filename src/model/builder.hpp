@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dyn.h"
+#include "model/pair_filter.hpp"
 #include "shape/material.hpp"
 
 namespace dyn {
@@ -66,6 +67,18 @@ struct Shape {
   dynMaterial material = shape::default_material();
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
   std::uint32_t colour = 0;                              // colour.hpp
+  PairFilter filter = PairFilter::Guess;
+};
+
+// What a named configuration states beside q. Joints and actuators that are not named: zero.
+struct ConfigurationState {
+  struct Actuator {
+    std::array<double, 3> control{};
+    double activation = 0;
+  };
+  std::vector<std::pair<std::string, std::vector<double>>> v;  // by joints
+  std::vector<std::pair<std::string, Actuator>> actuators;
+  double time = 0;
 };
 
 // nq and nv of a type with no parts.
@@ -103,12 +116,17 @@ class Builder {
   void colour(std::uint32_t of_last_shape);
   void configuration(const std::string& name, const std::vector<double>& q);
   // The same by joints, each with its own coordinates; the others are neutral.
-  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
+  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints, const ConfigurationState& state = {});
+  // Where new data begins: the name of a configuration.
+  void initial_configuration(const std::string& name);
+  // dt and integrator of new data, and the effects that the model states (DYN_EFFECT_AS_STATED).
+  void stepping(double dt, dynIntegrator integrator, std::uint32_t effects);
   // Two bodies that are not tested for collision.
   void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);
   // first and second name frames, or joints; "": the universe, or none.
   void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second);
+  void allow_massless_joints();  // finish() reports joints that move no inertia; without this it throws
   void constraint_slots(int spare);
   void contact_capacity(int contacts);  // of a step; 0: by its shapes
   // joint: its name. (builder_actuator.cpp)

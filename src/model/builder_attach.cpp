@@ -90,6 +90,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.actuators.push_back(std::move(a));
   }
   for (const PairEntry& p : other.pairs) next.pairs.push_back({p.shape1 + shapes_before, p.shape2 + shapes_before, p.material});
+  next.allow_massless |= other.allow_massless;
   next.constraint_slots = std::max(next.constraint_slots, other.constraint_slots);
   if (next.contact_capacity > 0) next.contact_capacity = std::min(next.contact_capacity + other.contact_capacity, max_contacts);
   next.reports.insert(next.reports.end(), other.reports.begin(), other.reports.end());
@@ -100,7 +101,12 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     if (at == next.configurations.end()) at = next.configurations.insert(at, {c.name, true, {}, {}});
     at->by_joint.resize(std::size_t(before));
     at->by_joint.insert(at->by_joint.end(), c.by_joint.begin(), c.by_joint.end());
+    at->v_by_joint.resize(std::size_t(before));
+    at->v_by_joint.insert(at->v_by_joint.end(), c.v_by_joint.begin(), c.v_by_joint.end());
+    for (const auto& [actuator, state] : c.actuators) at->actuators[prefix + actuator] = state;
+    at->time = std::max(at->time, c.time);
   }
+  if (next.initial == "neutral") next.initial = other.initial;
   *impl = std::move(next);
 }
 

@@ -26,6 +26,7 @@ struct Arrays {
 
 struct Compiler {
   const Builder::Impl& in;
+  const Findings& known;
   std::vector<int> order;       // joints of the model as added
   std::vector<Leader> leaders;
   std::vector<Index> id;        // of each added joint in the model
@@ -38,7 +39,7 @@ struct Compiler {
   bool mimic = false;
   ModelPtr model = {};
 
-  explicit Compiler(const Builder::Impl& impl);
+  Compiler(const Builder::Impl& impl, const Findings& findings);
 
   // builder_joints.cpp
   void add_universe();
@@ -57,6 +58,7 @@ struct Compiler {
   void add_reports();
   void add_constraints();
   void add_configurations();
+  void add_configuration_states();  // after the actuators
   // builder_indices.cpp
   void add_runs();
   void add_limits();
@@ -72,8 +74,8 @@ struct Compiler {
   template <class T>
   T* array(Model::Field field) { return reinterpret_cast<T*>(reinterpret_cast<char*>(model.get()) + 8 * std::size_t(model->offset[std::size_t(field)])); }
 
-  // Several shapes, so that the load report may have to say that no pair is tested; only the finished model can tell.
-  bool has_pair_report() const { return n.geoms >= 2 && n.geoms <= max_geoms; }
+  ModelPtr compile();
+  std::vector<std::string> massless = {};
 };
 
 inline SE3<double> rotation_only(const Mat3<double>& R) { return {R, Vec3<double>::zero()}; }

@@ -59,6 +59,9 @@ struct ConfigurationEntry {
   bool split;
   std::vector<double> whole;
   std::vector<std::vector<double>> by_joint;
+  std::vector<std::vector<double>> v_by_joint = {};  // none: zero
+  std::map<std::string, ConfigurationState::Actuator> actuators = {};
+  double time = 0;
 };
 
 struct ReportEntry {
@@ -101,14 +104,16 @@ struct Builder::Impl {
   std::unordered_map<std::string, std::vector<int>> frame_index;
   std::vector<ShapeEntry> shapes;
   std::vector<ConfigurationEntry> configurations;
+  std::string initial = "neutral";  // configuration of new data
+  SimulationRecord simulation;
   std::vector<ReportEntry> reports;
   std::vector<DisabledEntry> disabled;  // not tested for collision
   std::vector<ConstraintEntry> constraints;
+  bool allow_massless = false;  // joints that move no inertia: a warning; forward dynamics then fails when it is called
   int constraint_slots = 8;  // spare ones
   int contact_capacity = 0;  // 0: by the shapes
   std::vector<ActuatorEntry> actuators;
   std::vector<PairEntry> pairs;
-  std::vector<std::pair<Index, Index>> overlapping;  // geoms, where pairs are not listed; found by finish()
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
@@ -131,9 +136,10 @@ std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<Joi
 std::vector<int> depth_first(const std::vector<JointEntry>& joints);
 // A joint's own coordinates where nothing moves.
 std::vector<double> neutral_of(const JointEntry& joint);
-// Coordinates of the model in each joint's own, by the order of addition; followers have none.
-std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& q);
 int own_nq(const JointEntry& joint);  // 0 for a follower
+int own_nv(const JointEntry& joint);
+// Coordinates of the model in each joint's own, by the order of addition; followers have none. size: own_nq or own_nv.
+std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x, int (*size)(const JointEntry&) = own_nq);
 
 // Who a joint follows: q = ratio q_leader + offset; joint -1: it moves by itself.
 struct Leader {
@@ -150,8 +156,9 @@ void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euc
 Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end, DofGroup* groups);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
 void elimination_tree(const Model& m, std::vector<Index>& parent);
-// Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
-void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames);
+// Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added. allow_massless: a
+// message for each joint that moves no inertia at all, instead.
+std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames, bool allow_massless);
 
 // Two shapes, the lower number first, that are tested whatever the filter says, and 1 + the number of their own material or 0.
 using WantedPairs = std::map<std::pair<Index, Index>, std::int32_t>;
@@ -164,10 +171,15 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
                                  const GeomPairs& overlapping);
 // Several collision shapes, and no pair of them is tested: the load report says so.
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
-bool tests_nothing(const Model& m);
-// Marks those that overlap in the neutral configuration.
-void judge_pairs(const Model& m, PairRecord* pairs);
-// Of a model that does not list its pairs, those of which it knows by itself left out.
+// Begins the lines of the load report on pairs that overlap.
+inline constexpr const char* overlap_report = "not tested for collision, because they overlap in nearly every configuration: ";
+inline constexpr const char* massless_report = "forward dynamics is undefined: ";  // and on joints without inertia
+// What only the finished model shows; the load report says it.
+struct Findings {
+  GeomPairs overlapping;
+  std::vector<std::string> massless;
+};
+// Tested pairs of filter Guess that overlap in the neutral configuration and in all of 32 random ones, or all but one. Ascending.
 GeomPairs overlapping(const Model& m);
 
 // Sizes of a primitive joint.

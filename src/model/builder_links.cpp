@@ -87,7 +87,7 @@ void Compiler::add_shapes() {
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
     r.name = text.add(s.shape.name), r.mesh = text.add(s.shape.mesh);
-    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role), r.colour = s.shape.colour;
+    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role) & 0xFu, r.filter = std::uint8_t(s.shape.filter) & 0xFu, r.colour = s.shape.colour;
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
@@ -103,15 +103,26 @@ void Compiler::add_shapes() {
 void Compiler::add_pairs() {
   for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
   n.disabled = Index(a.disabled_pairs.size());
-  a.pairs = pairs_of(a.joints, a.bodies, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted, in.overlapping);
+  a.pairs = pairs_of(a.joints, a.bodies, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted, known.overlapping);
   n.pairs = Index(a.pairs.size());
 }
 
 void Compiler::add_reports() {
   for (const ReportEntry& r : in.reports)
-    if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
-  // room for it: it goes again when the pairs have been judged, which takes the finished model
-  if (has_pair_report()) a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(nothing_tested)});
+    if (r.message != nothing_tested && !r.message.starts_with(overlap_report) && !r.message.starts_with(massless_report)) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
+  for (const std::string& message : known.massless) a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(massless_report + message)});
+  std::map<std::pair<Index, Index>, int> overlaps;  // by links
+  for (const auto& [g, h] : known.overlapping) {
+    const auto frame = [&](Index geom) { return a.shapes[std::size_t(a.geoms[std::size_t(geom)].shape)].frame; };
+    ++overlaps[std::minmax({frame(g), frame(h)})];
+  }
+  for (const auto& [links, count] : overlaps) {
+    const auto name = [&](Index frame) { return "'" + in.frames[std::size_t(frame)].name + "'"; };
+    a.reports.push_back({DYN_REPORT_LEVEL_INFO, 0, text.add(overlap_report + ("links " + name(links.first) + " and " + name(links.second)) + ", " + std::to_string(count) +
+                                                             (count == 1 ? " pair" : " pairs") + " of shapes")});
+  }
+  const bool tests_nothing = std::none_of(a.pairs.begin(), a.pairs.end(), [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; });
+  if (n.geoms >= 2 && n.geoms <= max_geoms && tests_nothing) a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 }
 
@@ -140,6 +151,30 @@ void Compiler::add_configurations() {
     a.configurations.insert(a.configurations.end(), q.begin(), q.end());
   }
   n.configurations = Index(a.configuration_names.size());
+}
+
+void Compiler::add_configuration_states() {
+  const std::size_t size = std::size_t(n.nv + n.nu + n.na + 1);
+  a.configuration_states.assign(size * std::size_t(n.configurations), 0.0);
+  double* v = a.configuration_states.data();
+  for (const ConfigurationEntry& c : in.configurations) {
+    v += size;  // that of "neutral" is zero
+    double *u = v + n.nv, *act = u + n.nu;
+    for (std::size_t j = 0; j < c.v_by_joint.size(); ++j)
+      std::copy(c.v_by_joint[j].begin(), c.v_by_joint[j].end(), v + idx_v[j]);
+    for (std::size_t k = 0; k < a.actuators.size(); ++k)
+      if (const auto given = c.actuators.find(in.actuators[k].name); given != c.actuators.end()) {
+        const ActuatorRecord& r = a.actuators[k];
+        std::copy_n(given->second.control.begin(), r.spec.controls, u + r.spec.idx_u);
+        if (r.act >= 0) act[r.act] = given->second.activation;
+      }
+    act[n.na] = c.time;
+  }
+  SimulationRecord r = in.simulation;
+  r.initial = 0;
+  for (Index k = 0; k < n.configurations; ++k)
+    if (k > 0 && in.configurations[std::size_t(k) - 1].name == in.initial) r.initial = k;
+  a.simulation.push_back(r);
 }
 
 }  // namespace dyn

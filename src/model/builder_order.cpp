@@ -32,6 +32,7 @@ std::vector<int> depth_first(const std::vector<JointEntry>& joints) {
 }
 
 int own_nq(const JointEntry& joint) { return joint.spec.mimic.empty() ? spec_nq(joint.spec) : 0; }
+int own_nv(const JointEntry& joint) { return joint.spec.mimic.empty() ? spec_nv(joint.spec) : 0; }
 
 std::vector<double> neutral_of(const JointEntry& joint) {
   std::vector<double> q(std::size_t(spec_nq(joint.spec)));
@@ -44,13 +45,13 @@ std::vector<double> neutral_of(const JointEntry& joint) {
   return q;
 }
 
-std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& q) {
+std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x, int (*size)(const JointEntry&)) {
   std::vector<std::vector<double>> own(joints.size());
-  auto at = q.begin();
+  auto at = x.begin();
   for (int j : depth_first(joints)) {
-    const int nq = own_nq(joints[std::size_t(j)]);
-    own[std::size_t(j)].assign(at, at + nq);
-    at += nq;
+    const int n = size(joints[std::size_t(j)]);
+    own[std::size_t(j)].assign(at, at + n);
+    at += n;
   }
   return own;
 }

@@ -67,11 +67,16 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   });
 
   for (ConfigurationEntry& c : configurations) {
-    c.by_joint.resize(joint.size());
-    std::vector<std::vector<double>> own(joints.size());
-    for (std::size_t j = 0; j < joint.size(); ++j)
-      if (joint[j] >= 0) own[std::size_t(joint[j])] = std::move(c.by_joint[j]);
-    c.by_joint = std::move(own);
+    for (auto* numbers : {&c.by_joint, &c.v_by_joint}) {
+      numbers->resize(joint.size());
+      std::vector<std::vector<double>> own(joints.size());
+      for (std::size_t j = 0; j < joint.size(); ++j)
+        if (joint[j] >= 0) own[std::size_t(joint[j])] = std::move((*numbers)[j]);
+      *numbers = std::move(own);
+    }
+    std::erase_if(c.actuators, [&](const auto& x) {
+      return std::none_of(actuators.begin(), actuators.end(), [&](const ActuatorEntry& a) { return a.name == x.first; });
+    });
   }
 }
 

@@ -12,7 +12,7 @@ struct LoadOptions {
   std::vector<std::string> package_dirs;
   std::array<double, 3> gravity = {0, 0, -9.81};
   std::string srdf;  // path, or ""
-  dynMeshUse meshes = DYN_MESH_USE_NONE;
+  dynMeshUse meshes = DYN_MESH_USE_AUTO;
   int constraint_slots = 8;
   int contact_capacity = 0;
   bool confined = false;

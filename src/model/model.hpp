@@ -7,6 +7,7 @@
 
 #include "dyn.h"
 #include "joint/body.hpp"
+#include "model/pair_filter.hpp"
 #include "model/stored.hpp"
 #include "shape/height_field.hpp"
 #include "shape/triangles.hpp"
@@ -105,7 +106,7 @@ struct ActuatorRecord {
 struct ShapeRecord {
   Index name, mesh;
   dynShapeType type : 8;
-  std::uint32_t role : 8, material : 16;  // dynShapeRole; its number among the materials
+  std::uint32_t role : 4, filter : 4, material : 16;  // dynShapeRole; PairFilter; its number among the materials
   std::uint32_t colour;                   // colour.hpp
   Index frame;
   Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1
@@ -145,6 +146,15 @@ struct DisabledRecord {
 struct ReportRecord {
   dynReportLevel level;
   Index line, message;
+};
+
+// How simulations begin and step.
+struct SimulationRecord {
+  double dt = 1e-3;  // s
+  dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
+  std::uint32_t effects = DYN_EFFECT_ALL & ~std::uint32_t(DYN_EFFECT_SLEEPING);  // of steps by DYN_EFFECT_AS_STATED
+  Index initial = 0;  // configuration of new data
+  Index padding = 0;
 };
 
 // A constraint of the model; its frames or joints are ids.
@@ -197,6 +207,8 @@ struct Model {
 #undef FIELD
 
   const char* string(Index at) const { return text() + at; }
+  // nv, nu, na numbers of a named configuration, and its time.
+  const double* configuration_state(Index k) const { return configuration_states() + std::ptrdiff_t(k) * (n.nv + n.nu + n.na + 1); }
   // Share of a link's weight that is held from outside.
   double compensation(Index link) const {
     for (const GravityCompensation *w = gravity_compensations(), *end = w + n.gravity_compensations; w != end; ++w)

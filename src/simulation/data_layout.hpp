@@ -62,13 +62,9 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
 #endif
     at += room;
   });
-  for (Index i = 0; i < m.n.nq; ++i) d.q[i] = T(m.neutral()[i]);
-  for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
+  set_to_configuration(m, d, m.simulation()->initial);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
-  d.time[0] = T(0);
   for (int k = 0; k < 3; ++k) d.world_gravity[k] = T(m.gravity[k]);
-  for (Index k = 0; k < (d.ctrl ? m.n.nu : 0); ++k) d.ctrl[k] = T(0);
-  for (Index k = 0; k < (d.act ? m.n.na : 0); ++k) d.act[k] = T(0);
   for (Index k = 0; k < (d.actuator_force ? m.n.actuators : 0); ++k) d.actuator_force[k] = T(0);
   for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = AppliedWrench<T>::none();
   d.pushed = 0;
@@ -83,7 +79,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.Linv) std::fill_n(d.Linv, m.n.nv * padded_factor(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
-  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_DEFAULT;
+  for (Index j = 0; j < m.n.joints; ++j) d.chosen_effects[j] = DYN_EFFECT_DEFAULT, d.effects[j] = DYN_EFFECT_DEFAULT & DYN_EFFECT_ALL;
   apply_effects(m, d);
   if constexpr (possible & DYN_PART_COLLISION)
     if (d.geoms) collision::set_up(m, d);

@@ -68,13 +68,13 @@ class Extrapolated {
     keep(before), simulation::save_contacts(*d.step);
     d.step->closed_gap = closed;
     // the solver's residual does not extrapolate: it must be far below the error, or no step is short enough
-    const double asked = d.step->options.tolerance;
+    const double given = d.step->options.tolerance, asked = d.step->tolerance();
     const double fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
     if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(integrator::tuning::solver_floor, integrator::tuning::solver_share * closed / fast));
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
     if (!joint) keep(two), restore(), d.step->overshoot = 0, joint = substeps(h, 3);
-    d.step->closed_gap = 0, d.step->options.tolerance = asked;
+    d.step->closed_gap = 0, d.step->options.tolerance = given;
     if (joint) return restore(), joint;
     // curvature of v: an event stopped by all three substeps alike shows in no difference (jumps at the end excepted)
     error = 0;

@@ -41,7 +41,7 @@ struct Finder {
   void append(ConstraintInstance<double>& s, Index* support, double* carried, RowKind kind, Index index) {
     const bool joints = between_joints(s.c.type);
     auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
-    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false};
+    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false, false};
     if (kind != RowKind::Contact) propagate_rows(m, d, w.active[count - 1]);
   }
   ConstraintInstance<double>& next() { return w.instances[added]; }

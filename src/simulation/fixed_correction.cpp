@@ -40,8 +40,9 @@ bool Interior::run_fixed_correction(dynContactReport& report) {
 
 // A residual slightly above the tolerance: contacts contradict one another by as little, and a solution of all is hard to find.
 void Island::solve_fixed_correction(dynContactReport& report) {
-  if (w.options.max_iterations < min_iterations || report.residual < rounding || (!sparse() && !ordered())) return;
-  allowance = report.iterations + report.newton_steps + (report.residual > far * w.options.tolerance ? far_rounds : near_rounds) * w.options.max_iterations;
+  if (w.method_iterations() < min_iterations || report.residual < rounding || (!sparse() && !ordered())) return;
+  const Index more = (report.residual > far * tolerance ? far_rounds : near_rounds) * w.method_iterations();
+  allowance = std::min(w.max_iterations(), report.iterations + report.newton_steps + more);
   Interior method(*this);
   if (!method.run_fixed_correction(report)) method.write_best(report);
 }

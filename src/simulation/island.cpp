@@ -9,9 +9,10 @@ namespace {
 
 // Speed at which a gap may close: exactly within the step.
 // In steps that follow from an accuracy a closed gap may not close, and an open one may close freely (bounded by 10 max speed).
+// In steps without a tolerance the gaps that the solver's residual leaves stay: closing them would be the next step's residual.
 // Otherwise velocities would depend on gaps that are errors, and on the step. Hysteresis: an active contact opens at a larger gap.
 double gap_bias(const Island& x, double gap, double rate, bool pressed) {
-  if (x.w.closed_gap == 0) return std::max(0.0, gap) / x.h;
+  if (x.w.closed_gap == 0) return pressed && gap <= x.slack ? 0 : std::max(0.0, gap) / x.h;
   const bool stays_closed = pressed && (gap <= tuning::reopen_factor * x.w.closed_gap || gap + x.h * rate <= x.w.closed_gap);
   return gap <= x.w.closed_gap || stays_closed ? 0 : tuning::free_closing * x.fast;
 }
@@ -94,6 +95,15 @@ void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
   x.w.report.penetration = std::max(x.w.report.penetration, -gap);
 }
 
+// Slow islands that may sleep: their forces and velocities must settle.
+bool may_fall_asleep(const Island& x) {
+  if (!(x.d.acting & DYN_EFFECT_SLEEPING)) return false;
+  for (Index k = 0; k < x.constraint_count; ++k)
+    for (Index n = 0; n < x.constraint(k).s->support_count; ++n)
+      if (std::abs(x.v_before[x.constraint(k).support[n]]) > x.w.options.sleep_speed) return false;
+  return true;
+}
+
 }  // namespace
 
 void Island::assign_rows() {
@@ -109,6 +119,9 @@ void Island::assign_rows() {
 
 void Island::fill() {
   drop_redundant();
+  if (is_exact()) tolerance = w.has_tolerance() ? w.tolerance() : tuning::island::fine;
+  else if (may_fall_asleep(*this)) tolerance = tuning::island::settled;
+  if (!is_exact()) slack = tuning::island::slack * shape::norm(load3(d.world_gravity)) * h * h;
   for (Index k = 0; k < constraint_count && w.closed_gap > 0; ++k)
     for (Index r = 0; r < constraint(k).s->rows; ++r) fast = std::max(fast, std::abs(constraint(k).s->rate[r]));
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
@@ -117,6 +130,7 @@ void Island::fill() {
     else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
     else fill_contact(*this, x, in_contacts++);
   }
+  if (bounces) tolerance = std::min(tolerance, tuning::island::settled);
 }
 
 // Leaves out rows of equalities that are redundant but for a misalignment, which would lock the mechanism.

@@ -21,10 +21,12 @@ struct Island {
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double inconsistency = 0;  // inconsistency of the equalities, relative to the speed
   double fastest = 0;  // speed() at the beginning
+  double slack = 0;  // gap (m) that pressed contacts keep
   double fast = 0;     // largest rate of its rows (m/s), when closed_gap > 0
   enum class Eliminated { Not, Runs, Fits, DoesNotFit };
   Eliminated eliminated = Eliminated::Not;
-  Index allowance = tuning::island::rounds * w.options.max_iterations;  // iterations, summed over all methods
+  double tolerance = w.tolerance();  // of the residual that ends the solve
+  Index allowance = std::min(w.max_iterations(), tuning::island::rounds * w.method_iterations());  // iterations, summed over all methods
 
   double* vector(int k) const { return w.vectors + k * padded_rows(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
@@ -52,6 +54,7 @@ struct Island {
   // segments (newton.cpp, interior.cpp): start from lambda and improve it. They return true when the tolerance is met.
   bool newton(dynContactReport& report, bool from_inside);
   bool sparse();   // whether segments are cheaper than the dense matrix
+  bool has_runs();  // finds the runs of its constraints; returns false if they do not fit
   bool ordered();  // finds the elimination order; returns false if it does not fit
 
   // matrix-free Gauss-Seidel (pgs_matrix_free.cpp)
@@ -66,6 +69,9 @@ struct Island {
   void gauss_seidel_while_improving(dynContactReport& report);  // while the residual falls
   void gauss_seidel_frictionless();
   bool within_budget(const dynContactReport& r) const { return r.iterations + r.newton_steps < allowance && !w.time_is_up(); }
+  // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
+  bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
+  void solve_to_default(dynContactReport& report);
   void solve_fixed_correction(dynContactReport& report);
   double residual() const;  // also sets by_dof and c for lambda
   double speed() const;  // largest velocity that is to change

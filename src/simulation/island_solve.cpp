@@ -132,17 +132,16 @@ void Island::solve(dynContactReport& best) {
     dynContactSolverType solver;
     bool warm, sweeps;
   } tries[] = {{w.options.solver, true, true}, {w.options.solver, false, false}, {other, false, false}};
-  best.residual = HUGE_VAL;
-  std::int32_t iterations = 0, newton_steps = 0;
+  std::int32_t iterations = best.iterations, newton_steps = best.newton_steps;  // counts what was tried before
   for (const auto& t : tries) {
     solver::Budget b;
-    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.sweeps = t.sweeps;
+    b.tolerance = tolerance, b.max_iterations = std::min(w.method_iterations(), std::max<Index>(1, w.max_iterations() - iterations - newton_steps)), b.warm = t.warm, b.sweeps = t.sweeps;
     b.brief = true, b.expired = w.expired, b.clock = w.clock;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
     if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
-    if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS || w.time_is_up()) break;
+    if (iterations + newton_steps >= w.max_iterations() || best.residual <= tolerance || w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS || w.time_is_up()) break;
   }
   best.iterations = iterations, best.newton_steps = newton_steps;
   std::copy_n(asked, equalities, g);
@@ -158,7 +157,7 @@ void Island::solve_displacement() {
   }
   const dynContactProblem p = problem(*this);
   solver::Budget b;
-  b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.options.max_iterations, b.brief = true, b.expired = w.expired, b.clock = w.clock;
+  b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.method_iterations(), b.brief = true, b.expired = w.expired, b.clock = w.clock;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
   solver::unscale(p, w.solver.problem, w.solver.y, lambda);

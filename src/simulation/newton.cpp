@@ -257,7 +257,7 @@ bool Newton::run(Index most, double share, dynContactReport& report) {
       std::copy_n(before, x.rows, y), velocities();
       break;
     }
-    if (next.most < near * speed && (report.residual = residual()) <= x.w.options.tolerance) return true;
+    if (next.most < near * speed && (report.residual = residual()) <= x.tolerance) return true;
     if (!(next.sum < share * now.sum)) break;
     now = next;
   }

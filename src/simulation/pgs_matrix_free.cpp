@@ -2,7 +2,7 @@
 //   c = g + Y D^-1 z        after a change of lambda: z += Y^T change
 // A constraint costs as much as it has supporting dofs, however many rows the island has.
 #include "algorithm/constrained/delassus.hpp"
-#include "simulation/island.hpp"
+#include "simulation/accelerated_sweeps.hpp"
 #include "solver/pgs.hpp"
 #include "solver/residuals.hpp"
 
@@ -211,22 +211,22 @@ bool Island::accept_guess(dynContactReport& report) {
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
-  for (int k = 0; k < guess_sweeps && report.residual > w.options.tolerance && report.residual < tuning::island::nearly_solved; ++k) {
+  for (int k = 0; k < guess_sweeps && report.residual > tolerance && report.residual < tuning::island::nearly_solved; ++k) {
     prepare_cones();
     sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
   }
-  return report.residual <= w.options.tolerance;
+  return report.residual <= tolerance;
 }
 
 // Sweeps until changes are small, then until the residual meets the tolerance. At least one: cones may have turned since the guess.
 void Island::gauss_seidel(dynContactReport& report) {
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
-  const double tolerated = w.options.tolerance * speed();
+  const double tolerated = tolerance * speed();
   sweep.start(), prepare_cones();
   for (bool last = false; !last;) {
     const double changed = sweep();
-    last = ++report.iterations >= w.options.max_iterations || w.time_is_up();
+    last = ++report.iterations >= w.max_iterations() || w.time_is_up();
     if (!last && changed > tolerated) continue;
     const double left = sweep.residual();
     report.residual = left > 0 ? left / speed() : 0;
@@ -245,10 +245,10 @@ void Island::gauss_seidel_and_newton(dynContactReport& report) {
   Index tries = 0;
   double best = HUGE_VAL;  // residual of what is kept
   const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
-  for (Index some = first_sweeps; (large() || some <= max_small) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
+  for (Index some = first_sweeps; (large() || some <= max_small) && report.residual > tolerance && may_sweep(); some *= 2) {
     for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= w.options.tolerance || newton(report, ++tries >= 2)) break;
+    if (report.residual <= tolerance || newton(report, ++tries >= 2)) break;
     if (report.residual < best) best = report.residual, std::copy_n(lambda, rows, kept);
     sweep.start();
   }
@@ -260,7 +260,7 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, kept);
-  for (Index worse = 0, k = 0; worse < max_stalls && k < w.options.max_iterations / 2 && report.residual > w.options.tolerance && !w.time_is_up(); ++k) {
+  for (Index worse = 0, k = 0; worse < max_stalls && k < w.method_iterations() / 2 && report.residual > tolerance && !w.time_is_up(); ++k) {
     sweep.start();
     for (int i = 0; i < batch; ++i) sweep();
     report.iterations += batch;
@@ -273,8 +273,12 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
 
 // Approximate frictionless solution for position corrections; later steps correct the rest. Needs by_dof = 0.
 void Island::gauss_seidel_frictionless() {
-  const double least = std::max(correction_change, uses_gauss_seidel_only() ? w.options.tolerance : 0);  // of the largest change in the first sweep
+  const double least = std::max(correction_change, uses_gauss_seidel_only() ? tolerance : 0);  // of the largest change in the first sweep
   std::fill_n(lambda, rows, 0.0);
+  if (!uses_gauss_seidel_only() && has_runs()) {
+    AcceleratedSweeps(*this).frictionless(correction_sweeps, least);
+    return scatter_all(by_dof);
+  }
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double first = sweep.frictionless_sweep();
   for (int k = 1; k < correction_sweeps && sweep.frictionless_sweep() > least * first; ++k) {}

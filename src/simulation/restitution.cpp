@@ -1,5 +1,5 @@
 // Restitution in islands too large for a dense matrix: as much of it as gains no energy.
-#include "simulation/island.hpp"
+#include "simulation/accelerated_sweeps.hpp"
 
 namespace dyn::simulation {
 
@@ -19,7 +19,7 @@ bool Island::adds_energy(const dynContactReport& report) const {
   namespace accept = solver::tuning::accept;
   double work = 0, size = 0;
   for (Index i = 0; i < rows; ++i) work += lambda[i] * (g[i] + c[i]) / 2, size += std::abs(lambda[i] * g[i]);
-  return work > (accept::energy + accept::energy_by_tolerance * w.options.tolerance) * size || report.residual > accept::max_residual;
+  return work > (accept::energy + accept::energy_by_tolerance * tolerance) * size || report.residual > accept::max_residual;
 }
 
 // Restitution in islands too large for a matrix: the largest factor (bisection) with which no energy is gained.
@@ -28,7 +28,9 @@ void Island::solve_restitution(dynContactReport& report) {
   const auto refused = [&](double factor) {
     report.iterations = report.newton_steps = 0;
     scale_restitution(factor);
-    uses_gauss_seidel_only() ? gauss_seidel(report) : gauss_seidel_and_newton(report);
+    if (uses_gauss_seidel_only()) gauss_seidel(report);
+    else if (!is_exact() && has_runs()) AcceleratedSweeps(*this).run(w.max_iterations(), report);
+    else gauss_seidel_and_newton(report);
     residual();  // sets c for the best impulses
     iterations += report.iterations, newton_steps += report.newton_steps;
     return adds_energy(report);

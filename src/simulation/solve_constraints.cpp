@@ -1,4 +1,7 @@
 // Solves the contact problems of a step, island by island, and corrects the configuration.
+#include <algorithm>
+
+#include "algorithm/constrained/delassus.hpp"
 #include "algorithm/constrained/redundant_rows.hpp"
 #include "simulation/island.hpp"
 #include "simulation/ledger.hpp"
@@ -17,18 +20,38 @@ void for_each_island(const Workspace& w, Index slots, F&& f) {
   }
 }
 
+// Puts the contacts that no body of the island can close within the step last; their forces are then zero.
+void drop_open(Data<double>& d, double h, Index begin, Index end) {
+  Workspace& w = *d.step;
+  if (w.closed_gap > 0) return;
+  const auto each = [&](auto&& f) {
+    for (Index k = begin; k < end; ++k)
+      if (ActiveConstraint& x = w.active[w.order[k]]; x.kind == RowKind::Contact) f(x, w.laws[x.index]);
+  };
+  double fast = 0;
+  each([&](const ActiveConstraint&, const ContactLaw& law) { fast = std::max({fast, w.speeds[law.geom_a], w.speeds[law.geom_b]}); });
+  bool some = false;
+  each([&](ActiveConstraint& x, const ContactLaw& law) {
+    const double radius = std::min(d.geoms[law.geom_a].bounding_radius, d.geoms[law.geom_b].bounding_radius);
+    x.open = w.contacts[x.index].contact.distance > tuning::speed_growth * h * fast + tuning::search::touching * radius;
+    if (x.open) some = true, copy_force(w.contacts[x.index], nullptr);
+  });
+  if (some) std::stable_partition(w.order + begin, w.order + end, [&](Index k) { return !w.active[k].open; });
+}
+
 // Returns whether all contacts of an island are idle; their forces are then zero. Otherwise assembles their rows.
-bool skip_idle(const Model& m, Data<double>& d, Index begin, Index end) {
+bool skip_idle(const Model& m, Data<double>& d, double h, Index begin, Index end) {
   Workspace& w = *d.step;
   bool idle = true;
+  drop_open(d, h, begin, end);
   for (Index k = begin; idle && k < end; ++k) {
     const ActiveConstraint& x = w.active[w.order[k]];
-    idle = x.kind == RowKind::Contact && w.laws[x.index].idle;
+    idle = x.kind == RowKind::Contact && (w.laws[x.index].idle || x.open);
   }
   for (Index k = begin; k < end; ++k) {
     ActiveConstraint& x = w.active[w.order[k]];
-    x.idle = idle;
-    if (!idle && x.kind == RowKind::Contact) assemble_contact(m, d, x);
+    x.idle = idle || x.open;
+    if (!x.idle && x.kind == RowKind::Contact) assemble_contact(m, d, x);
     if (!idle) continue;
     copy_force(w.contacts[x.index], nullptr);
     w.report.penetration = std::max(w.report.penetration, -w.contacts[x.index].contact.distance);
@@ -45,11 +68,16 @@ void Island::impulses(dynContactReport& report) {
     solve_restitution(report);
   } else if (uses_gauss_seidel_only()) {
     gauss_seidel(report);
+  } else if (!bounces && !is_exact() && has_runs()) {
+    solve_to_default(report);
   } else if (!accept_guess(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
-    const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
+    const auto unsolved = [&] { return report.residual > tolerance && !w.time_is_up(); };
     if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
     else if (large() || (!bounces && sparse())) gauss_seidel_and_newton(report);
-    if (!large() && unsolved()) solve(report);
+    if (!large() && unsolved()) {
+      if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
+      solve(report);
+    }
     if (!bounces && unsolved() && report.residual < tuning::island::nearly_solved) gauss_seidel_while_improving(report);
     if (!bounces && unsolved()) solve_fixed_correction(report);
     report.residual = std::max(report.residual, inconsistency);
@@ -121,8 +149,8 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
   Workspace& w = *d.step;
   bool corrected = false, pushed = false;
   Index islands = 0, rows = 0;
-  for (Index k = 0; k < slots; ++k) rows += w.active[k].s->rows;
-  for_each_island(w, slots, [&](Index begin, Index end) { ++islands, pushed |= !skip_idle(m, d, begin, end); });
+  for_each_island(w, slots, [&](Index begin, Index end) { ++islands, pushed |= !skip_idle(m, d, h, begin, end); });
+  for (Index k = 0; k < slots; ++k) rows += w.active[k].open ? 0 : w.active[k].s->rows;
   w.report.islands = std::max(w.report.islands, islands), w.report.rows = std::max(w.report.rows, rows);
   w.report.contacts = std::max(w.report.contacts, w.contact_count);
   if (!pushed) return false;
@@ -134,7 +162,9 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
   });
   for_each_island(w, slots, [&](Index begin, Index end) {
     if (w.active[w.order[begin]].idle) return;
-    Island island{m, d, w, w.order + begin, end - begin, h, v_before};
+    const auto acts = [&](Index k) { return !w.active[k].idle; };
+    const Index count = Index(std::find_if_not(w.order + begin, w.order + end, acts) - (w.order + begin));
+    Island island{m, d, w, w.order + begin, count, h, v_before};
     island.assign_rows(), island.fill();
     dynContactReport report{};
     island.by_dof = impulse, island.impulses(report);
@@ -142,7 +172,7 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
     island.by_dof = displacement, corrected |= island.correct();
     island.keep_all();
     w.report.iterations += report.iterations + report.newton_steps;
-    w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.options.tolerance;
+    w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.tolerance();
   });
   if (corrected)
     with_active_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });

@@ -53,7 +53,12 @@ inline constexpr Index dense_rows = 240;        // rows of the largest dense Del
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
 inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: above it zeros cost more than the product saves
 inline constexpr double round_off = 1e-15;      // of the unit diagonal, a row: pivots below are rounding
-inline constexpr int rounds = 3;                // of max_iterations for all methods together: as three tries by the dense matrix
+inline constexpr int rounds = 3;                // of method_iterations for all methods together: as three tries by the dense matrix
+inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: of steps of dt, and where a tolerance or an accuracy is given
+inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default
+inline constexpr double settled = 1e-8;         // residual of slow islands that may sleep, and of impacts, which may gain energy
+inline constexpr double slack = 0.05;           // of g h^2, what gravity closes in a step: gap that pressed contacts keep
+inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations; likewise
 }  // namespace island
 
 // Matrix-free Gauss-Seidel (pgs_matrix_free.cpp).
@@ -66,6 +71,17 @@ inline constexpr double progress = 0.9;         // of the residual: a smaller re
 inline constexpr int correction_sweeps = 20;    // bound for position corrections
 inline constexpr double correction_change = 0.02;  // of the first sweep's change: the next steps correct the rest
 }  // namespace gauss_seidel
+
+// Anderson's acceleration of sweeps (accelerated_sweeps.cpp).
+namespace acceleration {
+inline constexpr int depth = 5;                 // sweeps that are combined
+inline constexpr double ridge = 1e-12;          // of the diagonal of their Gram matrix
+inline constexpr double growth = 2;             // of a sweep's change over the last: above it the combination starts anew
+inline constexpr double recheck = 0.5;          // of the change at which the residual was evaluated
+inline constexpr Index patience = 20;           // sweeps between checks of progress
+inline constexpr double progress = 0.8;         // of the least change: a smaller reduction ends the sweeps
+inline constexpr Index small_sweeps = 50;       // where other methods follow
+}  // namespace acceleration
 
 // Elimination order (elimination.hpp).
 namespace elimination {
@@ -109,10 +125,10 @@ inline constexpr Index problems = 30, newton_steps = 10;  // convex problems fro
 inline constexpr double solved = 1e-4;          // of the squared error: complementarity at which a convex problem ends
 inline constexpr double max_relaxation = 64;    // of a correction that keeps its direction; it doubles each time
 inline constexpr double same_change = 0.5;      // of the last change: a smaller one does not keep its direction
-inline constexpr Index min_iterations = 30;     // of max_iterations: with fewer, they were the reason for the residual
+inline constexpr Index min_iterations = 30;     // of method_iterations: with fewer, they were the reason for the residual
 inline constexpr double rounding = 1e-11;       // residual that is rounding
 inline constexpr double far = 10;               // of the tolerance: residual above which more rounds are spent
-inline constexpr Index near_rounds = 2, far_rounds = 9;  // of max_iterations
+inline constexpr Index near_rounds = 2, far_rounds = 9;  // of method_iterations
 }  // namespace fixed_correction
 
 // Sleep (sleep.cpp).

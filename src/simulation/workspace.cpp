@@ -44,7 +44,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.instances, own), f(w.support, own * carriers), f(w.Y, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
-  f(w.blocks, slots), f(w.by_dof, m.n.nv);
+  f(w.blocks, slots), f(w.sweep_blocks, slots), f(w.by_dof, m.n.nv);
   f(w.advancement_cache.q, m.n.nq), f(w.advancement_cache.lever, m.n.nv);
   const std::ptrdiff_t segments = segment_capacity(m), entries = Elimination::entry_capacity(segment_capacity(m));
   f(w.segments.of, m.n.nv), f(w.segments.first, segments + 1);
@@ -91,7 +91,7 @@ Workspace* place(const Model& m, void* memory) {
     array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
     next += rounded(std::size_t(n) * sizeof *array);
   });
-  w.options = default_options(), w.length = own_length(m);
+  w.options = default_options(m), w.length = own_length(m);
   if (w.free_bodies.sets) set_up_free_bodies(m, w.free_bodies), list_free_bodies(m, w);
   if (step_constraints(m) == 0) return &w;
   find_segments(m, w.segments);
@@ -117,8 +117,14 @@ std::size_t sleep_bytes(const Model& m) {
 dynStepOptions default_options() {
   dynStepOptions o{};
   o.struct_size = sizeof o, o.integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, o.dt = 1e-3;
-  o.solver = DYN_CONTACT_SOLVER_TYPE_ADMM, o.max_iterations = 100, o.tolerance = 1e-9;
+  o.solver = DYN_CONTACT_SOLVER_TYPE_ADMM, o.max_iterations = 0, o.tolerance = 0;
   o.sleep_speed = 1e-4, o.sleep_time = 0.5;
+  return o;
+}
+
+dynStepOptions default_options(const Model& m) {
+  dynStepOptions o = default_options();
+  o.dt = m.simulation()->dt, o.integrator = m.simulation()->integrator;
   return o;
 }
 

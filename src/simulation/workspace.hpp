@@ -22,7 +22,8 @@ struct ActiveConstraint {
   Index index;         // number of the contact, or -1
   Index tree1, tree2;  // -1: the world
   Index island;
-  bool idle;           // all constraints of its island are idle: nothing to solve
+  bool idle;           // all constraints of its island are idle: nothing to solve; or it is open
+  bool open;           // a contact that cannot close within the step
 };
 
 // Frame and material of a contact.
@@ -46,6 +47,17 @@ inline Index normal_row(Index rows) { return rows == 1 ? 0 : 2; }
 struct ConstraintBlock {
   alignas(64) double G[max_rows * row_lanes];
   double diagonal[max_rows], scale[max_rows];
+  solver::LocalCone local;
+};
+
+// A constraint in accelerated sweeps. The normal comes first; scales make friction cones round.
+struct SweepBlock {
+  const Index* order;   // permutation of its rows
+  Index first, rows;    // a contact without friction has its normal alone
+  bool cone;
+  double mu, lower, upper;
+  double scale[max_rows], soft[max_rows], inverse[max_rows], speed[max_rows];  // inverse: of G. speed: velocity by impulse
+  double G[max_rows * max_rows];
   solver::LocalCone local;
 };
 
@@ -102,6 +114,12 @@ struct Workspace {
   bool (*expired)(const void*);  // null: no deadline
   const void* clock;
   bool time_is_up() const { return expired && expired(clock); }
+  // What the options ask for; 0 is the default. Without a tolerance a solve ends where it no longer improves.
+  bool has_tolerance() const { return options.tolerance > 0 || options.accuracy > 0; }
+  double tolerance() const { return options.tolerance > 0 ? options.tolerance : has_tolerance() ? tuning::island::fine : tuning::island::tolerance; }
+  // Over everything that the solve of an island tries; of one method.
+  Index max_iterations() const { return options.max_iterations > 0 ? options.max_iterations : has_tolerance() ? tuning::island::fine_iterations : tuning::island::iterations; }
+  Index method_iterations() const { return std::max(std::min(max_iterations(), tuning::island::iterations), max_iterations() / tuning::island::methods); }
   Index contact_count, previous_count, saved_count;
   // largest distance (m, rad) and time (s) by which something passed closed_gap before its impulse
   double overshoot, overshoot_time;
@@ -145,6 +163,7 @@ struct Workspace {
   double* dense;                // Y of one island as a dense matrix
   Index* contact_rows;
   ConstraintBlock* blocks;            // of an island's constraints
+  SweepBlock* sweep_blocks;
   double* by_dof;
   Segments segments;            // of Newton's method
   Elimination elimination;
@@ -218,5 +237,6 @@ inline Index island_rows(const Model& m) { return std::min(step_rows(m), tuning:
 std::size_t workspace_bytes(const Model& m);
 Workspace* place(const Model& m, void* memory);
 dynStepOptions default_options();
+dynStepOptions default_options(const Model& m);  // of new data
 
 }  // namespace dyn::simulation

@@ -296,7 +296,7 @@ const Case cases[] = {
 
     // geometry
     {"NegativeBox", shape("<box size=\"1 -1 1\"/>"), DYN_ERROR_INVALID, {"line 3", "link 'a'", "<box>", "-1"}},
-    {"ZeroSphere", shape("<sphere radius=\"0\"/>"), DYN_ERROR_INVALID, {"line 3", "<sphere>", "radius"}},
+    {"NegativeSphere", shape("<sphere radius=\"-1\"/>"), DYN_ERROR_INVALID, {"line 3", "<sphere>", "radius"}},
     {"NegativeCylinder", shape("<cylinder radius=\"1\" length=\"-2\"/>"), DYN_ERROR_INVALID, {"line 3", "<cylinder>", "length"}},
     {"CylinderWithoutLength", shape("<cylinder radius=\"1\"/>"), DYN_ERROR_PARSE, {"line 3", "<cylinder>", "length"}},
     {"BoxWithoutSize", shape("<box/>"), DYN_ERROR_PARSE, {"line 3", "<box>", "size"}},

@@ -80,6 +80,11 @@ struct Simulation {
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
   }
   Simulation(const Simulation&) = delete;
+  // Solves contacts to a residual of 1e-9.
+  void exactly() {
+    options.tolerance = 1e-9;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
+  }
   ~Simulation() { dyn_data_free(d); }
   const double* array(const char* name) const {
     dynArray a{};

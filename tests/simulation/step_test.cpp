@@ -197,7 +197,7 @@ TEST(Step, LargePileIsSolved) {
     at.push_back({0.19 * (k % 4) + 0.001 * (k % 3), 0.19 * (k / 4 % 4) + 0.001 * (k % 5), 0.1 + 0.2 * (k / 16)});
   }
   Simulation play(scene.finish());
-  play.place(at);
+  play.exactly(), play.place(at);
   const double start = play.energy();
   play.steps(1000);
   EXPECT_GT(play.report().rows, 0);

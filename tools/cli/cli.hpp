@@ -48,7 +48,7 @@ struct RobotOptions {
   std::string file;
   std::vector<std::string> package_dirs;
   std::string srdf;
-  std::string meshes = "none";
+  std::string meshes = "auto";
   int contact_capacity = 0;
   bool fixed = false, floating = false, strict = false, cos_sin = false, confined = false, json = false;
 };
@@ -134,6 +134,8 @@ void add_state_options(CLI::App& command, StateOptions& options, bool with_accel
 struct State {
   Vector q, v, a, tau, ctrl;
   bool has_tau = false;
+  bool in_configuration = false;  // activations and time are those of this configuration; "": of new data
+  std::string configuration;
 };
 void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
 // Numbers from words that hold one or several each, separated by commas or spaces, within [ ] or without; option is named in the refusal.

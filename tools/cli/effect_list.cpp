@@ -22,7 +22,7 @@ const std::vector<Name>& names() {
   static const std::vector<Name> list = [] {
     std::vector<Name> out;
     for (const Choice& c : choices("dynEffects"))
-      if (std::has_single_bit(static_cast<std::uint32_t>(c.value))) out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
+      if (const auto bits = static_cast<std::uint32_t>(c.value); std::has_single_bit(bits) && (bits & DYN_EFFECT_ALL)) out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
     for (const Name& n : {Name{"gravity", has_gravity}, Name{"contact", has_contact}, Name{"constraints", has_constraints}, Name{"all", of_joints | of_the_whole}, Name{"none", 0}}) out.push_back(n);
     return out;
   }();

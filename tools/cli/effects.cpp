@@ -129,12 +129,14 @@ struct Options : SteppingOptions {
   double allowed = 0;
 };
 
-void run(const Options& options, bool asked) {
+void run(const Options& given, bool asked) {
+  Options options = given;
   check_stepping(options);
   if (asked && (!(options.allowed > 0) || !std::isfinite(options.allowed))) bad_usage("--suggest must be a positive number of metres and radians.");
   const std::uint32_t on = parse_effects(options.effects);
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
+  complete_stepping(robot, options);
   json warnings = json::array();
   const State state = start_of(robot, options, warnings);
   const Measured measured = measure(robot, state, options, on);
@@ -180,7 +182,7 @@ void add_effects(CLI::App& app) {
   CLI::App* command = app.add_subcommand("effects", "Each effect of a scene, measured: its price, and the change of the result without it");
   add_stepping_options(*command, *options);
   command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->capture_default_str();
-  command->add_option("--dt", options->dt, "Step, seconds")->check(decimal)->capture_default_str();
+  add_dt_option(*command, *options, "Step, seconds");
   CLI::Option* suggest = command->add_option("--suggest", options->allowed, "Find the fewest effects whose result differs by less than this from that of all effects (m, rad)")->check(decimal);
   command->callback([options, suggest] { run(*options, suggest->count() > 0); });
 }

@@ -22,7 +22,7 @@ json names(const Robot& robot, int shape_a, int shape_b) {
 const char* reason_text(dynPairReason reason) {
   switch (reason) {
     case DYN_PAIR_REASON_TESTED: return "tested";
-    case DYN_PAIR_REASON_OVERLAPS: return "they overlap in the neutral configuration";
+    case DYN_PAIR_REASON_OVERLAPS: return "they overlap in the neutral configuration and in nearly all others";
     case DYN_PAIR_REASON_MESH: return "one is a mesh, of which only the file's name is known: see --collision-meshes";
     case DYN_PAIR_REASON_OFF: return "switched off";
     case DYN_PAIR_REASON_DISABLED: return "disabled in the SRDF";

@@ -20,7 +20,7 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->check(not_empty)
       ->type_name("DIR");
   command.add_option("--srdf", options.srdf, "An SRDF for this robot: named configurations, disabled pairs")->check(not_empty)->type_name("FILE");
-  command.add_option("--collision-meshes", options.meshes, "Shapes for collision meshes: none, convex hulls, or triangles")
+  command.add_option("--collision-meshes", options.meshes, "Shapes for collision meshes: none, hull, triangles, or auto, hulls of those that can be read")
       ->check(CLI::IsMember(names_of("dynMeshUse")))
       ->type_name(join(names_of("dynMeshUse"), "|"))
       ->capture_default_str();

@@ -199,17 +199,15 @@ void write_html(const std::string& html, const Options& options, const Robot& ro
   page::write_file(options.html, page::filled(html, head, pack));
 }
 
-void run(const Options& options) {
+void run(const Options& given) {
+  Options options = given;
   check_stepping(options);
   if (options.accuracy_given && (!(options.accuracy > 0) || !std::isfinite(options.accuracy))) bad_usage("--accuracy must be a positive number.");
-  const auto& integrator = integrator_named(options.integrator);
   const ContactSolver solver{solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget};
   const std::uint32_t on = parse_effects(options.effects);
   const bool adaptive = options.accuracy > 0;
   const bool page = !options.html.empty();
   const double rows = options.duration / 100;
-  const double dt = !adaptive || options.dt_given ? options.dt : page ? std::min(rows, 1.0 / 60) : rows;
-  const Schedule schedule(options.duration, dt);
   check_outputs({{"--csv", options.csv}, {"--html", options.html}, {"--postmortem", options.postmortem}},
                 inputs_of(options.robot, {{"--state", options.state.file}, {"--tau-csv", options.forces}}));
   const std::string html = page ? page::page_template() : "";  // first of all: whether there is one
@@ -217,6 +215,10 @@ void run(const Options& options) {
   json warnings = json::array();
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
+  complete_stepping(robot, options);
+  const auto& integrator = integrator_named(options.integrator);
+  const double dt = !adaptive || options.dt_given ? options.dt : page ? std::min(rows, 1.0 / 60) : rows;
+  const Schedule schedule(options.duration, dt);
   const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, on);
   State state = start_of(robot, options, warnings);
   if (!options.forces.empty() && state.has_tau) bad_usage("--tau-csv and a constant tau exclude each other: keep one.");
@@ -369,7 +371,7 @@ void add_sim(CLI::App& app) {
       app.add_subcommand("sim", "Simulation under a constant tau or forces over time, with contacts, limits and constraints");
   add_stepping_options(*command, *options);
   command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->required();
-  CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy, the time between rows of --csv")->check(decimal)->capture_default_str();
+  add_dt_option(*command, *options, "Step, seconds; with --accuracy, the time between rows of --csv");
   CLI::Option* accuracy = command->add_option("--accuracy", options->accuracy, "Bound on the sum of the steps' errors (m, rad and their rates); step sizes follow")->check(decimal);
   command->add_option("--csv", options->csv, "Write every step to this file: t, q, v, tau when given, energies")->check(not_empty);
   command->add_option("--tau-csv", options->forces, "Forces over time: a CSV file with columns t, tau0, tau1, ...; each row acts until the next row's t")->check(not_empty);
@@ -378,8 +380,8 @@ void add_sim(CLI::App& app) {
   command->add_flag("--profile", options->profile, "Measure each effect, as dyn effects does");
   command->add_flag("--ledger", options->ledger, "Print energy and momentum by source, and their defects");
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Skip the second run, at half the step");
-  command->callback([options, dt, accuracy] {
-    options->dt_given = dt->count() > 0, options->accuracy_given = accuracy->count() > 0;
+  command->callback([options, accuracy] {
+    options->dt_given = !std::isnan(options->dt), options->accuracy_given = accuracy->count() > 0;
     run(*options);
   });
 }

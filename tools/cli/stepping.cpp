@@ -44,12 +44,6 @@ void warn_beyond_limits(const Robot& robot, const Vector& q, json& warnings) {
                      ", " + short_number(upper[farthest]) + "], farthest of all: steps bring it back, at a speed that depends on --dt; --q chooses another place");
 }
 
-bool has_configuration(const Robot& robot, const std::string& name) {
-  for (int k = 0; k < dyn_model_nconfigurations(robot); ++k)
-    if (name == dyn_model_configuration_name(robot, k)) return true;
-  return false;
-}
-
 }  // namespace
 
 const std::vector<Integrator>& integrators() {
@@ -89,34 +83,60 @@ void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator
 
 void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   add_robot_options(command, options.robot);
-  command.add_option("--integrator", options.integrator, one_of("dynIntegrator"))->capture_default_str();
+  command.add_option("--integrator", options.integrator, one_of("dynIntegrator") + "; default: the nearest to the file's, else semi_implicit_euler");
   command.add_option("--solver", options.solver, "Solver of contacts, limits and constraints: " + one_of("dynContactSolverType"))->capture_default_str();
-  command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops")->check(decimal)->capture_default_str();
-  command.add_option("--max-iterations", options.max_iterations, "Iterations of the solver, per island and step; then the best impulses act")->check(whole)->capture_default_str();
+  command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops; 0: 1e-4 of the largest velocity")->check(decimal)->capture_default_str();
+  command.add_option("--max-iterations", options.max_iterations, "Iterations of the solver, per island and step, over all that it tries; then the best impulses act; 0: 100, or 1200 with --tolerance")->check(whole)->capture_default_str();
   command.add_option("--time-budget", options.time_budget, "Seconds of the solver in a step; then the best impulses act; 0: no limit, and repeatable results")->check(decimal)->capture_default_str();
   command.add_flag("--ground", options.ground, "Add the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
-  command.add_option("--configuration", options.configuration, "Start in this configuration of the file; default: qpos0 of an MJCF file, else neutral")->check(not_empty);
-  command.add_option("--ctrl", options.ctrl, "Controls of the actuators, nu numbers; default zero")->type_name("NUMBERS");
+  command.add_option("--configuration", options.configuration, "Start in this configuration of the file; default: where an MJCF file draws the robot, else neutral")->check(not_empty);
+  command.add_option("--ctrl", options.ctrl, "Controls of the actuators, nu numbers; default: the configuration's")->type_name("NUMBERS");
   add_effects_option(command, options.effects);
+}
+
+void add_dt_option(CLI::App& command, SteppingOptions& options, const std::string& what) {
+  command.add_option("--dt", options.dt, what + "; default: the file's, else 0.001")->check(decimal);
+}
+
+void complete_stepping(const Robot& robot, SteppingOptions& options) {
+  dynStepOptions file;
+  dyn_step_options_init(&file);
+  check(dyn_model_step_options(robot, &file));
+  if (std::isnan(options.dt)) options.dt = file.dt;
+  if (options.integrator.empty()) options.integrator = integrators()[static_cast<std::size_t>(file.integrator)].name;
 }
 
 void check_stepping(const SteppingOptions& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
-  if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
-  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a positive number.");
-  if (options.max_iterations < 1) bad_usage("--max-iterations must be 1 or more.");
+  if (!std::isnan(options.dt) && (!(options.dt > 0) || !std::isfinite(options.dt))) bad_usage("--dt must be a positive number of seconds.");
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a number, 0 or more.");
+  if (options.max_iterations < 0) bad_usage("--max-iterations must be 0 or more.");
   if (!(options.time_budget >= 0) || !std::isfinite(options.time_budget)) bad_usage("--time-budget must be a number of seconds, 0 or more.");
   check_lists(options.state);
   parse_list("--ctrl", options.ctrl);
 }
 
+namespace {
+
+// What is not given on the command line is that of the configuration.
+void start_in_configuration(const Robot& robot, const SteppingOptions& options, State& state) {
+  state.configuration = options.configuration;
+  const Data data(robot, DYN_PART_SIMULATION, DYN_EFFECT_ALL);
+  check(dyn_data_reset(robot, data, options.configuration.empty() ? nullptr : options.configuration.c_str()));
+  state.q = field(robot, data, "q");
+  if (options.state.v.empty()) state.v = field(robot, data, "v");
+  state.ctrl = field(robot, data, "ctrl");
+  state.in_configuration = true;
+}
+
+}  // namespace
+
 State start_of(const Robot& robot, const SteppingOptions& options, json& warnings) {
   State state = read_state(robot, options.state);
   const bool said = !options.state.file.empty() || !options.state.q.empty();
   if (said && !options.configuration.empty()) bad_usage("--configuration excludes --q and --state: keep one.");
-  if (!options.configuration.empty()) check(dyn_model_configuration(robot, options.configuration.c_str(), state.q.data()));
-  else if (!said && has_configuration(robot, "qpos0")) check(dyn_model_configuration(robot, "qpos0", state.q.data()));
+  if (!said) start_in_configuration(robot, options, state);
   if (options.ground && !said && options.configuration.empty()) lift(robot, state.q, warnings);
   if (parse_effects(options.effects) & DYN_EFFECT_LIMITS) warn_beyond_limits(robot, state.q, warnings);
   if (!options.ctrl.empty()) {
@@ -129,6 +149,7 @@ State start_of(const Robot& robot, const SteppingOptions& options, json& warning
 }
 
 void set_start(const Robot& robot, const Data& data, const State& state) {
+  if (state.in_configuration) check(dyn_data_reset(robot, data, state.configuration.empty() ? nullptr : state.configuration.c_str()));
   check(dyn_data_set_state(robot, data, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   check(dyn_data_set_control(robot, data, state.ctrl.data()));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <limits>
 
 #include "cli.hpp"
 
@@ -25,7 +26,7 @@ const Solver& solver_named(const std::string& name);
 struct ContactSolver {
   dynContactSolverType type;
   double tolerance;
-  int max_iterations = 100;
+  int max_iterations = 0;
   double time_budget = 0;  // s a step; 0: none
 };
 void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger = false);
@@ -35,18 +36,21 @@ struct SteppingOptions {
   RobotOptions robot;
   StateOptions state;
   EffectOptions effects;
-  std::string integrator = "semi_implicit_euler", solver = "admm", configuration;
-  double duration = 0, dt = 1e-3, tolerance = 1e-9, time_budget = 0;
-  int max_iterations = 100;
+  std::string integrator, solver = "admm", configuration;  // integrator "": the file's
+  double duration = 0, dt = std::numeric_limits<double>::quiet_NaN(), tolerance = 0, time_budget = 0;
+  int max_iterations = 0;
   bool ground = false;
   std::vector<std::string> ctrl;
 };
 // All but --duration and --dt.
 void add_stepping_options(CLI::App& command, SteppingOptions& options);
+void add_dt_option(CLI::App& command, SteppingOptions& options, const std::string& what);
 void check_stepping(const SteppingOptions& options);
+// Fills in dt and integrator that were not given: the file's.
+void complete_stepping(const Robot& robot, SteppingOptions& options);
 
-// Where the steps begin: as --state or --q say, else in --configuration, else where an MJCF file draws the robot (qpos0), else neutral;
-// with --ground on it, if nothing was said. Controls are those of --ctrl.
+// Where the steps begin: as --state or --q say, else in --configuration, else as new data, where an MJCF file draws the robot; with
+// --ground on it, if nothing was said. Controls are those of --ctrl.
 // A start beyond limits that act is a warning.
 State start_of(const Robot& robot, const SteppingOptions& options, json& warnings);
 void set_start(const Robot& robot, const Data& data, const State& state);

@@ -91,7 +91,7 @@ void add_view(CLI::App& app) {
   CLI::App* command = app.add_subcommand("view", "The robot in a browser: shapes, frames, masses, movable joints; with --live a running simulation");
   command->footer("The address of --live has a random word and is served to this machine alone. Drag with Shift held to push a link. Ctrl-C ends it.");
   add_stepping_options(*command, *options);
-  command->add_option("--dt", options->dt, "Step of --live, seconds")->check(decimal)->capture_default_str();
+  add_dt_option(*command, *options, "Step of --live, seconds");
   command->add_option("--html", options->html, "Write the page to this file, and open nothing")->check(not_empty);
   command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, switch effects");
   command->add_option("--port", options->port, "Port of --live; 0: any free one")->check(CLI::Range(0, 65535))->check(whole)->capture_default_str();

@@ -84,8 +84,8 @@ class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, Cons
 
     def set_effects(self, effects: EffectLike, joint: str | int = 0) -> None:
         """Switches the effects of a joint, or of all, to those given: dyn.Effect members or names, as "damping", ("armature",
-        "springs"), "all" or (). New data has armature, limits, actuators, gravity compensation
-        and the medium. All but armature act in steps alone."""
+        "springs"), "all", "default" or (). Those of new data are "default": steps apply all effects that the model states ("as_stated"), and
+        algorithms called alone apply armature."""
         check(lib.dyn_data_set_effects(self._m, self._d, self.model._joint(joint), mask(Effect, effects, "effects")))
 
     def warm_up(self) -> None:
@@ -93,7 +93,7 @@ class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, Cons
         check(lib.dyn_data_warm_up(self._m, self._d))
 
     def effects(self, joint: str | int = 0) -> Effect:
-        """Returns the effects that are on at a joint; without one, those that act at some joint."""
+        """Returns the effects that are on at a joint; without one, those that act in steps at some joint."""
         out = c_uint32()
         check(lib.dyn_data_effects(self._m, self._d, self.model._joint(joint), byref(out)))
         return Effect(out.value)

@@ -160,6 +160,10 @@ class CancelledError(Error):
     status_name = "DYN_ERROR_CANCELLED"
 
 
+class LoadWarning(UserWarning):
+    """The file of a model says something that the model does not do: Model.report has every entry."""
+
+
 BY_STATUS: dict[int, type[Error]] = {}
 """The class of each status."""
 

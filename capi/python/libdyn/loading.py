@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Sequence
 from ctypes import byref, c_char_p, c_void_p
 from typing import TYPE_CHECKING, Any
@@ -10,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from . import abi
 from .arrays import checked
 from .choices import member, text, whole
-from .enums import Base, MeshUse
-from .errors import ArgumentError
+from .enums import Base, MeshUse, ReportLevel
+from .errors import ArgumentError, LoadWarning
 from .library import check, lib
 from .model import Model
 
@@ -42,6 +43,17 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
     return options
 
 
+def _made(handle: Any, name: str) -> Model:
+    """The model of a handle; its warnings become one warning of Python."""
+    model = Model(handle)
+    missing = [r for r in model.report if r.level is ReportLevel.WARNING]
+    if missing:
+        first = (f"line {missing[0].line}: " if missing[0].line else "") + missing[0].message
+        more = f" (and {len(missing) - 1} more warnings in Model.report)" if len(missing) > 1 else ""
+        warnings.warn(f"{name}: {first}{more}", LoadWarning, stacklevel=3)
+    return model
+
+
 def load(
     path: str | os.PathLike,
     base: BaseLike | None = None,
@@ -51,7 +63,7 @@ def load(
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
-    meshes: MeshUseLike = MeshUse.NONE,
+    meshes: MeshUseLike = MeshUse.AUTO,
     constraint_slots: int = 8,
     contact_capacity: int = 0,
     confined: bool = False,
@@ -64,12 +76,15 @@ def load(
     cos_sin       continuous joints store (cos, sin)
     package_dirs  where package://NAME/... is looked up
     gravity       (3,), m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's
-    meshes        what stands for collision meshes: "none", their names alone; "hull", their convex hulls (report says which are not
-                  convex); "triangles". Other than "none", a mesh that cannot be read is an error
+    meshes        what stands for collision meshes: "auto", the convex hull of each mesh that can be read, and a warning for each other
+                  one; "hull", their convex hulls (report says which are not convex); "triangles"; "none", their names alone. With
+                  "hull" and "triangles" a mesh that cannot be read is an error
     constraint_slots  spare slots for constraints that a data of the model has
     contact_capacity  contact points that a step has room for, the deepest; 0: what the shapes need
     confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are errors
     srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
+
+    Warnings of the load report are shown once a model, as a dyn.LoadWarning. Model.report has all of them.
     """
     name = os.fsencode(path)
     if b"\0" in name:
@@ -77,7 +92,7 @@ def load(
     out = c_void_p()
     options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
     check(lib.dyn_model_load(name, byref(options), byref(out)))
-    return Model(out.value)
+    return _made(out.value, os.fsdecode(name))
 
 
 def load_string(
@@ -89,7 +104,7 @@ def load_string(
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
-    meshes: MeshUseLike = MeshUse.NONE,
+    meshes: MeshUseLike = MeshUse.AUTO,
     constraint_slots: int = 8,
     contact_capacity: int = 0,
     confined: bool = False,
@@ -98,4 +113,4 @@ def load_string(
     out = c_void_p()
     options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
-    return Model(out.value)
+    return _made(out.value, "the text")

@@ -85,6 +85,11 @@ class Model(States, ModelArrays, ModelConstraints, ModelActuators, Saving):
         return q
 
     @property
+    def initial_configuration(self) -> str:
+        """Name of the configuration where new data begins: "qpos0" of an MJCF file that draws another one than "neutral"."""
+        return self.configuration_names[size(lib.dyn_model_initial_configuration(self._m))]
+
+    @property
     def configurations(self) -> dict[str, Numbers]:
         """Every named configuration: {name: q}."""
         return {name: self.configuration(name) for name in self.configuration_names}
@@ -107,7 +112,7 @@ class Model(States, ModelArrays, ModelConstraints, ModelActuators, Saving):
         return size
 
     def data(self, parts: PartLike = Part.ALL, memory: Any = None) -> Data:
-        """New data at the neutral configuration and rest: one for each thread.
+        """New data at the initial configuration and rest: one for each thread. Its steps go as the file states.
 
         parts   a dyn.Part, or several, or their names: groups of buffers; a call that needs an absent one says so
         memory  a writable buffer of at least data_size(parts) bytes to place the data in, instead of the heap

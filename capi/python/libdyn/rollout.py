@@ -14,7 +14,7 @@ from .arrays import address, numbers
 from .choices import member, whole
 from .enums import SensorType, Status
 from .errors import ArgumentError, SizeError
-from .library import fail, lib
+from .library import check, fail, lib
 from .simulation import fill_stepping
 
 if TYPE_CHECKING:
@@ -163,9 +163,9 @@ class Rollouts:
         strict: bool = True,
         progress: Callable[[int, int], Any] | None = None,
     ) -> Rollout:
-        """N simulations of `steps` steps of dt (1e-3 s). Simulation k is bit for bit what a Data does, whatever the number of threads.
+        """N simulations of `steps` steps of dt (None: of the model's file, else 1e-3 s). Simulation k is bit for bit what a Data does, whatever the number of threads.
 
-        q0, v0      (N, nq), (N, nv), or one row for all: where they begin; neutral, at rest
+        q0, v0      (N, nq), (N, nv), or one row for all: where they begin; as new data
         states      (N, bytes), Rollout.states of an earlier call: they go on from there
         control     (N, R, nu), or (R, nu) for all: for actuators, each row held for `every` steps; R = steps / every
         tau         (N, R, nv), or (R, nv): generalised forces, N m or N, in the same way
@@ -193,6 +193,7 @@ class Rollouts:
             raise ArgumentError(f"contacts is {contacts!r}, but must be a number of contact points.")
 
         stepping, x = abi.initialized(abi.StepOptions), abi.initialized(abi.Rollout)
+        check(lib.dyn_model_step_options(model._m, byref(stepping)))
         fill_stepping(stepping, integrator, solver, dt=dt, tolerance=tolerance, max_iterations=max_iterations)
         x.steps, x.every, x.sensors, x.contact_capacity = plan.steps, every, len(types), contacts
         x.stepping, x.sensor, x.sensor_frame = ctypes.addressof(stepping), address(types), address(frames)

@@ -32,10 +32,12 @@ class Trajectory(NamedTuple):
 class Simulation:
     """A data that goes on in time: the loop that one would write oneself.
 
-        sim = dyn.Simulation(model, dt=1e-3, effects=("armature", "damping", "limits"))
+        sim = dyn.Simulation(model)
         trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q))
 
-    q: where it begins, or the name of a configuration of the model; by default as the file draws it: "qpos0" of an MJCF file, else neutral.
+    q: where it begins, or the name of a configuration of the model, with the velocity, controls, activations and time that it states; by default as
+    new data, where an MJCF file draws it.
+    dt, integrator, effects: by default those of the model's file, or 1e-3 s, "semi_implicit_euler" and all effects.
     stepping: more of Data.set_step_options. `data` is a Data like any other.
     """
 
@@ -45,20 +47,18 @@ class Simulation:
         q: Any = None,
         v: Any = None,
         *,
-        dt: float = 1e-3,
+        dt: float | None = None,
         integrator: IntegratorLike | None = None,
         effects: EffectLike | None = None,
         **stepping: Any,
     ):
         self.model = model
         self.data: Data = model.data()
-        self.dt = dt
         self.data.set_step_options(integrator, dt, **stepping)
+        self.dt: float = self.data.step_options.dt
         if effects is not None:
             self.data.set_effects(effects)
-        if q is None and "qpos0" in model.configuration_names:
-            q = "qpos0"
-        self.data.set_state(self._configuration(q), v)
+        self._set(q, v)
         self._begin = self.data.save_state()
 
     def __repr__(self) -> str:
@@ -80,13 +80,15 @@ class Simulation:
         return self.data.v
 
     def reset(self, q: Any = None, v: Any = None) -> None:
-        """Back to the beginning, with q (or a configuration's name) or v in place of what was there."""
-        q = self._configuration(q)
+        """Back to the beginning, with q or v in place of what was there, or to the state of a named configuration."""
         self.data.restore_state(self._begin)
-        self.data.set_state(q, v)
+        self._set(q, v)
 
-    def _configuration(self, q: Any) -> Any:
-        return self.model.configuration(q) if isinstance(q, str) else q
+    def _set(self, q: Any, v: Any) -> None:
+        if isinstance(q, str):
+            self.data.reset(q)
+            q = None
+        self.data.set_state(q, v)
 
     def step(self, steps: int = 1, control: Any = None) -> None:
         """Some steps, under controls (nu,) or those that are held."""

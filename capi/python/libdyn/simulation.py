@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import abi
-from .choices import member, whole
+from .choices import member, text, whole
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
 from .errors import ArgumentError
@@ -158,6 +158,10 @@ class Stepping(DataHandle):
         options = abi.StepOptions()
         check(lib.dyn_data_step_options(self._m, self._d, byref(options)))
         return options
+
+    def reset(self, configuration: str | None = None) -> None:
+        """Sets q, v, a, tau, controls, activations and time to those of a named configuration, or to those of new data."""
+        check(lib.dyn_data_reset(self._m, self._d, None if configuration is None else text(configuration, "configuration")))
 
     def step(self, dt: float | None = None, integrator: IntegratorLike | None = None) -> None:
         """Advances q, v and the time by one step under the held tau. dt and integrator are kept (set_step_options)."""

@@ -49,7 +49,7 @@ def test_what_is_read_of_actuators():
 <general joint="elbow" gainprm="3" biastype="affine" biasprm="1 -2 -0.1" dyntype="filter" dynprm="0.02"/>
 <general joint="elbow" dyntype="muscle"/><motor site="s"/>""")
     m = dyn.load_string(text)
-    assert m.actuator_names == ["m", "position_1", "general_2"]
+    assert m.actuator_names == ["m", "position_1", "general_2", "general_3", "motor_4"]  # the last two exert no force
     motor, servo, affine = (m.actuator(k) for k in range(3))
     assert (motor.type, motor.gear, motor.control_range) == (dyn.ActuatorType.MOTOR, 5, (-1, 1))
     assert (servo.kp, servo.control_range) == (1, pytest.approx((-math.pi / 4, math.pi / 4)))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import ARM
-from command import CLI, answer, run
+from test_cli import CLI, answer, run
 
 import libdyn as dyn
 
@@ -147,7 +147,8 @@ def test_meshes_of_robots(tmp_path):
         f"<robot name='r'><link name='a'>{part}</link><link name='b'>{mass}</link><link name='c'>{mass}{part}</link>"
         + joint.format("x", "a", "b") + joint.format("y", "b", "c") + "</robot>"
     )  # fmt: skip
-    names = dyn.load(path, "fixed")
+    assert dyn.load(path, "fixed").shapes[0].type == dyn.ShapeType.CONVEX
+    names = dyn.load(path, "fixed", meshes="none")
     assert names.shapes[0].type == dyn.ShapeType.MESH and names.pairs[0].reason == dyn.PairReason.MESH
     hull, triangles = dyn.load(path, "fixed", meshes="hull"), dyn.load(path, "fixed", meshes="triangles")
     assert hull.shapes[0].type == dyn.ShapeType.CONVEX and triangles.shapes[0].type == dyn.ShapeType.TRIANGLES

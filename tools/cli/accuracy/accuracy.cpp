@@ -231,7 +231,8 @@ std::string quoted(const std::string& word) {
   return !word.empty() && word.find_first_of(" \t'\"$&;()*?<>|\\") == word.npos ? word : "'" + word + "'";
 }
 
-void run(const Options& options, const std::vector<std::string>& words) {
+void run(const Options& given, const std::vector<std::string>& words) {
+  Options options = given;
   check_stepping(options);
   std::string unit, second;
   const double target = options.target.empty() ? 0 : with_unit("--target", options.target, {"m", "rad", "J"}, unit);
@@ -241,6 +242,7 @@ void run(const Options& options, const std::vector<std::string>& words) {
                 inputs_of(options.robot, {{"--state", options.state.file}, {"--reference", options.reference}}));
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
+  complete_stepping(robot, options);
   json warnings = json::array();
   const Scene scene{robot, start_of(robot, options, warnings), on, options.duration};
   const Budget budget(seconds);
@@ -342,7 +344,7 @@ void add_accuracy(CLI::App& app) {
   add_stepping_options(*command, *options);
   command->remove_option(command->get_option("--integrator"));
   command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->capture_default_str();
-  command->add_option("--dt", options->dt, "Step at which contact solvers are compared, seconds")->check(decimal)->capture_default_str();
+  add_dt_option(*command, *options, "Step at which contact solvers are compared, seconds");
   command->add_option("--target", options->target, "Allowed error with a unit: 1e-4m, 1e-3rad, 0.1J")->check(not_empty);
   command->add_option("--budget", options->budget, "Time for all runs, with a unit: 60s, 5min")->capture_default_str()->check(not_empty);
   command->add_option("--reference", options->reference, "State file with the exact final state")->check(not_empty);

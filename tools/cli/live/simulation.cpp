@@ -24,6 +24,7 @@ Robot load(const SteppingOptions& options) {
 
 Simulation::Simulation(const SteppingOptions& options)
     : options_(options), robot_(load(options)), start_(start_of(robot_, options, notes_)), effects_(parse_effects(options.effects)), poses_(robot_, effects_) {
+  complete_stepping(robot_, options_);
   begin(start_);
 }
 

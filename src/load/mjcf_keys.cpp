@@ -1,0 +1,132 @@
+// The initial configuration and <keyframe>, as named configurations with velocity, controls, activations and time.
+#include <algorithm>
+
+#include "mjcf_robot.hpp"
+#include "spatial/quaternion.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+using ByJoint = std::vector<std::pair<std::string, std::vector<double>>>;
+
+// qpos at the initial configuration.
+std::vector<double> initial_qpos(const MjcfRobot& robot) {
+  std::vector<double> qpos;
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) {
+      const size_t n = size_t(joint_nq(j.spec.type));
+      if (n == 1) {
+        qpos.push_back(j.reference);
+        continue;
+      }
+      if (n == 7) qpos.insert(qpos.end(), {body.X.p[0], body.X.p[1], body.X.p[2]});
+      const Quaternion<double> u = n == 7 ? quaternion(body.X.R) : Quaternion<double>::identity();
+      qpos.insert(qpos.end(), {u.w, u.v[0], u.v[1], u.v[2]});
+    }
+  return qpos;
+}
+
+bool is_neutral(const MjcfRobot& robot) {
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints)
+      if (j.reference != 0 || j.spec.type == DYN_JOINT_TYPE_FREE_FLYER) return false;
+  return true;
+}
+
+// By joints. MuJoCo's quaternions are (w, x, y, z), and a zero one is the identity.
+ByJoint coordinates(const MjcfRobot& robot, const std::vector<double>& qpos) {
+  ByJoint out;
+  auto at = qpos.begin();
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) {
+      std::vector<double> q(at, at + joint_nq(j.spec.type));
+      at += joint_nq(j.spec.type);
+      if (q.size() >= 4) {
+        std::rotate(q.end() - 4, q.end() - 3, q.end());
+        if (std::all_of(q.end() - 4, q.end(), [](double x) { return x == 0; })) q.back() = 1;
+      }
+      out.emplace_back(j.spec.name, std::move(q));
+    }
+  return out;
+}
+
+// By joints. MuJoCo's linear velocity of a free joint is in world axes, ours in those of the body.
+ByJoint velocities(const MjcfRobot& robot, const ByJoint& q, const std::vector<double>& qvel) {
+  ByJoint out;
+  auto at = qvel.begin();
+  auto where = q.begin();
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) {
+      std::vector<double> v(at, at + joint_nv(j.spec.type));
+      at += joint_nv(j.spec.type);
+      if (j.spec.type == DYN_JOINT_TYPE_FREE_FLYER) {
+        const double* const u = where->second.data() + 3;
+        store3(transpose(from_quaternion(u[3], u[0], u[1], u[2])) * load3(v.data()), v.data());
+      }
+      out.emplace_back(j.spec.name, std::move(v)), ++where;
+    }
+  return out;
+}
+
+void check_size(const MjcfKey& key, const char* what, size_t given, size_t needed, const char* symbol) {
+  if (given != 0 && given != needed)
+    key.place.fail(DYN_ERROR_SIZE, std::string(what) + " has " + std::to_string(given) + " numbers, and the model has " + symbol + " = " + std::to_string(needed));
+}
+
+ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const ByJoint& q) {
+  size_t nv = 0, na = 0;
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) nv += size_t(joint_nv(j.spec.type));
+  for (const MjcfActuator& a : robot.actuators) na += a.activations;
+  check_size(key, "qvel", key.qvel.size(), nv, "nv"), check_size(key, "act", key.act.size(), na, "na"), check_size(key, "ctrl", key.ctrl.size(), robot.actuators.size(), "nu");
+  ConfigurationState state;
+  if (!key.qvel.empty()) state.v = velocities(robot, q, key.qvel);
+  state.time = key.time;
+  size_t act = 0;
+  for (size_t k = 0; k < robot.actuators.size(); ++k) {
+    const MjcfActuator& a = robot.actuators[k];
+    ConfigurationState::Actuator x;
+    if (!key.ctrl.empty()) x.control[0] = key.ctrl[k];
+    if (!key.act.empty() && a.activations > 0 && !a.inert) x.activation = key.act[act];
+    act += a.activations;
+    if (!a.inert || nv > 0) state.actuators.emplace_back(a.name, x);
+  }
+  return state;
+}
+
+}  // namespace
+
+void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
+  for (Element* c : file.source.children(e, "key")) {
+    std::string name = c->Attribute("name") ? c->Attribute("name") : "";
+    if (name.empty()) name = "key_" + std::to_string(file.robot.keys.size());
+    name = context.name(name);
+    const Reader reader = file.source.reader(*c, "key " + load::quoted(name));
+    reader.unread(*c, {"name", "class", "qpos", "time", "qvel", "act", "ctrl", "mpos", "mquat"}, {});
+    for (const char* unused : {"mpos", "mquat"})
+      if (c->Attribute(unused)) reader.report.info(line(*c), reader.owner + ": " + unused + " is not used: mocap bodies are fixed");
+    MjcfKey key{{&reader.report, line(*c), reader.owner}, name, {}};
+    const auto read = [&](const char* attribute, std::vector<double>& to) { to = reader.numbers(*c, attribute).value_or(std::vector<double>()); };
+    read("qpos", key.qpos), read("qvel", key.qvel), read("act", key.act), read("ctrl", key.ctrl);
+    key.time = reader.optional_number(*c, "time").value_or(0);
+    file.robot.keys.push_back(std::move(key));
+  }
+}
+
+void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot) {
+  if (is_neutral(robot)) return;
+  with_location(robot.bodies[0].place, [&] { builder.configuration_of_joints("qpos0", coordinates(robot, initial_qpos(robot))); });
+}
+
+void add_mjcf_keys(Builder& builder, const MjcfRobot& robot) {
+  const std::vector<double> initial = initial_qpos(robot);
+  for (const MjcfKey& key : robot.keys) {
+    check_size(key, "qpos", key.qpos.size(), initial.size(), "nq");
+    const ByJoint q = coordinates(robot, key.qpos.empty() ? initial : key.qpos);
+    with_location(key.place, [&] { builder.configuration_of_joints(key.name, q, state_of(robot, key, q)); });
+  }
+  if (!is_neutral(robot)) builder.initial_configuration("qpos0");
+}
+
+}  // namespace dyn::load
