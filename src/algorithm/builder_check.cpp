@@ -160,10 +160,12 @@ std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& 
     const Eigen::Vector3d moments = principal_moments(b);
     const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
     const double scale = std::max({std::abs(moments[0]), moments[2], 1e-6 * b.m * dot(c, c)});
-    if (moments[0] < -1e-6 * scale)
-      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) +
-                                         ") has a negative principal moment " + number(moments[0]) +
-                                         " kg m^2: no mass distribution has that; correct the file");
+    if (moments[0] < -1e-6 * scale) {
+      const std::string message = "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) +
+                                  ") has a negative principal moment " + number(moments[0]) + " kg m^2: no mass distribution has that; correct the file";
+      if (!allow_massless) throw Error(DYN_ERROR_INVALID, message);
+      massless.push_back(message);
+    }
   }
   if (m.n.nv == 0) return massless;
   const std::vector<double> pivots = m.has_mimic ? factor_pivots(m) : articulated_pivots(m);
@@ -179,7 +181,7 @@ std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& 
         const std::string message = "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
                                     " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
                                     "give the links an inertial, give the joint an armature, or make it fixed";
-        if (!allow_massless || pivots[std::size_t(b.user_v + k)] != 0) throw Error(DYN_ERROR_INVALID, message);
+        if (!allow_massless || pivots[std::size_t(b.user_v + k)] > 0) throw Error(DYN_ERROR_INVALID, message);
         massless.push_back(message);
       }
   }

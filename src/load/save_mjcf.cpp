@@ -150,6 +150,13 @@ void MjcfWriter::add_moving(Index first) {
   add_content(last, main);
 }
 
+// Inertia by its principal axes and moments.
+static void put_principal(XmlElement& inertial, Eigen::Matrix3d axes, const Eigen::Vector3d& moments) {
+  if (axes.determinant() < 0) axes.col(0) *= -1;
+  const Quaternion<double> u = quaternion(load33(axes.data()));
+  put(inertial, "quat", {u.w, u.v[0], u.v[1], u.v[2]}), put(inertial, "diaginertia", {moments[0], moments[1], moments[2]});
+}
+
 void MjcfWriter::add_link(XmlElement& body, Index frame) {
   const LinkRecord& l = m.links()[m.frames()[frame].link];
   if (const double held = m.compensation(m.frames()[frame].link); held != 0) put(body, "gravcomp", held);
@@ -163,7 +170,9 @@ void MjcfWriter::add_link(XmlElement& body, Index frame) {
       losses.loss("negative principal moments of inertia become zero", frame_name(frame));
       I = principal.eigenvectors() * moments.cwiseMax(0).asDiagonal() * principal.eigenvectors().transpose();
     }
+    constexpr double least_of_full = 2e-14;  // MuJoCo's bound of the smallest principal moment of a fullinertia
     if (I(0, 1) == 0 && I(0, 2) == 0 && I(1, 2) == 0) put(inertial, "diaginertia", {I(0, 0), I(1, 1), I(2, 2)});
+    else if (moments[0] < least_of_full) put_principal(inertial, principal.eigenvectors(), moments.cwiseMax(0));
     else put(inertial, "fullinertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
     if (moments[0] + moments[1] < moments[2] * (1 - 1e-9)) {
       losses.loss("impossible inertias: each principal moment becomes their mean (balanceinertia)", frame_name(frame));

@@ -106,15 +106,11 @@ void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fix
     if (mass[g] > 0) I += mass[g] * skew_squared(moment[g] / mass[g]);
     const Vector3 whole = Eigen::SelfAdjointEigenSolver<Matrix3>(I, Eigen::EigenvaluesOnly).eigenvalues();
     const bool welded_to_world = fixed_base && g == tree.root;
-    if (!welded_to_world && !(whole[0] >= -tolerance(mass[g], whole[2])))
-      report.fail(DYN_ERROR_INVALID, l.inertial_line,
-                  moments_of(l) +
-                      ", and a body has no negative one: correct <inertia> (about the centre of mass, in the axes of the "
-                      "inertial's <origin>); nearest possible: " +
-                      formatted(nearest_possible(l.moments)));
-    report.physics(
-        l.inertial_line,
-        moments_of(l) + ", and a body has no negative one: kept as given, because the links it is welded to make up for it");
+    const bool made_up = welded_to_world || whole[0] >= -tolerance(mass[g], whole[2]);
+    report.physics(l.inertial_line, moments_of(l) + ", and a body has no negative one: kept as given" +
+                                        (made_up ? ", because the links it is welded to make up for it"
+                                                 : "; correct <inertia> (about the centre of mass, in the axes of the inertial's <origin>); nearest possible: " +
+                                                       formatted(nearest_possible(l.moments))));
   }
 }
 

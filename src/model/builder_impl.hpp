@@ -157,7 +157,7 @@ Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>
 // Elimination tree of M: the parent of each degree of freedom, or -1.
 void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added. allow_massless: a
-// message for each joint that moves no inertia at all, instead.
+// message for each joint that moves no inertia, or a negative one, instead.
 std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames, bool allow_massless);
 
 // Two shapes, the lower number first, that are tested whatever the filter says, and 1 + the number of their own material or 0.
@@ -173,7 +173,7 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
 // Begins the lines of the load report on pairs that overlap.
 inline constexpr const char* overlap_report = "not tested for collision, because they overlap in nearly every configuration: ";
-inline constexpr const char* massless_report = "forward dynamics is undefined: ";  // and on joints without inertia
+inline constexpr const char* massless_report = "forward dynamics may be undefined: ";  // and on joints without inertia
 // What only the finished model shows; the load report says it.
 struct Findings {
   GeomPairs overlapping;

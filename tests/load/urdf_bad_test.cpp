@@ -193,8 +193,9 @@ const Case cases[] = {
     {"NegativeInertia",
      robot(ab + joint("j", "revolute", "a", "c") + link("c", "\n<inertial>" + inertia("-0.1", "0.2", "0.2") + "</inertial>") +
            joint("k", "revolute", "c", "b")),
-     DYN_ERROR_INVALID,
-     {"line 6", "link 'c'", "principal moments", "-0.1", "negative", "nearest possible"}},
+     DYN_ERROR_STRICT,
+     {"line 6", "link 'c'", "principal moments", "-0.1", "negative", "nearest possible"},
+     Options(DYN_BASE_FIXED, true)},
     {"HugeInertia",
      inertial("<origin rpy=\"1 1 1\"/><mass value=\"1\"/><inertia ixx=\"1e308\" ixy=\"1e308\" ixz=\"1e308\" iyy=\"1e308\" "
               "iyz=\"1e308\" izz=\"1e308\"/>"),
