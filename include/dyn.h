@@ -181,8 +181,8 @@ typedef enum dynMeshUse {
   DYN_MESH_USE_HULL = 1,
   /* Triangles, shapes of type TRIANGLES; a mesh that encloses nothing is a warning. */
   DYN_MESH_USE_TRIANGLES = 2,
-  /* Default: HULL for each mesh that can be read, NONE for each other one. The others are warnings of the load
-     report, and an error when strict. */
+  /* Default: HULL for each mesh that can be read, NONE for each other one. The others are warnings of the
+     load report, and an error when strict. */
   DYN_MESH_USE_AUTO = 3
 } dynMeshUse;
 
@@ -639,7 +639,7 @@ DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v,
                                      const double* a, const double* tau);
 /* Sets q, v, a, tau, controls, activations and time to those of a named configuration; name NULL: to those of
-   new data. A key of an MJCF file states velocity, controls, activations and time. Those not stated are zero. */
+   new data. A key of an MJCF file states velocity, controls, activations and time: zero where it does not. */
 DYN_API dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name);
 
 #define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
@@ -662,8 +662,8 @@ enum {
   DYN_EFFECT_FLUID = 1u << 6,                /* Drag of the medium on the links that the joint carries. */
   DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7, /* Gravity compensation of the links that the joint carries. */
   DYN_EFFECT_SLEEPING = 1u << 8,             /* Bodies at rest may sleep: see dynStepOptions. */
-  /* Steps apply all effects that the model states, and no others, whatever the other bits say: all but
-     SLEEPING, less those that the file's flags switch off. Algorithms called alone apply the other bits. */
+  /* Steps apply all effects that the model states, less those that flags of its file switch off. SLEEPING is
+     by its own bit. The other bits are then those of algorithms called alone. */
   DYN_EFFECT_AS_STATED = 1u << 9,
   /* The effects of new data: AS_STATED, and for algorithms called alone ARMATURE, LIMITS, ACTUATORS, FLUID,
      GRAVITY_COMPENSATION. */
@@ -1498,15 +1498,15 @@ DYN_API dynStatus dyn_geometry_distance(const dynGeometry* a, const double place
 /* Pairs of a robot's collision shapes. Never tested: pairs of one body, and of a body and its parent. The
    world is nobody's parent, but a link fixed to the world is the parent of a joint's link on it, except in an
    MJCF. Joints on one another without mass between them, as those of one body of an MJCF, count as one. The
-   flag filterparent="disable" of an MJCF pairs parents, too. A model of more than 1,000 shapes lists only some
-   pairs: wanted (dyn_builder_add_pair), disabled and overlapping ones. Its other pairs are tested, if their
-   masks match, in steps and by dyn_contacts. Functions that number pairs (dyn_distances,
+   flag filterparent="disable" of an MJCF pairs parents, too. A model of more than 1,000 shapes lists only
+   some pairs: wanted (dyn_builder_add_pair), disabled and overlapping ones. Its other pairs are tested, if
+   their masks match, in steps and by dyn_contacts. Functions that number pairs (dyn_distances,
    dyn_smooth_distances, dyn_collisions) then return DYN_ERROR_LIMIT. */
 typedef enum dynPairReason {
   DYN_PAIR_REASON_TESTED = 0,   /* The pair is tested. */
-  /* The shapes overlap in the neutral configuration and in at least 31 of 32 random ones within the limits, and
-     neither flies freely relative to the other. The load report names their links. Never given to shapes of an
-     MJCF, nor to those of a URDF with an SRDF that disables pairs: these files list the pairs themselves. */
+  /* The shapes overlap in the neutral configuration and in at least 31 of 32 random ones within the limits,
+     and neither flies freely relative to the other. The load report names their links. Never given to shapes
+     of an MJCF, nor to those of a URDF with an SRDF that disables pairs: these list the pairs themselves. */
   DYN_PAIR_REASON_OVERLAPS = 1,
   DYN_PAIR_REASON_MESH = 2, /* A shape is a mesh of which only the file's name is known: see dynMeshUse. */
   DYN_PAIR_REASON_OFF = 3,      /* The pair is switched off in the data. */

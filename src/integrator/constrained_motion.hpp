@@ -6,7 +6,6 @@
 #include "algorithm/constrained/algorithms.hpp"
 #include "algorithm/constrained/redundant_rows.hpp"
 #include "algorithm/external_forces.hpp"
-#include "simulation/workspace.hpp"
 
 namespace dyn::integrator {
 
@@ -17,7 +16,7 @@ Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>)
     if (active_rows(m, d) > 0) {
       ProximalOptions options;
-      options.tolerance = tuning::rows_precision, options.misalignment = d.step->misalignment;
+      options.tolerance = tuning::rows_precision, options.misalignment = d.misalignment[0];
       dynConstraintResult result;
       return constrained_dynamics(m, d, static_cast<const T*>(d.v), tau, fext, options, d.ddq, result);
     }
@@ -63,7 +62,7 @@ Index project_to_constraints(const Model& m, Data<T>& d) {
     for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
-    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping), d.step->misalignment);  // Newton converges quadratically: one iteration reaches rounding
+    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping), d.misalignment[0]);  // Newton converges quadratically: one iteration reaches rounding
   }
   return 0;
 }

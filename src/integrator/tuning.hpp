@@ -48,8 +48,7 @@ inline constexpr double solver_share = 0.01, solver_floor = 1e-14;  // of the cl
 // Constraints (constrained_motion.hpp).
 inline constexpr double open_rows = 1e-3;             // of the rows' reach (m) or rad: larger errors close first, in steps of order 1
 inline constexpr double rows_precision = 1e-15;       // of the accelerations: solver tolerance
-inline constexpr double aligned = 1e-13;              // share of their terms by which joints move redundant rows: rounding (settled_rows.hpp)
-inline constexpr double beside = 0.05;                // rad or m: to another configuration of a mechanism
+inline constexpr double aligned_rows = 1e-14;         // share of their terms by which joints move redundant rows: rounding (settled_rows.hpp)
 inline constexpr double projection_damping = 1e-9;    // least damping of the projection's Newton step
 
 // Implicit midpoint (implicit_midpoint.hpp).

@@ -168,10 +168,11 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
 
 // Fixed steps leave out rows that are redundant up to a misalignment anew in each evaluation; others settle them at their beginning.
 template <class T>
-void begin_rows(const Model& m, Data<T>& d, const Stages<T>& s, bool fixed) {
+void begin_rows(const Model& m, Data<T>& d, bool fixed) {
   if constexpr (std::is_same_v<T, double>) {
-    keep_all_rows(m, d), d.step->misalignment = fixed ? misalignment_tolerance : 0;
-    if (!fixed && active_rows(m, d) > 0) settle_redundant_rows(m, d, s);
+    if (m.n.slots == 0) return;
+    keep_all_rows(m, d), d.misalignment[0] = fixed ? misalignment_tolerance : 0;
+    if (!fixed && active_rows(m, d) > 0) settle_redundant_rows(m, d);
   }
 }
 
@@ -179,7 +180,7 @@ void begin_rows(const Model& m, Data<T>& d, const Stages<T>& s, bool fixed) {
 template <class T>
 Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
   const Stages<T> s(m, d);
-  begin_rows(m, d, s, false);
+  begin_rows(m, d, false);
   const auto by = [&]<class Tableau>() {
     if constexpr (std::is_same_v<T, double>)
       if (simulation::may_jump(m, d) || (simulation::has_constraints(m, d) && meets_constraints(m, d, s, duration)))
@@ -204,9 +205,9 @@ template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
   const Stages<T> s(m, d);
   Index failed = 0;
-  begin_rows(m, d, s, integrator != DYN_INTEGRATOR_REFERENCE);
+  begin_rows(m, d, integrator != DYN_INTEGRATOR_REFERENCE);
   if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_constraints(m, d, s, h))
-    integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, s, true);
+    integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, true);
   switch (integrator) {
     case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
     case DYN_INTEGRATOR_IMPLICIT_FAST:

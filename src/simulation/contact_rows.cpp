@@ -36,6 +36,21 @@ bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, 
   return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.bounding_radius, b.bounding_radius), h);
 }
 
+// Returns whether no impulse along the normal moves anything: joints let the bodies slide along one another only. Then an impulse from
+// rounding would be one of any size.
+bool has_immovable_normal(const Model& m, const Data<double>& d, const ActiveConstraint& x) {
+  using P = Pack<double, row_lanes>;
+  const double* Dinv = inverse_pivots(m, d);
+  P sum = P::zero();
+  for (Index n = 0; n < x.s->support_count; ++n) {
+    const P y = P::load(x.Y + row_lanes * n);
+    sum = sum + y * y * Dinv[x.support[n]];
+  }
+  double most = 0;
+  for (Index r = 0; r < std::min(x.s->rows, Index(3)); ++r) most = std::max(most, sum[int(r)]);
+  return !(sum[int(normal_row(x.s->rows))] > tuning::immovable_normal * most);
+}
+
 Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity); }
 
 }  // namespace
@@ -84,6 +99,7 @@ void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x
   (Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2])).store(s.rate);
   ensure_columns(m, d, s.c.body1), ensure_columns(m, d, s.c.body2);
   propagate_rows(m, d, x);
+  if (has_immovable_normal(m, d, x)) s.support_count = 0;
 }
 
 }  // namespace dyn::simulation

@@ -140,7 +140,7 @@ void Island::drop_redundant() {
     const ActiveConstraint& x = constraint(k);
     if (x.kind == RowKind::Equality && is_rigid_equality(x.s->c)) d.equality_rows[count++] = {x.s, x.support, x.Y};
   }
-  dropped = count > 0 && w.misalignment > 0 ? drop_redundant_rows(m, d, count, w.misalignment) : 0;
+  dropped = count > 0 && d.misalignment[0] > 0 ? drop_redundant_rows(m, d, count, d.misalignment[0]) : 0;
 }
 
 void Island::keep_all() {

@@ -147,15 +147,18 @@ void Island::solve(dynContactReport& best) {
   std::copy_n(asked, equalities, g);
 }
 
-// Smallest displacement that removes the error in bias, without friction.
+// Smallest displacement that removes the error in bias, without friction. Rows are a little soft: where they are inconsistent or almost
+// dependent, the displacement is a least-squares one, at most sqrt(1 / softness) / 2 times what an error moves by itself.
 void Island::solve_displacement() {
+  constexpr double softness = tuning::island::correction_softness;
   matrix();
-  if (equalities == rows) {  // least squares if they are inconsistent
+  if (equalities == rows) {
     for (Index i = 0; i < rows; ++i) g[i] = -bias[i];
-    ProximalResult<double> found;
-    return solve_equalities(row_work(m, d), w.matrix, stride(), rows, static_cast<const double*>(g), ProximalOptions{}, lambda, found);
+    return solve_regularised(row_work(m, d), w.matrix, stride(), rows, static_cast<const double*>(g), softness, lambda);
   }
-  const dynContactProblem p = problem(*this);
+  for (Index i = 0; i < rows; ++i) compliance[i] = softness * w.matrix[i + stride() * i];
+  dynContactProblem p = problem(*this);
+  p.compliance = compliance;
   solver::Budget b;
   b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.method_iterations(), b.brief = true, b.expired = w.expired, b.clock = w.clock;
   dynContactReport report{};

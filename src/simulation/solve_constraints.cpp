@@ -59,6 +59,17 @@ bool skip_idle(const Model& m, Data<double>& d, double h, Index begin, Index end
   return idle;
 }
 
+// Moves contacts that nothing can move behind the others, without forces. Returns the end of the others.
+Index set_immovable_contacts_aside(Workspace& w, Index begin, Index end) {
+  Index acting = begin;
+  for (Index k = begin; k < end; ++k) {
+    const ActiveConstraint& x = w.active[w.order[k]];
+    if (x.kind != RowKind::Contact || x.s->support_count > 0) std::swap(w.order[acting++], w.order[k]);
+  }
+  for (Index k = acting; k < end; ++k) copy_force(w.contacts[w.active[w.order[k]].index], nullptr);
+  return acting;
+}
+
 }  // namespace
 
 void Island::impulses(dynContactReport& report) {
@@ -163,8 +174,10 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
   for_each_island(w, slots, [&](Index begin, Index end) {
     if (w.active[w.order[begin]].idle) return;
     const auto acts = [&](Index k) { return !w.active[k].idle; };
-    const Index count = Index(std::find_if_not(w.order + begin, w.order + end, acts) - (w.order + begin));
-    Island island{m, d, w, w.order + begin, count, h, v_before};
+    const Index awake = Index(std::find_if_not(w.order + begin, w.order + end, acts) - w.order);
+    const Index acting = set_immovable_contacts_aside(w, begin, awake);
+    if (acting == begin) return;
+    Island island{m, d, w, w.order + begin, acting - begin, h, v_before};
     island.assign_rows(), island.fill();
     dynContactReport report{};
     island.by_dof = impulse, island.impulses(report);

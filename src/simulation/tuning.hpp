@@ -40,6 +40,9 @@ inline constexpr double max_lever = 1e3;        // m by which levers may grow: n
 inline constexpr double margin = 1.01;          // of limit_margin: rounding of the bound
 }  // namespace advancement
 
+// Contacts whose normal nothing moves (contact_rows.cpp).
+inline constexpr double immovable_normal = 1e-16;  // of the largest translation's own G: less is rounding
+
 // Batched free bodies (free_bodies.cpp).
 inline constexpr double min_norm2 = 1e-60, max_norm2 = 1e60;  // squared norm of quaternions whose products neither overflow nor lose digits
 
@@ -48,6 +51,7 @@ namespace island {
 inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster approach rebounds however long the step
 inline constexpr double correction = 0.5;       // of the position error that a step removes
 inline constexpr double correction_tolerance = 1e-6;  // of its displacement: the next steps correct the rest
+inline constexpr double correction_softness = 1e-6;  // of a row's own G: bounds displacements of inconsistent or nearly dependent rows
 inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps can reduce to the tolerance
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z

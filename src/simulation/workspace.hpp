@@ -128,7 +128,6 @@ struct Workspace {
   double time_to_pass;
   // gap (m, rad) that counts as closed; 0 in fixed steps, where an open gap may close exactly
   double closed_gap;
-  double misalignment;          // up to which redundant rows of equalities are left out (algorithm/constrained/redundant_rows.hpp); 0: not at all
   int drift_count;              // drifts since the step began, when closed_gap > 0
 
   Ledger ledger;

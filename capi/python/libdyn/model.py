@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import html
+from . import abi, html
 from .actuator import ModelActuators
 from .arrays import address
 from .batch import Batch
@@ -83,6 +83,13 @@ class Model(States, ModelArrays, ModelConstraints, ModelActuators, Saving):
         q = np.empty(self.nq)
         check(lib.dyn_model_configuration(self._m, text(name, "name"), address(q)))
         return q
+
+    @property
+    def step_options(self) -> abi.StepOptions:
+        """The options of steps of new data: the defaults, with dt and integrator of the model's file if it states them."""
+        options = abi.StepOptions()
+        check(lib.dyn_model_step_options(self._m, byref(options)))
+        return options
 
     @property
     def initial_configuration(self) -> str:

@@ -14,7 +14,7 @@ from .arrays import address, numbers
 from .choices import member, whole
 from .enums import SensorType, Status
 from .errors import ArgumentError, SizeError
-from .library import check, fail, lib
+from .library import fail, lib
 from .simulation import fill_stepping
 
 if TYPE_CHECKING:
@@ -192,8 +192,7 @@ class Rollouts:
         if not isinstance(contacts, (int, np.integer)) or contacts < 0:
             raise ArgumentError(f"contacts is {contacts!r}, but must be a number of contact points.")
 
-        stepping, x = abi.initialized(abi.StepOptions), abi.initialized(abi.Rollout)
-        check(lib.dyn_model_step_options(model._m, byref(stepping)))
+        stepping, x = model.step_options, abi.initialized(abi.Rollout)
         fill_stepping(stepping, integrator, solver, dt=dt, tolerance=tolerance, max_iterations=max_iterations)
         x.steps, x.every, x.sensors, x.contact_capacity = plan.steps, every, len(types), contacts
         x.stepping, x.sensor, x.sensor_frame = ctypes.addressof(stepping), address(types), address(frames)

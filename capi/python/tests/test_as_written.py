@@ -88,7 +88,7 @@ def test_timestep_and_integrator():
     assert (options.dt, options.integrator) == (0.004, dyn.Integrator.IMPLICIT_FAST)
     assert any("implicit_fast" in line.message for line in m.report)
     assert pendulum(option='<option integrator="RK4" timestep=".01"/>').data().step_options.integrator == dyn.Integrator.RK4
-    assert dyn.Simulation(m).dt == 0.004 and dyn.Simulation(m, dt=0.001).dt == 0.001
+    assert m.step_options.dt == 0.004 and dyn.Simulation(m).dt == 0.004 and dyn.Simulation(m, dt=0.001).dt == 0.001
     with pytest.raises(dyn.Error, match="timestep"):
         pendulum(option='<option timestep="0"/>')
 

@@ -1,7 +1,6 @@
-"""Data: every algorithm, the fields, inputs of all kinds, stale reads, lifetimes."""
+"""Data: its fields, stale reads, lifetimes, memory."""
 
 import gc
-import json
 import weakref
 
 import numpy as np
@@ -15,9 +14,6 @@ close = np.testing.assert_allclose
 @pytest.fixture
 def d(go2):
     return go2.data()
-
-
-# ------------------------------------------------------------------------------------------------- fields
 
 
 def test_new_data_is_neutral_and_at_rest(go2, d):
@@ -114,9 +110,6 @@ def test_unknown_fields(d):
         d.field(10000)
 
 
-# ------------------------------------------------------------------------------------------------- lifetimes
-
-
 def test_data_keeps_the_model_and_views_keep_the_data(arm):
     d = arm.data()
     model, data, q = weakref.ref(arm._owner), weakref.ref(d._owner), d.q
@@ -177,6 +170,8 @@ def test_parts(arm):
     for bad in ("wheels", 1 << 21, -1, 1.5):
         with pytest.raises(dyn.ArgumentError):
             arm.data(bad)
+<<<<<<< HEAD
+=======
 
 
 # ------------------------------------------------------------------------------------------------- inputs
@@ -455,3 +450,4 @@ def test_mimic(gripper):
     d.forward_kinematics(q, v)
     assert d.frame_jacobian("thumb").shape == (6, 1)
     close(d.frame_jacobian("thumb") @ v, d.frame_velocity("thumb"), atol=1e-14)
+>>>>>>> main

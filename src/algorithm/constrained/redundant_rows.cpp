@@ -1,7 +1,4 @@
-#include "algorithm/constrained/redundant_rows.hpp"
-
-#include "algorithm/constrained/constrained_dynamics.hpp"
-#include "model/length.hpp"
+#include "algorithm/constrained/redundant_rows_search.hpp"
 
 namespace dyn {
 
@@ -16,47 +13,10 @@ Vec3<double> lane(const double* F, int first, Index r) {
   return Vec3<double>::make(F[row_lanes * first + r], F[row_lanes * (first + 1) + r], F[row_lanes * (first + 2) + r]);
 }
 
-// The rows of one system.
-class RedundantRows {
- public:
-  RedundantRows(const Model& m_, Data<double>& d_, Index count_, double misalignment_)
-      : m(m_), d(d_), work(row_work(m_, d_)), count(count_), misalignment(misalignment_), length(own_length(m_)) {
-    for (Index i = 0; i < count; ++i) n += d.equality_rows[i].s->rows;
-    ld = padded_rows(n);
-  }
-  Index drop();
+}  // namespace
 
- private:
-  const Model& m;
-  Data<double>& d;
-  RowWork<double> work;
-  Index count, n = 0;
-  double misalignment, length, least_share = 1;
-  std::ptrdiff_t ld = 0;
-  double *S = work.scaled, *R = work.range, *scale = work.vector(1), *remaining = work.vector(2), *weight = work.vector(3);
-  Index *pivots = d.row_state, *state = d.row_state + padded_rows(m.n.constraint_rows);  // state: 0 open, 1 kept, 2 dropped
-
-  // J and its bound by the user's degrees of freedom, rows in lanes.
-  double* jacobian() const { return d.row_terms; }
-  double* bound() const { return d.row_terms + row_lanes * std::ptrdiff_t(m.n.nv); }
-
-  void terms(const EqualityRows& x) const;
-  void scale_rows_by_motion();
-  void couple_rows() const;
-  bool clearly_independent_rows() const;
-  double moved(Index row, Index rank) const;
-  void weights(Index row, Index rank) const;
-  Index eliminate();
-  void finish(Index rank);
-
-  template <class F>
-  void for_each_row(F&& f) const {
-    for (Index i = 0, row = 0; i < count; row += d.equality_rows[i++].s->rows) f(d.equality_rows[i], row);
-  }
-};
-
-// Entries of J and what each would be without cancellation between its force and its joint's axis: |f| |v| + |t| |w| at the point where
-// the row acts. Joints that move both bodies alike do not count. Degrees of freedom are in rad, or in lengths of the model.
+// Entries of J, and what each would be without cancellation between its force and its joint's axis: |f| |v| + |t| |w| at the
+// point where the row acts. Joints that move both bodies alike do not count. Degrees of freedom are in rad, or in lengths of the model.
 void RedundantRows::terms(const EqualityRows& x) const {
   const ConstraintInstance<double>& s = *x.s;
   double *const J = jacobian(), *const B = bound();
@@ -82,7 +42,8 @@ void RedundantRows::terms(const EqualityRows& x) const {
         const Vec3<double> f = lane(F, 0, r), moment = lane(F, 3, r);
         const double force2 = dot(f, f);
         const Vec3<double> at = force2 > 0 ? cross(f, moment) * (1 / force2) : f, couple = moment - cross(at, f);
-        enter(k, r, unit * (dot(f, v) + dot(moment, w)), unit * (std::sqrt(force2) * length_of(v + cross(w, at)) + length_of(couple) * length_of(w)));
+        const double whole = std::sqrt(force2) * length_of(v + cross(w, at)) + length_of(couple) * length_of(w);
+        enter(k, r, unit * (dot(f, v) + dot(moment, w)), unit * whole);
       }
     }
   };
@@ -104,6 +65,7 @@ void RedundantRows::scale_rows_by_motion() {
       }
       const double entry = S[ld * (row + r) + row + r];
       double& share = d.row_share[x.s->first + r];
+      bound_of[row + r] = whole;
       share = whole > 0 ? most / whole : 0, least_share = std::min(least_share, share);
       scale[row + r] = entry > 0 ? share / std::sqrt(entry) : 0;
     }
@@ -161,7 +123,8 @@ double RedundantRows::moved(Index row, Index rank) const {
       }
   });
   for_each_row([&](const EqualityRows& x, Index) {
-    for (Index k = 0; k < x.s->support_count; ++k) most = std::max(most, std::abs(sum[x.support[k]])), all = std::max(all, whole[x.support[k]]);
+    for (Index k = 0; k < x.s->support_count; ++k)
+      most = std::max(most, std::abs(sum[x.support[k]])), all = std::max(all, whole[x.support[k]]);
   });
   return all > 0 ? most / all : 0;
 }
@@ -176,8 +139,8 @@ Index RedundantRows::eliminate() {
       if (state[i] == 0 && (best < 0 || remaining[i] > remaining[best])) best = i;
     const double pivot = remaining[best];
     const double share = pivot > 0 && pivot < suspicious ? moved(best, rank) : pivot > 0;
-    if (!(pivot > rounding * n) || share < misalignment) {
-      if (share < misalignment) d.row_moved[0] = std::max(d.row_moved[0], share);
+    if (!(pivot > rounding * n) || (share < misalignment)) {
+      moved_by[best] = share;
       state[best] = 2;
       continue;
     }
@@ -219,14 +182,22 @@ Index RedundantRows::drop() {
   couple_rows();
   scale_rows_by_motion();
   if (clearly_independent_rows()) return 0;
-  const Index rank = eliminate();
+  Index rank = eliminate();
+  const auto misaligned = [&] {
+    double most = 0;
+    for (Index i = 0; i < n; ++i)
+      if (state[i] == 2 && moved_by[i] < misalignment) most = std::max(most, moved_by[i]);
+    return most;
+  };
+  if (misaligned() > aligned && is_singular(rank)) misalignment = 0, rank = eliminate();
+  d.row_moved[0] = misaligned();
   if (rank < n) finish(rank);
   return n - rank;
 }
 
-}  // namespace
-
-Index drop_redundant_rows(const Model& m, Data<double>& d, Index count, double misalignment) { return RedundantRows(m, d, count, misalignment).drop(); }
+Index drop_redundant_rows(const Model& m, Data<double>& d, Index count, double misalignment) {
+  return RedundantRows(m, d, count, misalignment).drop();
+}
 
 Index drop_redundant_rows(const Model& m, Data<double>& d, double misalignment) {
   Index count = 0;
@@ -234,34 +205,6 @@ Index drop_redundant_rows(const Model& m, Data<double>& d, double misalignment) 
     if (is_rigid_equality(s.c)) d.equality_rows[count++] = {&s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k)};
   });
   return drop_redundant_rows(m, d, count, misalignment);
-}
-
-// With the dropped rows C times the kept ones: (1 + C^T C) y = errors_K + C^T errors_D.
-void share_errors(const Model& m, Data<double>& d, double* errors) {
-  const Index count = d.row_system[0], n = d.row_system[1], dropped = d.row_system[2];
-  if (dropped == 0) return;
-  const RowWork<double> work = row_work(m, d);
-  const std::ptrdiff_t ld = padded_rows(n);
-  double *const A = work.scaled, *const out = work.vector(1), *const own = work.vector(2);
-  const auto for_each_error = [&](auto&& f) {
-    for (Index i = 0, row = 0; i < count; ++i)
-      for (Index r = 0; r < d.equality_rows[i].s->rows; ++r, ++row) f(errors[d.equality_rows[i].s->first + r], row);
-  };
-  for_each_error([&](double error, Index row) { out[row] = own[row] = error; });
-  std::fill_n(A, ld * n, 0.0);
-  for (Index i = 0; i < n; ++i) A[ld * i + i] = 1;
-  for (Index k = 0; k < dropped; ++k) {
-    const double* C = d.row_dependence + ld * k;
-    const Index row = d.row_system[3 + k];
-    out[row] = 0;
-    for (Index i = 0; i < n; ++i) {
-      out[i] += C[i] * own[row];
-      for (Index j = 0; j < n; ++j) A[ld * j + i] += C[i] * C[j];
-    }
-  }
-  factor_rows(A, ld, n, 0.0, 0.0, work.factor, work.vector(0));
-  solve_factored(work.factor, work.vector(0), ld, n, out);
-  for_each_error([&](double& error, Index row) { error = out[row]; });
 }
 
 }  // namespace dyn
