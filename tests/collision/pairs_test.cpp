@@ -114,6 +114,7 @@ TEST(Pairs, BodiesParentsAndTheFloor) {
   Work<double> w(*m);
   collision::distances(*m, w.d);
   EXPECT_NEAR(5 - 0.1, w.d.distances[0], 1e-12);
+  EXPECT_EQ(0, w.d.geoms[5].bounding_radius);  // a mesh of which the name alone is known is a point
   for (Index k = 0; k < m->n.pairs; ++k) {
     const PairRecord& p = m->pairs()[k];
     const bool boxes = m->geoms()[p.a].shape == 1 && m->geoms()[p.b].shape == 5;
