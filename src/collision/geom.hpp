@@ -31,7 +31,7 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
   const ShapeRecord& s = m.shapes()[m.geoms()[geom].shape];
   const FrameRecord& f = m.frames()[s.frame];
   Geom g;
-  geometry_of(s.type, s.size, s.radius, g.shape);
+  if (!geometry_of(s.type, s.size, s.radius, g.shape)) g.shape = {shape::Type::Sphere, 0, shape::Vec::zero(), nullptr};  // the name of a mesh: a point, in no tested pair
   if (g.shape.type == shape::Type::Convex) g.shape.hull = d.hulls + s.surface;
   if (g.shape.type == shape::Type::Triangles) g.shape.triangles = d.trees + s.surface;
   if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;

@@ -114,6 +114,7 @@ TEST(Pairs, BodiesParentsAndTheFloor) {
   Work<double> w(*m);
   collision::distances(*m, w.d);
   EXPECT_NEAR(5 - 0.1, w.d.distances[0], 1e-12);
+  EXPECT_EQ(0, w.d.geoms[5].bounding_radius);  // a mesh of which the name alone is known is a point
   for (Index k = 0; k < m->n.pairs; ++k) {
     const PairRecord& p = m->pairs()[k];
     const bool boxes = m->geoms()[p.a].shape == 1 && m->geoms()[p.b].shape == 5;
@@ -213,6 +214,20 @@ TEST(Pairs, CollisionsAreThoseWithinTheMargin) {
   }
 }
 
+// Uniform within the limits; displacements without limits, and what flies, as they are.
+VectorXd within_limits(const Model& m, Random& random) {
+  VectorXd q = Eigen::Map<const VectorXd>(m.neutral(), m.n.nq);
+  for_each_leader(m, [&]<class J>(const Body& b) {
+    double drawn[J::nq];
+    J::random(random, m.lower_limit() + b.user_q, m.upper_limit() + b.user_q, drawn);
+    for (int k = 0; k < J::nq; ++k) {
+      const bool bounded = std::isfinite(m.lower_limit()[b.user_q + k]) && std::isfinite(m.upper_limit()[b.user_q + k]);
+      if (J::nv < 6 && (J::rotates || bounded)) q[b.user_q + k] = drawn[k];
+    }
+  });
+  return q;
+}
+
 // Not tested: shapes of one tree, or of trees that do not fly, which overlap in the neutral configuration and in nearly all others.
 TEST(Pairs, WhatOverlapsNearlyEverywhereIsNotTested) {
   int taken = 0, at_neutral = 0;
@@ -227,8 +242,9 @@ TEST(Pairs, WhatOverlapsNearlyEverywhereIsNotTested) {
     auto flies = [&](Index i) { return i && m->bodies()[i].type == BodyType::FreeFlyer; };
     std::vector<int> overlaps(std::size_t(m->n.pairs));
     std::vector<bool> neutral(std::size_t(m->n.pairs));
+    Random random{1000 + seed};
     for (int k = 0; k <= 200; ++k) {
-      if (k > 0) w.q(State(*m, seed + 1000 * std::uint64_t(k)).q);
+      if (k > 0) w.q(within_limits(*m, random));
       for (Index p = 0; p < m->n.pairs; ++p) w.d.pair_states[p] = DYN_PAIR_REASON_TESTED;
       collision::distances(*m, w.d);
       for (std::size_t p = 0; p < overlaps.size(); ++p) {

@@ -228,3 +228,35 @@ def test_bodies_nested_ten_thousand_deep():
     assert data.frame_placement("last").translation[2] == pytest.approx(0.001 * (depth - 1), rel=1e-12)
     with pytest.raises(dyn.ParseError, match="line 5000"):
         dyn.load_string("<mujoco><worldbody>" + body * 4999 + '<body pos="x">' + "</body>" * 5000 + "</worldbody></mujoco>")
+
+
+def test_negative_moments_of_inertia_are_kept_with_a_warning(tmp_path):
+    """As Pinocchio loads them: inverse dynamics takes the numbers of the file, tau = I a about the axis."""
+    text = chain(1).replace('<link name="l2"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"', '<link name="l2"><inertial><mass value="1"/><inertia ixx="-0.1" iyy="0.2" izz="0.2"')
+    with pytest.warns(dyn.LoadWarning, match="no negative one"):
+        model = dyn.load_string(text, base="fixed")
+    assert model.data().rnea([0, 0], [0, 0], [0, 1])[1] == pytest.approx(0.2, abs=1e-12)
+    model.save(tmp_path / "m.dynb")
+    assert len(dyn.Builder.from_model(model).finish().report) == len(dyn.load(tmp_path / "m.dynb").report) == len(model.report)
+    with pytest.raises(dyn.StrictError, match="no negative one"):
+        dyn.load_string(text, base="fixed", strict=True)
+
+
+def test_saved_meshes_are_read_by_mujoco(cube):
+    """A flat visual mesh has no volume, a DAE is none of MuJoCo's formats: masses stand in the file, and meshes too."""
+    mujoco = pytest.importorskip("mujoco")
+    dae = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array><technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+    (cube / "corner.dae").write_text(dae)
+    (cube / "quad.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
+    flat = '<visual><geometry><mesh filename="quad.obj"/></geometry></visual></link>'
+    (cube / "r.urdf").write_text(chain(2, shape='<mesh filename="corner.dae" scale="2 2 2"/>').replace("</link>", flat))
+    lines = dyn.load(cube / "r.urdf", base="fixed").save(cube / "r.xml")
+    assert not any(line.level is dyn.ReportLevel.WARNING for line in lines)
+    m = mujoco.MjModel.from_xml_path(str(cube / "r.xml"))
+    assert m.nv == 2 and m.nmesh == 2 and m.mesh_vertnum.max() == 4
+    again = dyn.load(cube / "r.xml")
+    assert sorted(s.type.name for s in again.shapes) == ["CONVEX"] * 3 + ["MESH"] * 3 and again.total_mass == pytest.approx(m.body_subtreemass[0])
