@@ -38,18 +38,10 @@ inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // Sums of 0 times each of x[0 .. n-1]: zero where all are finite.
-<<<<<<< HEAD
 inline Double4 zero_times(const double* x, std::ptrdiff_t n) {
   using P = Simd<double, block_lanes>;
   constexpr Index w = block_lanes;
   Double4 sum = n >= 4 ? Double4::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
-=======
-inline Simd<double, 4> zero_times(const double* x, std::ptrdiff_t n) {
-  using P = Simd<double, block_lanes>;
-  using Four = Simd<double, 4>;
-  constexpr Index w = block_lanes;
-  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
->>>>>>> main
   std::ptrdiff_t i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;
@@ -61,11 +53,7 @@ inline Simd<double, 4> zero_times(const double* x, std::ptrdiff_t n) {
   for (; i + 4 < n; i += 4) sum = sum + Double4::load(x + i) * 0.0;
   return sum;
 }
-<<<<<<< HEAD
 inline bool all_zero(const Double4& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
-=======
-inline bool all_zero(const Simd<double, 4>& sum) { return (sum[0] + sum[1]) + (sum[2] + sum[3]) == 0; }
->>>>>>> main
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
 inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {

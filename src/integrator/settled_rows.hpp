@@ -8,8 +8,8 @@
 namespace dyn::integrator {
 
 // Marks the rows that are redundant at d.q but for a misalignment. Rows that are redundant to rounding stay.
-inline void settle_redundant_rows(const Model& m, Data<double>& d) {
-  if (constraint_factor(m, d)) return;
+[[gnu::noinline]] inline void settle_redundant_rows(const Model& m, Data<double>& d) {
+  if (active_rows(m, d) == 0 || constraint_factor(m, d)) return;
   evaluate_rows(m, d, static_cast<const double*>(nullptr), static_cast<const double*>(nullptr));
   propagate_rows(m, d);
   drop_redundant_rows(m, d, misalignment_tolerance);

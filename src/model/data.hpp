@@ -66,6 +66,7 @@ struct Data {
   dynParts parts;
   std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them, and acting_wrenches
   std::uint32_t pushed;                              // acting_wrenches when there are any
+  std::uint32_t rows_dropped;                        // 1: some constraint may have redundant rows that are left out; else none has
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
   std::uint64_t stamp[std::size_t(Stage::count_)];  // the newest of the versions that each stage was computed for; 0: not computed
 

@@ -168,11 +168,11 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
 
 // Fixed steps leave out rows that are redundant up to a misalignment anew in each evaluation; others settle them at their beginning.
 template <class T>
-void begin_rows(const Model& m, Data<T>& d, bool fixed) {
+DYN_INLINE void begin_rows(const Model& m, Data<T>& d, bool fixed) {
   if constexpr (std::is_same_v<T, double>) {
     if (m.n.slots == 0) return;
     keep_all_rows(m, d), d.misalignment[0] = fixed ? misalignment_tolerance : 0;
-    if (!fixed && active_rows(m, d) > 0) settle_redundant_rows(m, d);
+    if (!fixed) settle_redundant_rows(m, d);
   }
 }
 

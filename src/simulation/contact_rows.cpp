@@ -39,7 +39,7 @@ bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, 
 // Returns whether no impulse along the normal moves anything: joints let the bodies slide along one another only. Then an impulse from
 // rounding would be one of any size.
 bool has_immovable_normal(const Model& m, const Data<double>& d, const ActiveConstraint& x) {
-  using P = Pack<double, row_lanes>;
+  using P = Simd<double, row_lanes>;
   const double* Dinv = inverse_pivots(m, d);
   P sum = P::zero();
   for (Index n = 0; n < x.s->support_count; ++n) {

@@ -67,7 +67,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (int k = 0; k < 3; ++k) d.world_gravity[k] = T(m.gravity[k]);
   for (Index k = 0; k < (d.actuator_force ? m.n.actuators : 0); ++k) d.actuator_force[k] = T(0);
   for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = AppliedWrench<T>::none();
-  d.pushed = 0;
+  d.pushed = 0, d.rows_dropped = 0;
   d.step = nullptr;
   if constexpr (possible & DYN_PART_SIMULATION)
     if (d.step_memory) d.step = simulation::place(m, d.step_memory);

@@ -36,7 +36,9 @@ bool is_identity(const SE3<double>& X) {
   return X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0;
 }
 
-static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that acts at a joint or on its link keeps a body from being a free body: list it below");
+static_assert(effect_bits([]<class E>() { return !effect::HasCoefficient<E>; }) ==
+                  (DYN_EFFECT_LIMITS | DYN_EFFECT_ACTUATORS | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION | DYN_EFFECT_SLEEPING),
+              "an effect that acts at a joint or on its link keeps a body from being a free body: list it below");
 bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
   if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;

@@ -135,7 +135,7 @@ struct State {
   Vector q, v, a, tau, ctrl;
   bool has_tau = false;
   bool in_configuration = false;  // activations and time are those of this configuration; "": of new data
-  std::string configuration;
+  std::string configuration = {};
 };
 void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
 // Numbers from words that hold one or several each, separated by commas or spaces, within [ ] or without; option is named in the refusal.

@@ -29,7 +29,7 @@ DIFFERENT = {
     "dyn_model_configuration_name": "Model.configuration_names", "dyn_model_constraint_name": "Model.constraint_names",
     "dyn_model_actuator_name": "Model.actuator_names", "dyn_model_state_size": "Data.save_state", "dyn_state_layout_sizes": "StateLayout.sizes",
     "dyn_state_layout_convert": "Model.to_peer", "dyn_field_info": "dyn.FIELDS", "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS", "dyn_algorithm_run": "dyn.ALGORITHMS",
-    "dyn_sensor_size": "dyn.SensorType", "dyn_version": "dyn.__version__", "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status",
+    "dyn_effect_type_info": "dyn.Effect", "dyn_sensor_size": "dyn.SensorType", "dyn_version": "dyn.__version__", "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status",
 }  # fmt: skip
 """Functions whose names in Python do not follow from those in C."""
 

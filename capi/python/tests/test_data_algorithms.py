@@ -147,6 +147,7 @@ def test_all_terms(d, state):
 @pytest.mark.parametrize("integrator, drift", [("semi_implicit_euler", 3e-2), (dyn.Integrator.RK4, 1e-9)])
 def test_step(arm, integrator, drift):
     d = arm.data()
+    d.set_effects(("armature", "limits"))
     d.set_state([1, 0.5], [0, 0])
     start = sum(d.energy())
     for _ in range(1000):
@@ -157,6 +158,7 @@ def test_step(arm, integrator, drift):
 
 def test_step_under_torque(arm):
     d = arm.data()
+    d.set_effects("armature")
     d.set_state([0, 0], [0, 0], tau=[0.5, -0.25])
     ddq = d.aba([0, 0], [0, 0], [0.5, -0.25])
     d.step(1e-6)

@@ -161,6 +161,7 @@ Index RedundantRows::eliminate() {
 // Marks and clears the dropped rows. d.row_dependence: a column for each, its coefficients in the caller's units.
 void RedundantRows::finish(Index rank) {
   Index& dropped = d.row_system[2];
+  d.rows_dropped = 1;
   for (Index i = 0; i < n; ++i) {
     if (state[i] != 2) continue;
     double* column = d.row_dependence + ld * dropped;

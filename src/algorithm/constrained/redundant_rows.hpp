@@ -34,7 +34,9 @@ void clear_dropped_rows(const Model& m, Data<T>& d, T* b) {
 // Makes all rows count again.
 template <class T>
 void keep_all_rows(const Model& m, Data<T>& d) {
+  if (!d.rows_dropped) return;  // slots are many in models without constraints
   for_each_constraint(m, d, [](ConstraintInstance<T>& s, Index) { s.dropped = 0; });
+  d.rows_dropped = 0;
 }
 
 // Whether errors of a constraint are removed at once, so that redundant rows of it may be left out.
