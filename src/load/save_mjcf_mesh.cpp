@@ -27,7 +27,9 @@ bool mujoco_reads(const std::string& path) {
 
 void MjcfWriter::put_mesh(XmlElement& mesh, std::span<const double> vertices, const Index* corners, size_t triangles) {
   put(mesh, "vertex", vertices);
-  if (triangles) put(mesh, "face", std::vector<double>(corners, corners + 3 * triangles));
+  std::string face;  // whole numbers: MuJoCo does not read 1e+05
+  for (size_t k = 0; k < 3 * triangles; ++k) face += (k ? " " : "") + std::to_string(corners[k]);
+  if (triangles) put(mesh, "face", face);
 }
 
 XmlElement& MjcfWriter::new_mesh(const std::string& wish, std::string& name) {

@@ -261,3 +261,15 @@ def test_saved_meshes_are_read_by_mujoco(cube):
     again = dyn.load(cube / "r.xml")
     assert sorted(s.type.name for s in again.shapes) == ["CONVEX"] * 3 + ["MESH"] * 3
     assert again.total_mass == pytest.approx(2) and m.body_subtreemass[0] == pytest.approx(3)  # libdyn counts what moves
+
+
+def test_large_meshes_are_saved_with_whole_numbers(tmp_path):
+    """More than 100,000 vertices, in a format that MuJoCo does not read: STL as text."""
+    mujoco = pytest.importorskip("mujoco")
+    facets = "".join(
+        f"facet normal 0 0 1\nouter loop\nvertex {k} 0 {k % 7}\nvertex {k} 1 {k % 5}\nvertex {k + 0.5} 0 {k % 3}\nendloop\nendfacet\n" for k in range(33400))
+    (tmp_path / "long.stl").write_text(f"solid s\n{facets}endsolid s\n")
+    visual = '<visual><geometry><mesh filename="long.stl" scale="1e-4 1 1"/></geometry></visual></link>'
+    (tmp_path / "r.urdf").write_text(chain(2).replace("</link>", visual))
+    dyn.load(tmp_path / "r.urdf", base="fixed").save(tmp_path / "r.xml")
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "r.xml")).mesh_facenum.max() == 33400
