@@ -67,7 +67,7 @@ DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   simulation::Workspace& w = *d.step;
   const Deadline deadline(w.options.time_budget);
   if (w.options.time_budget > 0) w.expired = Deadline::past, w.clock = &deadline;
-  simulation::begin_sleep(m, d, h);
+  if (w.sleep.count > 0) simulation::begin_sleep(m, d, h);  // otherwise no tree can rest
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
   w.expired = nullptr;
@@ -77,7 +77,7 @@ DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
     return status;
   }
   call.end_step();
-  simulation::end_sleep(m, d, h);
+  if (w.sleep.enabled) simulation::end_sleep(m, d, h);
   record_forces(m, d);
   d.time[0] += h;
   return DYN_OK;
