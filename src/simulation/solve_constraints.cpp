@@ -36,7 +36,9 @@ void drop_open(Data<double>& d, double h, Index begin, Index end) {
     x.open = w.contacts[x.index].contact.distance > tuning::speed_growth * h * fast + tuning::search::touching * radius;
     if (x.open) some = true, copy_force(w.contacts[x.index], nullptr);
   });
-  if (some) std::stable_partition(w.order + begin, w.order + end, [&](Index k) { return !w.active[k].open; });
+  if (!some) return;
+  for (Index k = begin, acting = begin; k < end; ++k)  // the others behind those that act, which keep their order
+    if (!w.active[w.order[k]].open) std::swap(w.order[acting++], w.order[k]);
 }
 
 // Returns whether all contacts of an island are idle; their forces are then zero. Otherwise assembles their rows.
