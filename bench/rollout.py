@@ -5,7 +5,7 @@
 
 Needs the packages mujoco and dyn. Both read the same MJCF: a robot of models/ above a floor, with a position servo at every joint, driven about its stance by the same random controls in
 steps of 2 ms; both return the state after every step. What counts is the least wall time of the passes, which alternate. MuJoCo runs as it is by default (Newton, pyramidal
-cones, Euler) and with elliptic cones, which are what libdyn's contacts have; the faster one counts. libdyn runs as it is by default (ADMM, residual 1e-9), and with Gauss-Seidel to a
+cones, Euler) and with elliptic cones, which are what libdyn's contacts have; the faster one counts. libdyn runs as it is by default (ADMM, residual 1e-4), and with Gauss-Seidel to a
 residual of 1e-3 in at most 50 sweeps. `apart`: how far bases (of the arm, all joints: rad) are from libdyn's default ones after a tenth of a second, median of the rollouts.
 """
 
