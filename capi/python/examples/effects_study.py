@@ -16,7 +16,7 @@ import numpy as np
 import libdyn as dyn
 
 PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
-DURATION, ALLOWED = 0.5, 1e-3
+DURATION, ALLOWED = 0.5, 1e-2
 JOINTS = dyn.Effect.DAMPING | dyn.Effect.FRICTION | dyn.Effect.LIMITS | dyn.Effect.ARMATURE
 
 

@@ -52,7 +52,7 @@ def test_bash_completes():
     assert set(completed(["dyn"], "")) >= {"info", "sim", "stress", "--version"}
     assert completed(["dyn"], "acc") == ["accuracy"]
     assert set(completed(["dyn", "sim", "robot.urdf"], "--fl")) == {"--floating"}
-    assert set(completed(["dyn", "info", "--collision-meshes"], "")) == {"none", "hull", "triangles"}
+    assert set(completed(["dyn", "info", "--collision-meshes"], "")) == {"none", "hull", "triangles", "auto"}
 
 
 @pytest.mark.parametrize("shell, form", [("zsh", "zsh"), ("fish", "fish"), ("bash", "bash")])
