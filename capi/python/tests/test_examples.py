@@ -19,7 +19,7 @@ EXAMPLES = CAPI / "python" / "examples"
 RUNS = {
     "accuracy_study": ([], "cheapest for"),
     "derivatives": ([], "best:"),
-    "effects_study": ([], "the scene does without contact"),
+    "effects_study": ([], "the scene does without damping"),
     "four_bar": ([], "3 redundant"),
     "grasp": ([], "the knuckle needs"),
     "gravity_compensation": ([], "bit for bit"),
