@@ -24,7 +24,7 @@ void report_unused_data(const UrdfRobot& robot, Report& report) {
     if (n) all += (all.empty() ? "" : ", ") + std::to_string(n) + " x " + what;
   };
   add("damping", damping), add("dry friction", friction);
-  if (!all.empty()) report.info(0, "acts when its effect is switched on: " + all), all.clear();
+  if (!all.empty()) report.info(0, "acts in steps, and in algorithms when its effect is switched on: " + all), all.clear();
   add("velocity limit", velocity), add("effort limit", effort);
   if (!all.empty()) report.info(0, "kept as data, not applied by the algorithms: " + all);
 }

@@ -1,6 +1,8 @@
 // Small surfaces for tests: a pyramid, a field of nine heights, the pyramid's hull (NULL without qhull).
 #pragma once
 
+#include <vector>
+
 #include "capi/support.hpp"
 
 namespace dyn_test {
@@ -21,5 +23,22 @@ struct Surfaces {
     return type == DYN_SHAPE_TYPE_TRIANGLES ? pyramid : type == DYN_SHAPE_TYPE_HEIGHT_FIELD ? field : type == DYN_SHAPE_TYPE_CONVEX ? hull : nullptr;
   }
 };
+
+// A shape of each type.
+inline std::vector<dynGeometry> shapes_of(const Surfaces& surfaces) {
+  std::vector<dynGeometry> shapes;
+  dynShapeTypeInfo info{};
+  info.struct_size = sizeof info;
+  for (int k = DYN_SHAPE_TYPE_BOX; dyn_shape_type_info(dynShapeType(k), &info) == DYN_OK; ++k) {
+    const dynShapeType type = dynShapeType(k);
+    if (type == DYN_SHAPE_TYPE_MESH || (type == DYN_SHAPE_TYPE_CONVEX && !surfaces.hull)) continue;
+    dynGeometry g;
+    dyn_geometry_init(&g);
+    g.type = type, g.surface = surfaces.of(type);
+    if (!g.surface) g.size[0] = 0.4, g.size[1] = 0.5, g.size[2] = 0.6;
+    shapes.push_back(g);
+  }
+  return shapes;
+}
 
 }  // namespace dyn_test

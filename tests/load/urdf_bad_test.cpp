@@ -207,16 +207,6 @@ const Case cases[] = {
      {"line 3", "link 'a'", "principal moments", "0.1, 0.1, 0.5", "nearest possible"},
      Options(DYN_BASE_FIXED, true)},
 
-    {"MovesNoMass",
-     robot(link("a") + link("b", "") + link("c", "") + joint("j", "revolute", "a", "b") + joint("k", "revolute", "b", "c")),
-     DYN_ERROR_INVALID,
-     {"line 5", "joint 'j'", "link 'b'", "<inertial>", "fixed", "so also 'k'"}},
-    {"MovesOnlyMasslessFollower",
-     robot(ab + link("c", "") + link("d", "") + joint("j", "revolute", "a", "c") +
-           joint("k", "revolute", "a", "d", limit + "<mimic joint=\"j\"/>") + joint("w", "fixed", "a", "b")),
-     DYN_ERROR_INVALID,
-     {"line 6", "joint 'j'"}},
-
     // joints
     {"NoType",
      robot(ab + "<joint name=\"j\"><parent link=\"a\"/><child link=\"b\"/></joint>"),

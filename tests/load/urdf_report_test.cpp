@@ -43,7 +43,7 @@ TEST(Urdf, ReportOfWhatIsKeptAsData) {
                               joint("k", "continuous", "b", "c", axis + "<limit velocity=\"2\" effort=\"3\"/><dynamics damping=\"2\" friction=\"3\"/>") +
                               joint("l", "revolute", "c", "d", axis + limit + "<mimic joint=\"j\"/>")),
                         Options(DYN_BASE_FIXED, true));
-  EXPECT_TRUE(l.reports("acts when its effect is switched on: 2 x damping, 1 x dry friction", DYN_REPORT_LEVEL_INFO, 0));
+  EXPECT_TRUE(l.reports("acts in steps, and in algorithms when its effect is switched on: 2 x damping, 1 x dry friction", DYN_REPORT_LEVEL_INFO, 0));
   EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: 2 x velocity limit, 2 x effort limit",
                         DYN_REPORT_LEVEL_INFO, 0));
   EXPECT_TRUE(l.reports("1 x <limit> of a mimicking joint: not kept", DYN_REPORT_LEVEL_INFO, 8));

@@ -48,23 +48,6 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   dyn_broad_phase_free(b);
 }
 
-// One of each type.
-std::vector<dynGeometry> shapes_of(const Surfaces& surfaces) {
-  std::vector<dynGeometry> shapes;
-  dynShapeTypeInfo info{};
-  info.struct_size = sizeof info;
-  for (int k = DYN_SHAPE_TYPE_BOX; dyn_shape_type_info(dynShapeType(k), &info) == DYN_OK; ++k) {
-    const dynShapeType type = dynShapeType(k);
-    if (type == DYN_SHAPE_TYPE_MESH || (type == DYN_SHAPE_TYPE_CONVEX && !surfaces.hull)) continue;
-    dynGeometry g;
-    dyn_geometry_init(&g);
-    g.type = type, g.surface = surfaces.of(type);
-    if (!g.surface) g.size[0] = 0.4, g.size[1] = 0.5, g.size[2] = 0.6;
-    shapes.push_back(g);
-  }
-  return shapes;
-}
-
 // Every pair of types of shapes, apart, touching, overlapping, at one place; each by itself under rays and points; and what is refused.
 TEST(Allocations, NoneInAnyPairOfShapes) {
   if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";

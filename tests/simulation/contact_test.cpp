@@ -237,6 +237,11 @@ TEST(Contact, ArmFallingOntoItselfLosesEnergy) {
   ASSERT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/robots/panda.urdf", &options, &m)) << dyn_last_error();
   Simulation run{Model(m)};
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_DAMPING | DYN_EFFECT_FRICTION | DYN_EFFECT_ARMATURE));
+  // What overlaps at the beginning is not tested: its correction would lift the arm.
+  std::vector<double> distances(std::size_t(dyn_model_npairs(run.m)));
+  ASSERT_EQ(DYN_OK, dyn_distances(run.m, run.d, nullptr, distances.data()));
+  for (std::size_t k = 0; k < distances.size(); ++k)
+    if (distances[k] < 0) ASSERT_EQ(DYN_OK, dyn_data_set_pair(run.m, run.d, int(k), 0));
   double before = run.energy();
   int unsolved = 0;
   for (int k = 0; k < 1000; ++k) {
