@@ -144,6 +144,13 @@ const ModelFunction model_functions[] = {
     {"dyn_model_total_mass", [](auto* m) { return std::isnan(dyn_model_total_mass(m)); }},
     {"dyn_model_nconfigurations", [](auto* m) { return dyn_model_nconfigurations(m) == -1; }},
     {"dyn_model_configuration_name", [](auto* m) { return dyn_model_configuration_name(m, 0) == nullptr; }},
+    {"dyn_model_initial_configuration", [](auto* m) { return dyn_model_initial_configuration(m) == -1; }},
+    {"dyn_model_step_options",
+     [](auto* m) {
+       dynStepOptions o;
+       dyn_step_options_init(&o);
+       return dyn_model_step_options(m, &o) == DYN_ERROR_HANDLE && o.dt == 1e-3;
+     }},
     {"dyn_model_configuration", [](auto* m) { return dyn_model_configuration(m, "neutral", out) == DYN_ERROR_HANDLE; }},
     {"dyn_model_q_permutation",
      [](auto* m) {
@@ -346,7 +353,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_contact_solver_free", "dyn_contact_solver_solve", "dyn_contact_solver_residuals", "dyn_contact_compliance", "dyn_contact_stiffness_hertz",
       "dyn_contact_problem_qp",
       // stepping_test.cpp
-      "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
+      "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance", "dyn_data_reset",
       // tests/simulation
       "dyn_model_state_size", "dyn_data_save_state", "dyn_data_restore_state", "dyn_data_step_contacts", "dyn_data_ledger", "dyn_data_set_shape_material", "dyn_data_shape_material",
       // tests/simulation/driving_test.cpp

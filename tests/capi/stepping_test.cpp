@@ -146,5 +146,46 @@ TEST(Stepping, AFailureKeepsWhatWasReached) {
   }
 }
 
+
+// A named configuration is set with all that it states beside q; what it does not state is zero.
+TEST(Reset, GoesToTheBeginningOrToAKey) {
+  const char* text = "<mujoco><option timestep='0.004' integrator='RK4'/><worldbody><body pos='0 0 1'><joint name='j' type='slide' axis='0 0 1' ref='1'/>"
+                     "<geom type='sphere' size='.1'/></body></worldbody><actuator><motor name='a' joint='j'/></actuator>"
+                     "<keyframe><key name='k' qpos='2' qvel='3' ctrl='4' time='5'/></keyframe></mujoco>";
+  dynModel* m = nullptr;
+  dynData* d = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
+  EXPECT_STREQ("qpos0", dyn_model_configuration_name(m, dyn_model_initial_configuration(m)));
+  dynStepOptions o;
+  dyn_step_options_init(&o);
+  ASSERT_EQ(DYN_OK, dyn_model_step_options(m, &o));
+  EXPECT_EQ(0.004, o.dt);
+  EXPECT_EQ(DYN_INTEGRATOR_RK4, o.integrator);
+  const auto is = [&](double q, double v, double u, double t) {
+    const struct {
+      const char* field;
+      double value;
+    } rows[] = {{"q", q}, {"v", v}, {"ctrl", u}, {"time", t}};
+    for (const auto& r : rows) {
+      dynArray x{};
+      x.struct_size = sizeof x;
+      ASSERT_EQ(DYN_OK, dyn_data_array(m, d, dyn_field_id(r.field), &x));
+      EXPECT_EQ(r.value, x.data[0]) << r.field;
+    }
+  };
+  is(1, 0, 0, 0);
+  ASSERT_EQ(DYN_OK, dyn_data_reset(m, d, "k"));
+  is(2, 3, 4, 5);
+  EXPECT_EQ(DYN_ERROR_NAME, dyn_data_reset(m, d, "l"));
+  EXPECT_NE(std::string::npos, std::string(dyn_last_error()).find("'l'")) << dyn_last_error();
+  is(2, 3, 4, 5);
+  ASSERT_EQ(DYN_OK, dyn_step(m, d));
+  ASSERT_EQ(DYN_OK, dyn_data_reset(m, d, nullptr));
+  is(1, 0, 0, 0);
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_reset(m, nullptr, nullptr));
+  dyn_data_free(d), dyn_model_free(m);
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -241,7 +241,9 @@ TEST(Contact, ArmFallingOntoItselfLosesEnergy) {
   std::vector<double> distances(std::size_t(dyn_model_npairs(run.m)));
   ASSERT_EQ(DYN_OK, dyn_distances(run.m, run.d, nullptr, distances.data()));
   for (std::size_t k = 0; k < distances.size(); ++k)
-    if (distances[k] < 0) ASSERT_EQ(DYN_OK, dyn_data_set_pair(run.m, run.d, int(k), 0));
+    if (distances[k] < 0) {
+      ASSERT_EQ(DYN_OK, dyn_data_set_pair(run.m, run.d, int(k), 0));
+    }
   double before = run.energy();
   int unsolved = 0;
   for (int k = 0; k < 1000; ++k) {
