@@ -246,14 +246,15 @@ TEST(Contact, ArmFallingOntoItselfLosesEnergy) {
     }
   double before = run.energy();
   int unsolved = 0;
+  std::size_t contacts = 0;
   for (int k = 0; k < 1000; ++k) {
-    run.steps(1), unsolved += run.report().unsolved;
+    run.steps(1), unsolved += run.report().unsolved, contacts = std::max(contacts, run.contacts().size());
     const double now = run.energy();
     ASSERT_LT(now, before + 1e-6) << "step " << k;
     before = now;
   }
   EXPECT_LE(unsolved, 20);
-  EXPECT_GE(run.contacts().size(), 6u);
+  EXPECT_GE(contacts, 6u);
 }
 
 }  // namespace

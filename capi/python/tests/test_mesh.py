@@ -176,7 +176,7 @@ def test_cli_collision_meshes(tmp_path):
             part, part + "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
         )
     )
-    assert "--collision-meshes" in run("info", path, "--fixed", "--pairs")
+    assert "--collision-meshes" in run("info", path, "--fixed", "--pairs", "--collision-meshes", "none")
     for kind, name in (("hull", "convex"), ("triangles", "triangles")):
         info = answer("info", path, "--fixed", "--collision-meshes", kind)
         assert [s["type"] for s in info["shapes"]] == [name, name]
