@@ -12,7 +12,7 @@ using namespace tuning::acceleration;
 template <int W>
 DYN_INLINE double sum_of(const Simd<double, W>& a) {
   double half[W / 2];
-  for (int k = 0; k < W / 2; ++k) half[k] = a.x[k] + a.x[k + W / 2];
+  for (int k = 0; k < W / 2; ++k) half[k] = a[k] + a[k + W / 2];
   return (half[0] + half[2]) + (half[1] + half[3]);
 }
 
