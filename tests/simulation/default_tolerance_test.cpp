@@ -56,7 +56,8 @@ TEST(DefaultTolerance, HeapOfBoxesRestsWithBoundedIterations) {
       const double n = f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
       double across = 0;
       for (int i = 0; i < 3; ++i) across += std::pow(f.force_on_b[i] - n * f.contact.normal[i], 2);
-      ASSERT_TRUE(n >= -1e-9 && std::sqrt(across) <= 0.6 * n + 1e-6) << k;
+      ASSERT_GE(n, -1e-9) << k;
+      ASSERT_LE(std::sqrt(across), 0.6 * n * (1 + 1e-3) + 1e-6) << k << ", n " << n;  // Newton's method keeps cones to the residual
     }
     if (k >= 950) {
       EXPECT_LE(r.residual, 1e-4) << k;
