@@ -108,6 +108,22 @@ def forces_of(mm, m, dyn, states=5):
     return float(worst)
 
 
+def load_here(row, peer, path, **options):
+    """The model and its warnings, which the row takes; the row has its result where there is nothing to compare."""
+    import libdyn as dyn
+
+    try:
+        m = dyn.load(path, **options)
+    except dyn.Error as error:
+        row.update(result="refused" if peer else "refused by both", reason=str(error).splitlines()[0])
+        return None, []
+    said = [e.message for e in m.report if e.level == dyn.ReportLevel.WARNING]
+    row["unsupported"] = "; ".join(said[:3])
+    if peer is None:
+        row["result"] = "loaded here alone"
+    return m, said
+
+
 def mjcf(path, duration):
     import mujoco
 
@@ -119,14 +135,9 @@ def mjcf(path, duration):
         row["peer"] = "yes"
     except Exception as error:
         mm, row["peer"], row["reason"] = None, "no", str(error).strip().splitlines()[0][:200]
-    try:
-        m = dyn.load(path)
-    except dyn.Error as error:
-        return row | {"result": "refused" if mm else "refused by both", "reason": str(error).splitlines()[0]}
-    said = [e.message for e in m.report if e.level == dyn.ReportLevel.WARNING]
-    row["unsupported"] = "; ".join(said[:3])
-    if mm is None:
-        return row | {"result": "loaded here alone"}
+    m, said = load_here(row, mm, path)
+    if "result" in row:
+        return row
     row["sizes"] = "same" if (m.nq, m.nv, m.nu) == (mm.nq, mm.nv, mm.nu) else f"{m.nq} {m.nv} {m.nu}, not {mm.nq} {mm.nv} {mm.nu}"
     if (m.nq, m.nv) != (mm.nq, mm.nv):
         return row | {"result": "differs"}
@@ -166,14 +177,9 @@ def urdf(path, folder):
         row["peer"] = "yes"
     except Exception as error:
         pm, row["peer"], row["reason"] = None, "no", str(error).strip().splitlines()[0][:200]
-    try:
-        m = dyn.load(path, "fixed", package_dirs=folder)
-    except dyn.Error as error:
-        return row | {"result": "refused" if pm else "refused by both", "reason": str(error).splitlines()[0]}
-    said = [e.message for e in m.report if e.level == dyn.ReportLevel.WARNING]
-    row["unsupported"] = "; ".join(said[:3])
-    if pm is None:
-        return row | {"result": "loaded here alone"}
+    m, said = load_here(row, pm, path, base="fixed", package_dirs=folder)
+    if "result" in row:
+        return row
     row["sizes"] = "same" if m.nv == pm.nv else f"nv {m.nv}, not {pm.nv}"
     if m.nv != pm.nv:
         return row | {"result": "differs, with warnings" if said else "differs"}
