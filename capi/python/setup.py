@@ -3,7 +3,7 @@
 `pip install ./capi/python` from a checkout needs no other step.
 
 DYN_PREFIX  an installed tree to take the libraries from; without it the checkout is configured and built with CMake.
-DYN_HWCAPS  which variants CMake builds then: ON (v2, v3, v4), native (for this machine), OFF. Default: native.
+DYN_HWCAPS  which variants CMake builds then: ON (v3, v4), native (for this machine), OFF. Default: native.
 """
 
 import os

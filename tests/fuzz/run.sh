@@ -14,7 +14,7 @@ build=$(cd "$1" && pwd) seconds=${2:-10}
 shift $(($# < 2 ? $# : 2))
 command -v clang++ >/dev/null || { echo "clang++ is not installed"; exit 77; }
 level=$(sed -n 's/^DYN_ARCH:STRING=//p' "$build/CMakeCache.txt")
-[ "$level" != native ] || level=$(sed -n 's/.*-march=\(x86-64-v[234]\).*/\1/p' "$build/build.ninja" | head -1)
+[ "$level" != native ] || level=$(sed -n 's/.*-march=\(x86-64-v[34]\).*/\1/p' "$build/build.ninja" | head -1)
 archive=$build/lib/libdyn.a
 # the variant that the tests link, if there is one: without AVX the two compilers align vectors of four numbers in different ways
 for variant in "$build"/lib/glibc-hwcaps/*/libdyn.a; do

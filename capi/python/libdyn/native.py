@@ -17,8 +17,10 @@ _FILE = "libdyn.1.dylib" if sys.platform == "darwin" else "libdyn.so.1"
 
 # What glibc asks of a CPU before it searches glibc-hwcaps/<level>, in the names of /proc/cpuinfo.
 _LEVELS = (
-    ("x86-64-v2", {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"}),
-    ("x86-64-v3", {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}),
+    (
+        "x86-64-v3",
+        {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"},
+    ),
     ("x86-64-v4", {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}),
 )
 

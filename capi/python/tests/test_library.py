@@ -73,7 +73,7 @@ def test_too_old(tmp_path):
 def test_cpu_levels():
     levels = native.cpu_levels()
     assert levels == sorted(levels, reverse=True)
-    assert set(levels) <= {"x86-64-v2", "x86-64-v3", "x86-64-v4"}
+    assert set(levels) <= {"x86-64-v3", "x86-64-v4"}
 
 
 @pytest.mark.parametrize(("call", "name"), [
