@@ -3,7 +3,8 @@
 
     python bench/cluster.py [--workers 2] [--passes 5]
 
-Needs the packages ray and dyn. A local cluster simulates a quadruped in the air in tasks of several sizes; the least wall time of the passes counts. From least squares of relative errors over the sizes:
+Needs the packages ray and dyn. A local cluster simulates a quadruped in the air in tasks of several sizes; the least wall time of
+the passes counts. From least squares of relative errors over the sizes:
   c   seconds of a worker for a step
   o   seconds of a worker for a task beside its steps
   d   seconds of the calling process for a task (its processor time): what limits how many workers it can feed
@@ -38,14 +39,16 @@ def main():
     m = dyn.load(ROOT / "models/robots/go2.urdf", base="floating")
     q0 = m.neutral()
     begin = time.perf_counter()
-    ray.init(num_cpus=o.workers, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": str(ROOT / "capi/python")}})
+    ray.init(num_cpus=o.workers, include_dashboard=False, log_to_driver=False,
+             runtime_env={"env_vars": {"PYTHONPATH": str(ROOT / "capi/python")}})
     started = time.perf_counter() - begin
     begin = time.perf_counter()
     rollout(m, q0, steps=1, n=o.workers, chunk=1, engine="ray")
     print(f"Start of the cluster {started:.1f} s; first call (processes start, import dyn, load the model) {time.perf_counter() - begin:.1f} s; "
           f"image of the model {len(m.image()) / 1e6:.2f} MB.\n")  # fmt: skip
     rows = []  # tasks, steps, megabytes, wall, processor time here
-    for steps, every, n in ((1, 1, 100), (50, 50, 100), (200, 200, 50), (1000, 1000, 20), (3000, 3000, 10), (1000, 1, 20), (200, 1, 50)):
+    for steps, every, n in ((1, 1, 100), (50, 50, 100), (200, 200, 50), (1000, 1000, 20), (3000, 3000, 10), (1000, 1, 20),
+                            (200, 1, 50)):
         wall, here = np.inf, np.inf
         for _ in range(o.passes):
             times = time.perf_counter(), time.process_time()
@@ -56,8 +59,10 @@ def main():
     relative = lambda A, y: np.linalg.lstsq(A / y[:, None], np.ones(len(y)), rcond=None)[0]
     overhead, c = relative(np.stack([tasks, steps], 1) / o.workers, wall)
     d, b = relative(np.stack([tasks, megabytes], 1), here)
-    print(f"c {c * 1e6:.1f} us a step, o {overhead * 1e3:.2f} ms a task, d {d * 1e3:.2f} ms a task, b {b * 1e3:.2f} ms a megabyte\n")
-    print("| steps of a task | its work, ms | share of a worker's time that is steps | workers that one caller feeds |\n|---:|---:|---:|---:|")
+    print(f"c {c * 1e6:.1f} us a step, o {overhead * 1e3:.2f} ms a task, d {d * 1e3:.2f} ms a task, b {b * 1e3:.2f} ms a "
+          "megabyte\n")
+    print("| steps of a task | its work, ms | share of a worker's time that is steps | workers that one caller feeds "
+          "|\n|---:|---:|---:|---:|")
     for size in (1, 50, 200, 1000, 5000, dyn.cluster.STEPS_OF_A_TASK):
         print(f"| {size:,} | {1e3 * size * c:.1f} | {size * c / (size * c + overhead):.1%} | {(size * c + overhead) / d:,.0f} |")
     errors = (tasks * overhead + steps * c) / o.workers / wall - 1

@@ -59,10 +59,10 @@ def build(args, mujoco, library, coal):
     flags = ["-O3", "-march=native", "-std=c++20", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math", "-Wno-psabi"]
     folders = [PROJECT / "tests", PROJECT / "bench/collision", PROJECT / "include", PROJECT / "src", PROJECT / "capi"]
     system = ["/usr/include/eigen3", f"{coal}/include", f"{mujoco}/include"]
-    libraries = [args.library, f"-L{coal}/lib", "-lcoal", f"-Wl,-rpath,{coal}/lib", library, f"-Wl,-rpath,{mujoco}", "-lccd", "-lurdfdom_model",
-                 "-ltinyxml2", "-lconsole_bridge"]
-    run([os.environ.get("GXX", "g++"), *flags, *(f"-I{f}" for f in folders), *(x for f in system for x in ("-isystem", f)), *SOURCES, *libraries,
-         "-o", program], "building")
+    libraries = [args.library, f"-L{coal}/lib", "-lcoal", f"-Wl,-rpath,{coal}/lib", library, f"-Wl,-rpath,{mujoco}", "-lccd",
+                 "-lurdfdom_model", "-ltinyxml2", "-lconsole_bridge"]
+    run([os.environ.get("GXX", "g++"), *flags, *(f"-I{f}" for f in folders), *(x for f in system for x in ("-isystem", f)),
+         *SOURCES, *libraries, "-o", program], "building")
     return program
 
 
@@ -80,7 +80,8 @@ def mesh_table(rows):
             cells += [*(f"{t / 1e3:.1f}" for t in ns), bold(ns[0] / ns[1])] if ns else ["", "", ""]
         worst = [max(at[pair, c][e]["error"] for c in CLASSES[:2]) for e in ("libdyn", "Coal")]
         lines.append([*cells, *(f"{w:.0e}" for w in worst)])
-    return compare.table(["pair", *(f"{c}: {n}" for c in CLASSES for n in ["libdyn", "Coal", "ratio"]), "libdyn: error", "Coal: error"], lines)
+    return compare.table(["pair", *(f"{c}: {n}" for c in CLASSES for n in ["libdyn", "Coal", "ratio"]), "libdyn: error",
+                          "Coal: error"], lines)
 
 
 def tables(rows):
@@ -105,7 +106,8 @@ def tables(rows):
     sums = [sum(r[e]["wrong"] for r in rows if r["poses"] == "adversarial" and e in r) for e in ["libdyn", *PEERS, "libccd"]]
     errors.append(["**all**", "", "", "", *(f"**{s}**" for s in sums)])
     return (compare.table(head, times),
-            compare.table(["pair", *(f"{e}: error" for e in ["libdyn", *PEERS]), *(f"{e}: wrong" for e in ["libdyn", *PEERS, "libccd"])], errors), ratios)
+            compare.table(["pair", *(f"{e}: error" for e in ["libdyn", *PEERS]),
+                           *(f"{e}: wrong" for e in ["libdyn", *PEERS, "libccd"])], errors), ratios)
 
 
 def main():
@@ -118,23 +120,31 @@ def main():
     p.add_argument("--json", type=Path)
     args = p.parse_args()
     found = sorted((PROJECT / "build/release/lib").rglob("libdyn.a"))
-    args.library = args.library or (found[-1] if found else die("no libdyn.a under build/release: build it (tools/run does), or give --library"))
+    args.library = (args.library
+                    or (found[-1] if found else die("no libdyn.a under build/release: build it (tools/run does), or give "
+                                                    "--library")))
     if not os.access(args.python, os.X_OK):
         die(f"{args.python} is missing: run bench/peers/build_pinocchio.py first, or give --python")
     mujoco, library, coal, coal_version, mujoco_version = packages(args.python)
     program = build(args, mujoco, library, coal)
-    rows = [json.loads(line) for line in run([program, "--adversarial", args.adversarial, *([args.pair] if args.pair else [])], "collision_bench").splitlines()]
+    rows = [json.loads(line) for line in run([program, "--adversarial", args.adversarial, *([args.pair] if args.pair else [])],
+                                             "collision_bench").splitlines()]
     times, errors, ratios = tables(rows)
     mean = math.exp(statistics.fmean(map(math.log, ratios))) if ratios else math.nan
-    text = (f"Nanoseconds of a distance query, beside Coal {coal_version} and MuJoCo {mujoco_version} (`mj_geomDistance`). Batches have 1,000 poses. The least of nine and more "
-            "interleaved passes counts. Shapes of about 1 m are apart, have a gap of 1 mm, or overlap by 5 cm. The peers have their default tolerances of 1e-6, libdyn 1e-10. "
-            f"The machine is an {compare.cpu_name()}, the date {datetime.date.today()}. The ratio is to the faster of the two peers; above 0.8 it is bold "
-            f"({sum(r > 0.8 for r in ratios)} of {len(ratios)}). Geometric mean **{mean:.2f}**.\n\n{times}\n\n"
-            "`error` is the largest on these poses, relative to the size of the smaller shape. (MuJoCo keeps the vertices of meshes in single precision.) `wrong` counts results "
-            "off by more than 1e-3 of that size on adversarial poses: touching, nearly touching, aligned, coincident, sizes 10^3 to 10^6 apart, 1e-4 thin, 1 km away, deep. "
-            "The truth is libdyn at 1e-15, its depths checked by brute force over all directions. libccd (MPR) has depths alone, and not the least ones.\n\n"
-            + errors + "\n\nMicroseconds of a distance query of a triangle mesh, a ring, beside Coal's (`BVHModel<OBBRSS>`), at most 200 poses each. Poses are apart by 0.1 m and "
-            "more, near by up to 5 cm, or overlap by up to 5 cm. Coal computes another quantity for overlaps. MuJoCo is left out: it takes the hull.\n\n" + mesh_table(rows))
+    text = (f"Nanoseconds of a distance query, beside Coal {coal_version} and MuJoCo {mujoco_version} (`mj_geomDistance`). "
+            "Batches have 1,000 poses. The least of nine and more interleaved passes counts. Shapes of about 1 m are apart, "
+            "have a gap of 1 mm, or overlap by 5 cm. The peers have their default tolerances of 1e-6, libdyn 1e-10. The "
+            f"machine is an {compare.cpu_name()}, the date {datetime.date.today()}. The ratio is to the faster of the two "
+            f"peers; above 0.8 it is bold ({sum(r > 0.8 for r in ratios)} of {len(ratios)}). Geometric mean "
+            f"**{mean:.2f}**.\n\n{times}\n\n`error` is the largest on these poses, relative to the size of the smaller shape. "
+            "(MuJoCo keeps the vertices of meshes in single precision.) `wrong` counts results off by more than 1e-3 of that "
+            "size on adversarial poses: touching, nearly touching, aligned, coincident, sizes 10^3 to 10^6 apart, 1e-4 thin, 1 "
+            "km away, deep. The truth is libdyn at 1e-15, its depths checked by brute force over all directions. libccd (MPR) "
+            "has depths alone, and not the least ones.\n\n"
+            + errors + "\n\nMicroseconds of a distance query of a triangle mesh, a ring, beside Coal's (`BVHModel<OBBRSS>`), at "
+                       "most 200 poses each. Poses are apart by 0.1 m and "
+            "more, near by up to 5 cm, or overlap by up to 5 cm. Coal computes another quantity for overlaps. MuJoCo is left "
+            "out: it takes the hull.\n\n" + mesh_table(rows))
     if args.json:
         args.json.write_text(json.dumps(rows, indent=1) + "\n")
     if not args.pair:

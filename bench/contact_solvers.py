@@ -4,9 +4,9 @@
     DYN_LIBRARY=build/release/lib python3 bench/contact_solvers.py [--repeat N] [--markdown]
 
 Every problem is a Delassus matrix, a free velocity and coefficients of friction. The residual is the same function for all
-(dyn_contact_solver_residuals: relative, independent of units); each solver is run for tolerances 1e-4 to 1e-10 and the time of the first
-run that reaches a residual counts: the least of many runs, of the call alone (Pinocchio: its own timer in the solver; libdyn: the
-call with all its checks of inputs). Without the wheel pin libdyn's columns alone are printed.
+(dyn_contact_solver_residuals: relative, independent of units); each solver is run for tolerances 1e-4 to 1e-10 and the time of
+the first run that reaches a residual counts: the least of many runs, of the call alone (Pinocchio: its own timer in the solver;
+libdyn: the call with all its checks of inputs). Without the wheel pin libdyn's columns alone are printed.
 """
 
 import argparse
@@ -60,7 +60,8 @@ def stack(masses, mu=0.7, push=0.0):
 
 def feet(n, copies=1, push=0.0):
     angle = 2 * np.pi * (np.arange(n) + 0.5) / n
-    return rigid([12.0], [(0, -1, (0.3 * np.cos(t), 0.3 * np.sin(t), -0.3), None) for t in angle for _ in range(copies)], 0.5, [push, push / 3, 0, 0, 0, 0])
+    return rigid([12.0], [(0, -1, (0.3 * np.cos(t), 0.3 * np.sin(t), -0.3), None) for t in angle for _ in range(copies)], 0.5,
+                 [push, push / 3, 0, 0, 0, 0])
 
 
 def random(contacts, dof, mu, seed):
@@ -163,7 +164,8 @@ def main():
             continue
         found = [ladder(make, name, problem, args.repeat) for _, make, name in columns]
         for t in TARGETS:
-            print(f"| {title} | {t:.0e} | " + " | ".join(f"{1e6 * f[t]:.1f}" if t in f else "-" for f in found) + " |", flush=True)
+            print(f"| {title} | {t:.0e} | " + " | ".join(f"{1e6 * f[t]:.1f}" if t in f else "-" for f in found) + " |",
+                  flush=True)
 
 
 if __name__ == "__main__":

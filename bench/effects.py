@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Instructions of a step, scene by scene, beside MuJoCo's of the same files: what is absent, far or switched off should take none.
+"""Instructions of a step, scene by scene, beside MuJoCo's of the same files: what is absent, far or switched off should take
+none.
 
     python bench/effects.py [--count build/release/bin/dyn_count_steps] [--write]
 
-Needs the package mujoco and a C++ compiler. Instructions are counted one by one (ptrace) in the sixth step from the start. Prints the table;
---write puts it in its place (pages.py).
+Needs the package mujoco and a C++ compiler. Instructions are counted one by one (ptrace) in the sixth step from the start. Prints
+the table; --write puts it in its place (pages.py).
 """
 
 import argparse
@@ -22,8 +23,8 @@ def mujoco_counts(files, folder):
     package = Path(mujoco.__file__).parent
     library = next(package.glob("libmujoco.so*"))
     program = folder / "count_mujoco"
-    command = ["g++", "-O2", "-std=c++20", f"-I{package}/include", f"-I{BENCH}", BENCH / "effects/count_mujoco.cpp", BENCH / "count.cpp", library,
-               f"-Wl,-rpath,{package}", "-o", program]
+    command = ["g++", "-O2", "-std=c++20", f"-I{package}/include", f"-I{BENCH}", BENCH / "effects/count_mujoco.cpp",
+               BENCH / "count.cpp", library, f"-Wl,-rpath,{package}", "-o", program]
     subprocess.run([str(c) for c in command], check=True)
     out = subprocess.run([str(program), *map(str, files)], check=True, capture_output=True, text=True).stdout
     return [int(line) for line in out.split()]

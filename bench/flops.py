@@ -6,13 +6,13 @@ Usage:  flops.py MODEL.urdf --fixed|--floating [--json]        (with a Python th
 Each recursion below is written out in scalars and run on numbers that count their operations; its result is compared with
 Pinocchio's (1e-9 relative), so that what is counted is the whole algorithm. Vectors are in world axes, as in libdyn. Joints are
 turned beforehand so that they move along or about z. Sines and cosines are not counted; nor are products with the zeros and ones
-of the formulas themselves (those of the robot are: a general robot has none). A division counts as a multiplication. Followers of a mimic are joints like
-others here.
+of the formulas themselves (those of the robot are: a general robot has none). A division counts as a multiplication. Followers of
+a mimic are joints like others here.
 
-  forward_kinematics                rotation and position of each body: two columns turn by q, one product with the parent's rotation
-  rnea              Luh, Walker, Paul 1980: Newton-Euler at each body's own origin
-  crba              Featherstone 2008, section 6.2, at the origin of the tree's root: composites add, F_i = Ic S_i, M_ji = S_j . F_i
-  aba               Featherstone 2008, section 7.3, articulated inertias as three 3 x 3 blocks at each body's own origin
+  forward_kinematics                rotation and position of each body: two columns turn by q, one product with the parent's
+  rotation rnea              Luh, Walker, Paul 1980: Newton-Euler at each body's own origin
+  crba              Featherstone 2008, section 6.2, at the origin of the tree's root: composites add, F_i = Ic S_i, M_ji = S_j .
+  F_i aba               Featherstone 2008, section 7.3, articulated inertias as three 3 x 3 blocks at each body's own origin
   rnea_derivatives  Singh, Russell, Wensing 2022, equations 18 to 21, with M, at the origin of the tree's root; a body's mass
                     distribution and its rate as first and second moments (22 numbers)
 """
@@ -107,8 +107,9 @@ def main():
     bodies = bodies_of(pin, model)
     counted = lambda x: [N(e) for e in x]
     out = {}
-    for f, inputs, right in ((forward_kinematics, (q,), placements), (rnea, (q, v, a), lambda: pin.rnea(model, data, q, v, a)), (crba, (q,), mass),
-                             (aba, (q, v, a), lambda: pin.aba(model, data, q, v, a)), (rnea_derivatives, (q, v, a), derivatives)):
+    for f, inputs, right in ((forward_kinematics, (q,), placements), (rnea, (q, v, a), lambda: pin.rnea(model, data, q, v, a)),
+                             (crba, (q,), mass), (aba, (q, v, a), lambda: pin.aba(model, data, q, v, a)),
+                             (rnea_derivatives, (q, v, a), derivatives)):
         arguments = [tuple(counted(x)) for x in inputs]
         Count.mul = Count.add = 0
         y = np.array([x.x if isinstance(x, N) else float(x) for x in f(bodies, tuple(counted(model.gravity.linear)), *arguments)])

@@ -4,8 +4,8 @@
 Usage:  ik.py [--count N] [--libraries dyn,pink,mujoco] [--restarts R] [--markdown]
 
 Targets are the placements of random configurations within the joint limits; starts are other such configurations, the same for
-all libraries. panda: pose of the right finger, whose joint follows the left one's. go2: pose of the base and positions of the four
-feet, floating base. A target is met within 1e-6 m and 1e-6 rad. Each library starts from the given configuration and, while
+all libraries. panda: pose of the right finger, whose joint follows the left one's. go2: pose of the base and positions of the
+four feet, floating base. A target is met within 1e-6 m and 1e-6 rad. Each library starts from the given configuration and, while
 that fails, from up to R random ones (libdyn by itself; the peers here, by its sampling); joint limits are respected by all.
   dyn      Data.ik of the Python package; a line apart tells what the package adds to a call of the C function
   pink     differential inverse kinematics, steps of one second until the error is met, at most 100 a start; QP solver: --solver
@@ -66,7 +66,8 @@ class Dyn:
         self.p, self.data = problem, problem.model.data()
 
     def solve(self, k):
-        tasks = [(ik.pose(f, X) if kind == "pose" else ik.position(f, X.translation)) for (kind, f), X in zip(self.p.tasks, self.p.targets[k])]
+        tasks = [(ik.pose(f, X) if kind == "pose" else ik.position(f, X.translation))
+                 for (kind, f), X in zip(self.p.tasks, self.p.targets[k])]
         begin = time.perf_counter()
         r = self.data.ik(tasks, self.p.starts[k], restarts=self.p.restarts, seed=k)
         return r.converged, r.restarts, time.perf_counter() - begin
@@ -74,7 +75,8 @@ class Dyn:
     def overhead(self):
         """Of the package: a call that starts at its solution."""
         p, times = self.p, []
-        tasks = [(ik.pose(f, X) if kind == "pose" else ik.position(f, X.translation)) for (kind, f), X in zip(p.tasks, p.targets[0])]
+        tasks = [(ik.pose(f, X) if kind == "pose" else ik.position(f, X.translation))
+                 for (kind, f), X in zip(p.tasks, p.targets[0])]
         q = self.data.ik(tasks, p.starts[0], restarts=1000, tolerance_linear=1e-9, tolerance_angular=1e-9).q
         for _ in range(1000):
             begin = time.perf_counter()
@@ -105,7 +107,8 @@ class Pink(Peer):
         self.model = pin.buildModelFromUrdf(str(problem.path), *base)
         self.data = self.model.createData()
         self.frames = [pink.tasks.FrameTask(f, 1.0, 1.0 if kind == "pose" else 0.0, lm_damping=1e-3) for kind, f in problem.tasks]
-        self.names = [problem.model.joint(n) for n in list(self.model.names)[1:] if problem.model.joint(n).type != dyn.JointType.FREE_FLYER]
+        self.names = [problem.model.joint(n) for n in list(self.model.names)[1:]
+                      if problem.model.joint(n).type != dyn.JointType.FREE_FLYER]
 
     def q(self, q):
         out = [q[:7]] if self.p.floating else []
@@ -119,7 +122,8 @@ class Pink(Peer):
             task.set_target(self.pin.SE3(X.rotation, X.translation))
         for _ in range(100):
             errors = [(t.compute_error(c), kind) for t, (kind, _) in zip(self.frames, self.p.tasks)]
-            if all(np.linalg.norm(e[:3]) < TOLERANCE and (kind == "position" or np.linalg.norm(e[3:]) < TOLERANCE) for e, kind in errors):
+            if all(np.linalg.norm(e[:3]) < TOLERANCE and (kind == "position" or np.linalg.norm(e[3:]) < TOLERANCE)
+                   for e, kind in errors):
                 return True
             try:
                 v = self.pink.solve_ik(c, self.frames, 1.0, solver=self.solver, damping=1e-9, safety_break=False)
@@ -245,7 +249,8 @@ def main():
     for robot in options.robots.split(","):
         problem = Problem(robot, options.count, options.restarts)
         for library in options.libraries.split(","):
-            solver = {"dyn": lambda p: Dyn(p), "pink": lambda p: Pink(p, options.solver), "mujoco": lambda p: MuJoCo(p)}[library](problem)
+            solver = {"dyn": lambda p: Dyn(p), "pink": lambda p: Pink(p, options.solver),
+                      "mujoco": lambda p: MuJoCo(p)}[library](problem)
             count = options.count if library == "dyn" else options.peer_count or options.count
             solver.solve(0)  # warm
             results = [solver.solve(k) for k in range(count)]

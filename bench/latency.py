@@ -3,8 +3,9 @@
 
     python bench/latency.py [--dyn build/release/bin/dyn_latency] [--calls 1000000]
 
-Needs the packages mujoco and pin and a C++ compiler. Each program runs alone, one call after another, on inputs that change from call to call. The last
-columns say as much about the machine as about the library: the system takes the processor away from all of them.
+Needs the packages mujoco and pin and a C++ compiler. Each program runs alone, one call after another, on inputs that change from
+call to call. The last columns say as much about the machine as about the library: the system takes the processor away from all of
+them.
 """
 
 import argparse
@@ -22,12 +23,14 @@ from build_pinocchio import DEFINES  # noqa: E402
 
 MODELS = BENCH.parent / "models/robots"
 SCENE = """<mujoco><worldbody><geom type="plane" size="5 5 1"/>{}</worldbody></mujoco>""".format("".join(
-    f'<body pos="{0.11 * (k % 2)} 0 {0.06 + 0.1 * (k // 2)}"><freejoint/><geom type="box" size=".05 .05 .05"/></body>' for k in range(8)))  # fmt: skip
+    f'<body pos="{0.11 * (k % 2)} 0 {0.06 + 0.1 * (k // 2)}"><freejoint/><geom type="box" size=".05 .05 .05"/></body>'
+    for k in range(8)))  # fmt: skip
 
 
 def build(source, folder, *options):
     program = folder / source.removesuffix(".cpp")
-    subprocess.run([str(c) for c in ("g++", "-O2", "-std=c++20", BENCH / "latency" / source, *options, "-o", program)], check=True)
+    subprocess.run([str(c) for c in ("g++", "-O2", "-std=c++20", BENCH / "latency" / source, *options, "-o", program)],
+                   check=True)
     return program
 
 
@@ -49,12 +52,16 @@ def main():
         xmls = []
         for urdf, base in zip(urdfs, ("--fixed", "--floating")):
             xmls.append(folder / f"{urdf.stem}.xml")
-            subprocess.run([str(options.dyn.parent / "dyn"), "convert", str(urdf), base, str(xmls[-1])], check=True, capture_output=True)
+            subprocess.run([str(options.dyn.parent / "dyn"), "convert", str(urdf), base, str(xmls[-1])], check=True,
+                           capture_output=True)
         ours = run(options.dyn, options.calls, *urdfs, folder / "scene.xml")
-        theirs = run(build("mujoco.cpp", folder, f"-I{package}/include", next(package.glob("libmujoco.so*")), f"-Wl,-rpath,{package}"), options.calls, *xmls, folder / "scene.xml")
+        theirs = run(build("mujoco.cpp", folder, f"-I{package}/include", next(package.glob("libmujoco.so*")),
+                           f"-Wl,-rpath,{package}"), options.calls, *xmls, folder / "scene.xml")
         pin = run(build("pinocchio.cpp", folder, f"-I{prefix}/include", "-I/usr/include/eigen3", *DEFINES, f"-L{prefix}/lib",
-                        "-lpinocchio_default", "-lpinocchio_parsers", f"-Wl,-rpath,{prefix}/lib"), options.calls, *urdfs)  # fmt: skip
-    print(f"Microseconds: p50, p99, p99.99, maximum of {options.calls:,} calls (MuJoCo {mujoco.__version__}, Pinocchio {pinocchio.__version__}).\n")
+                        "-lpinocchio_default", "-lpinocchio_parsers", f"-Wl,-rpath,{prefix}/lib"), options.calls,
+                        *urdfs)  # fmt: skip
+    print(f"Microseconds: p50, p99, p99.99, maximum of {options.calls:,} calls (MuJoCo {mujoco.__version__}, Pinocchio "
+          f"{pinocchio.__version__}).\n")
     print("| call | libdyn | MuJoCo | Pinocchio |\n|---|---|---|---|")
     for call in ours:
         print("| " + " | ".join([call, *(", ".join(side[call]) if call in side else "" for side in (ours, theirs, pin))]) + " |")

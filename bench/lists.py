@@ -35,7 +35,8 @@ def infos(enum, info, function):
 
 
 def name_of(enum, value):
-    return next((v["name"] for v in next(e for e in INTERFACE["enums"] if e["name"] == enum)["values"] if v["value"] == value), "")
+    return next((v["name"] for v in next(e for e in INTERFACE["enums"] if e["name"] == enum)["values"] if v["value"] == value),
+                "")
 
 
 def parts(bits):
@@ -44,7 +45,8 @@ def parts(bits):
 
 
 def joints():
-    rows = [(f"`{words(x.name)}`", x.nq, x.nv, words(x.chain), words(x.sentence)) for _, x in infos("dynJointType", abi.JointTypeInfo, "dyn_joint_type_info")]
+    rows = [(f"`{words(x.name)}`", x.nq, x.nv, words(x.chain), words(x.sentence))
+            for _, x in infos("dynJointType", abi.JointTypeInfo, "dyn_joint_type_info")]
     return table(("name", "nq", "nv", "chain of", "what it is"), *rows)
 
 
@@ -66,7 +68,8 @@ def constraints():
 
 def effects():
     rows = [
-        (f"`{words(x.name)}`", words(x.sentence), name_of("dynModelArray", x.array), ("", "all Euler steps", "IMPLICIT_FAST")[x.implicit], parts(x.part))
+        (f"`{words(x.name)}`", words(x.sentence), name_of("dynModelArray", x.array),
+         ("", "all Euler steps", "IMPLICIT_FAST")[x.implicit], parts(x.part))
         for _, x in infos("dynEffects", abi.EffectTypeInfo, "dyn_effect_type_info")
     ]
     return table(("name", "what it is", "array of the model", "implicit in", "part"), *rows)
@@ -74,7 +77,8 @@ def effects():
 
 def integrators():
     rows = [
-        (f"`{words(x.name)}`", x.order, x.evaluations or "as many as it takes", "yes" if x.implicit else "", "yes" if x.estimates else "", words(x.sentence))
+        (f"`{words(x.name)}`", x.order, x.evaluations or "as many as it takes", "yes" if x.implicit else "",
+         "yes" if x.estimates else "", words(x.sentence))
         for _, x in infos("dynIntegrator", abi.IntegratorInfo, "dyn_integrator_info")
     ]
     return table(("name", "order", "evaluations", "implicit", "estimates its error", "what it does"), *rows)
@@ -95,7 +99,8 @@ def algorithms():
 
 
 def quantities():
-    rows = [(f"`{f.name}`", f.shape, f.unit, f.frame, parts(int(f.part)), f"`{f.producer}`" if f.producer else "", f.sentence) for f in FIELDS.values()]
+    rows = [(f"`{f.name}`", f.shape, f.unit, f.frame, parts(int(f.part)), f"`{f.producer}`" if f.producer else "", f.sentence)
+            for f in FIELDS.values()]
     return table(("name", "shape", "unit", "frame", "part", "made by", "what it is"), *rows)
 
 

@@ -7,7 +7,8 @@ Usage:  models.py [--more DIR]... [--write] [--csv FILE]
   --write          puts the table in its place (pages.py)
   --csv FILE       every file with what became of it
 
-Needs packages example-robot-data and mujoco, and pin to say what else loads a refused URDF. Parts that other files include are left out.
+Needs packages example-robot-data and mujoco, and pin to say what else loads a refused URDF. Parts that other files include are
+left out.
 """
 
 import argparse
@@ -72,13 +73,15 @@ def peer_loads(kind, file):
 def try_all(more):
     rows = []
     for package, kind, file, folder in packages(more):
-        row = {"package": package, "format": kind, "file": file.name, "path": str(file.relative_to(folder)), "result": "loaded", "reason": "", "peer": ""}
+        row = {"package": package, "format": kind, "file": file.name, "path": str(file.relative_to(folder)), "result": "loaded",
+               "reason": "", "peer": ""}
         try:
             said = [e for e in load(kind, file, folder).report if e.level == dyn.ReportLevel.WARNING]
             if said:
                 row["result"], row["reason"] = "with a report", "; ".join(e.message for e in said[:3])
         except dyn.Error as e:
-            row["result"], row["reason"] = "refused", re.sub(r"^\S*?/?([^/\s]+?\.(?:xml|urdf|mjcf)):", r"\1:", str(e).splitlines()[0])
+            row["result"], row["reason"] = "refused", re.sub(r"^\S*?/?([^/\s]+?\.(?:xml|urdf|mjcf)):", r"\1:",
+                                                             str(e).splitlines()[0])
             row["peer"] = "yes" if peer_loads(kind, file) else "no"
         rows.append(row)
     return rows
@@ -92,7 +95,8 @@ def table(rows):
     counts = collections.defaultdict(collections.Counter)
     for r in rows:
         counts[r["package"], r["format"]][r["result"]] += 1
-    lines = ["| package | files | loaded | loaded, with warnings in the report | refused | of these loaded by pin or mujoco |", "|---|---|---|---|---|---|"]
+    lines = ["| package | files | loaded | loaded, with warnings in the report | refused | of these loaded by pin or mujoco |",
+             "|---|---|---|---|---|---|"]
     for (package, kind), c in counts.items():
         peer = sum(r["peer"] == "yes" for r in rows if r["package"] == package and r["format"] == kind)
         lines.append(f"| {package} | {sum(c.values())} {kind} | {c['loaded']} | {c['with a report']} | {c['refused']} | {peer} |")
@@ -106,7 +110,8 @@ def table(rows):
         lines += ["", "<details><summary>Refused, and why</summary>", ""]
         for same in sorted(refused.values(), key=lambda s: -len(s)):
             names = [f"{r['file']}{' (mujoco or pin loads it)' if r['peer'] == 'yes' else ''}" for r, _ in same[:6]]
-            lines.append(f"- {', '.join(names)}{f' and {len(same) - 6} more' if len(same) > 6 else ''}: {textwrap.shorten(same[0][1], 170, placeholder=' ...')}")
+            lines.append(f"- {', '.join(names)}{f' and {len(same) - 6} more' if len(same) > 6 else ''}: "
+                         f"{textwrap.shorten(same[0][1], 170, placeholder=' ...')}")
         lines += ["", "</details>"]
     return "\n".join(lines)
 

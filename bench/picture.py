@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""The picture of capi/pages/exercises.md: a quadruped that stands and is pushed, with the forces on its feet, from the simulation of
-capi/python/examples/quadruped_stands.py.
+"""The picture of capi/pages/exercises.md: a quadruped that stands and is pushed, with the forces on its feet, from the simulation
+of capi/python/examples/quadruped_stands.py.
 
     PYTHONPATH=capi/python python3 bench/picture.py [--svg bench/quadruped.svg]
 
-Left the robot as the push from the left begins; right the forces on each foot and where the trunk is, over time. Needs matplotlib.
+Left the robot as the push from the left begins; right the forces on each foot and where the trunk is, over time. Needs
+matplotlib.
 """
 
 import argparse
@@ -83,8 +84,10 @@ def draw(path):
     X = scene["frames"]
     x, y = np.meshgrid([-0.45, 0.45], [-0.4, 0.4])
     ax.plot_surface(x, y, 0 * x, color="0.93", shade=False, zorder=-1)
-    base = max((s for s in model.shapes if model.frame_name(s.frame) == "base" and s.type == dyn.ShapeType.BOX), key=lambda s: np.prod(s.size))
-    at = dyn.Placement(X["base"].rotation @ base.placement.rotation, X["base"].translation + X["base"].rotation @ base.placement.translation)
+    base = max((s for s in model.shapes if model.frame_name(s.frame) == "base" and s.type == dyn.ShapeType.BOX),
+               key=lambda s: np.prod(s.size))
+    at = dyn.Placement(X["base"].rotation @ base.placement.rotation,
+                       X["base"].translation + X["base"].rotation @ base.placement.translation)
     box(ax, at, base.size, color="0.35", lw=1.5)
     for foot, color, force, point in zip(FEET, COLORS, scene["forces"], scene["points"]):
         leg = foot.split("_")[0]
@@ -106,7 +109,8 @@ def draw(path):
         plot.spines[["top", "right"]].set_visible(False)
     figure.savefig(path, metadata={"Date": None})
     weight = 9.81 * model.total_mass
-    print(f"{path}: at rest the feet carry {feet[-1, :, 2].sum():.5g} N of {weight:.5g} N; pushed with 60 N for {LASTS} s the trunk moves {1e3 * np.abs(trunk[:, 1]).max():.3g} mm")
+    print(f"{path}: at rest the feet carry {feet[-1, :, 2].sum():.5g} N of {weight:.5g} N; pushed with 60 N for {LASTS} s the "
+          f"trunk moves {1e3 * np.abs(trunk[:, 1]).max():.3g} mm")
 
 
 if __name__ == "__main__":

@@ -35,8 +35,8 @@ def main():
     for model, title in models.items():
         color, marker, face = STYLE.get(model, ("#57606a", "o", None))
         points = [(ratios[row][model], k) for k, row in enumerate(rows) if ratios[row].get(model)]
-        ax.scatter(*zip(*points), s=21, marker=marker, facecolor=face or color, edgecolor=color if face else "white", linewidth=1.1 if face else 0.5,
-                   zorder=4 if face else 3, label=title)
+        ax.scatter(*zip(*points), s=21, marker=marker, facecolor=face or color, edgecolor=color if face else "white",
+                   linewidth=1.1 if face else 0.5, zorder=4 if face else 3, label=title)
     for x, style, text in ((0.45, (0, (4, 2)), "0.45"), (0.6, "-", "0.6"), (1, "-", "as fast")):
         ax.axvline(x, color=INK if x < 1 else "#b3261e", lw=0.9, ls=style, zorder=1)
         ax.text(x, -1.1, text, ha="center", va="bottom", fontsize=8, color=INK if x < 1 else "#b3261e")
@@ -45,7 +45,8 @@ def main():
     ax.set_xscale("log")
     values = [x for r in ratios.values() for x in r.values() if x]
     ax.set_xlim(min(values) / 1.15, max(max(values), 1) * 1.15)
-    ticks = [t for t in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3) if min(values) / 1.15 <= t <= max(max(values), 1) * 1.15]
+    ticks = [t for t in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3)
+             if min(values) / 1.15 <= t <= max(max(values), 1) * 1.15]
     ax.set_xticks(ticks, [f"{t:g}" for t in ticks])
     ax.set_xticks([], minor=True)
     ax.set_ylim(len(rows) + 0.6, -1.2)
@@ -55,7 +56,8 @@ def main():
     ax.set_axisbelow(True)
     ax.spines[:].set_visible(False)
     ax.set_xlabel("time of libdyn / time of the fastest build of Pinocchio (logarithmic)")
-    fig.legend(*ax.get_legend_handles_labels(), loc="outside upper center", ncols=len(models), frameon=False, handletextpad=0.2, columnspacing=1.6)
+    fig.legend(*ax.get_legend_handles_labels(), loc="outside upper center", ncols=len(models), frameon=False, handletextpad=0.2,
+               columnspacing=1.6)
     fig.savefig(sys.argv[2], metadata={"Date": None})
 
 

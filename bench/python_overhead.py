@@ -61,7 +61,8 @@ def measure(robot, base, algorithm, inputs, options):
         },
         options.runs,
     )
-    t |= least({"large": (lambda: on_one(*large, out=large_out), 1), "large, several": (lambda: on_several(*large, out=large_out), 1)}, options.runs // 10 + 3)
+    t |= least({"large": (lambda: on_one(*large, out=large_out), 1),
+                "large, several": (lambda: on_several(*large, out=large_out), 1)}, options.runs // 10 + 3)
     c = t["C"] / STATES
     batch = t["batch of one"] - c
     return {
@@ -95,8 +96,8 @@ def main():
             rows.append(r := measure(robot, base, algorithm, inputs, options))
             if not options.json:
                 print(
-                    f"{robot:10} {algorithm:24} {r['C']:7.2f} {r['held']:8.2f} {r['given']:9.2f} {r['batch']:9.2f} {r['share']:17.2f} "
-                    f"{r['share_several']:8.2f} {r['gain']:6.2f} {r['gain_large']:6.2f}",
+                    f"{robot:10} {algorithm:24} {r['C']:7.2f} {r['held']:8.2f} {r['given']:9.2f} {r['batch']:9.2f} "
+                    f"{r['share']:17.2f} {r['share_several']:8.2f} {r['gain']:6.2f} {r['gain_large']:6.2f}",
                     flush=True,
                 )
     if options.json:

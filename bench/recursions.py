@@ -1,8 +1,8 @@
 """The recursions that flops.py counts: f(bodies, gravity, q, ...), vectors in world axes. Sources there."""
 import math
 
-from counting import (N, Count, O3, WORLD, congruence, cross, dot, dot6, force_cross, minus, mm, mminus, motion_cross, mplus, mv, neg, outer, plus,
-                      plus6, skew, splus, symmetric, times, times6, transposed, tv)
+from counting import (N, Count, O3, WORLD, congruence, cross, dot, dot6, force_cross, minus, mm, mminus, motion_cross, mplus, mv,
+                      neg, outer, plus, plus6, skew, splus, symmetric, times, times6, transposed, tv)
 
 
 def place(bodies, q):
@@ -24,7 +24,8 @@ def place(bodies, q):
             aa, bb, cc = a * n[0], b2 * n[1], c * n[2]
             ab, ac, bc, wa, wb, wc = a * n[1], a * n[2], b2 * n[2], w * n[0], w * n[1], w * n[2]
             one = N(1)
-            x, y, z = mm(b.Xr, ((one - (bb + cc), ab + wc, ac - wb), (ab - wc, one - (aa + cc), bc + wa), (ac + wb, bc - wa, one - (aa + bb))))
+            x, y, z = mm(b.Xr, ((one - (bb + cc), ab + wc, ac - wb), (ab - wc, one - (aa + cc), bc + wa),
+                                (ac + wb, bc - wa, one - (aa + bb))))
         b.r = mv(R, t)
         b.R = mm(R, (x, y, z))
         b.p = plus(p, b.r)

@@ -36,8 +36,10 @@ import pages
 PROJECT = Path(__file__).resolve().parent.parent
 PLOT = PROJECT / "bench/speed.svg"
 COMMAND = "python3 bench/peers/build_pinocchio.py && python3 bench/report.py"
-NAMES = {"panda": "arm with mimic", "panda_no_mimic": "arm", "go2": "quadruped", "humanoid": "humanoid", "chain100": "chain of 100"}
-MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating", "models/robots/humanoid.urdf:floating", "chain:100"]
+NAMES = {"panda": "arm with mimic", "panda_no_mimic": "arm", "go2": "quadruped", "humanoid": "humanoid",
+         "chain100": "chain of 100"}
+MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating", "models/robots/humanoid.urdf:floating",
+          "chain:100"]
 COUNTED = ["forward_kinematics", "rnea", "aba", "crba", "rnea_derivatives"]
 SHAPES = [("chain of 100", ("chain", "100")), ("chain of 1,000", ("chain", "1000")), ("star of 100", ("star", "100")),
           ("star of 1,000", ("star", "1000")), ("binary tree of 1,000 leaves", ("tree", "1999", "--branching", "2"))]
@@ -73,8 +75,8 @@ def bar(row):
 
 def speed(args, tmp):
     out = tmp / "speed.json"
-    command = [sys.executable, PROJECT / "bench/compare.py", "--dyn", args.dyn, "--python", args.python, "--models", *MODELS, "--runs", args.runs,
-               "--seconds", args.seconds, "--rounds", 2, "--quiet", "--json", out]
+    command = [sys.executable, PROJECT / "bench/compare.py", "--dyn", args.dyn, "--python", args.python, "--models", *MODELS,
+               "--runs", args.runs, "--seconds", args.seconds, "--rounds", 2, "--quiet", "--json", out]
     run(command + (["--pinocchio", *args.pinocchio] if args.pinocchio else []), "compare.py")
     report = json.loads(out.read_text())
     models = [n for n in NAMES if n in report["results"]]
@@ -93,10 +95,12 @@ def speed(args, tmp):
     head = report["programs"]["libdyn"]
     version = next(h["version"] for n, h in report["programs"].items() if n != "libdyn")
     above = sum(x > bar(row) for row, r in ratios.items() for x in r.values() if x)
-    text = (f"Time of libdyn ({head['compiler']}) through its C interface, over that of the fastest of {len(builds)} builds of Pinocchio {version}. The builds are "
-            f"{', '.join(sorted(builds))}. Figures are medians of {report['runs']} interleaved runs on an {report['machine']}, {report['date']}. Below 1 libdyn is faster. "
-            f"Sizes are nq/nv. A cell is empty where Pinocchio has no such algorithm for the model. The bar is 0.6, and 0.4 for FK and RNEA; figures above it are "
-            f"bold ({above} of {len(fastest)}). The geometric mean of all is **{every:.2f}**.\n\n![Ratios of times](../../{PLOT.relative_to(PROJECT)})\n\n"
+    text = (f"Time of libdyn ({head['compiler']}) through its C interface, over that of the fastest of {len(builds)} builds of "
+            f"Pinocchio {version}. The builds are {', '.join(sorted(builds))}. Figures are medians of {report['runs']} "
+            f"interleaved runs on an {report['machine']}, {report['date']}. Below 1 libdyn is faster. Sizes are nq/nv. A cell "
+            "is empty where Pinocchio has no such algorithm for the model. The bar is 0.6, and 0.4 for FK and RNEA; figures "
+            f"above it are bold ({above} of {len(fastest)}). The geometric mean of all is **{every:.2f}**.\n\n![Ratios of "
+            f"times](../../{PLOT.relative_to(PROJECT)})\n\n"
             + compare.table(["algorithm"] + sizes, lines))
     summary(version, len(builds), sizes[1:], [line[:1] + line[2:] for line in lines])
     return text, {"report": report, "mean": every}
@@ -105,7 +109,8 @@ def speed(args, tmp):
 def summary(version, builds, sizes, lines):
     """README's rows of the table, without the arm with mimic, of which Pinocchio has few algorithms."""
     rows = [f"`{name}`" for name in ("rnea", "aba", "crba", "rnea_derivatives", "aba_derivatives")] + ["**geometric mean**"]
-    text = (f"Time of libdyn through its C interface over that of the fastest of {builds} builds of Pinocchio {version}. Below 1 libdyn is faster.\n\n"
+    text = (f"Time of libdyn through its C interface over that of the fastest of {builds} builds of Pinocchio {version}. Below "
+            "1 libdyn is faster.\n\n"
             + compare.table(["algorithm"] + sizes, [line for line in lines if line[0] in rows]))
     pages.write("summary", f"{text}\n\n```\n{COMMAND}\n```")
 
@@ -125,18 +130,22 @@ def instructions(args, tmp):
         flops = {name: f["mul"] + f["add"] for name, f in json.loads(
             run([args.python, PROJECT / "bench/flops.py", m.urdf, m.base, "--json"], "flops.py")).items()}
         figures[m.name] = {name: {"ns": ns[name], "instructions": count[name], "flops": flops[name]} for name in COUNTED}
-        lines += [[NAMES[m.name] if name == COUNTED[0] else "", f"`{name}`", number(ns[name]), number(count[name]), number(flops[name]),
-                   number(flops[name] / counted["nv"]), f"{count[name] / flops[name]:.2f}", f"{flops[name] / ns[name]:.1f}"] for name in COUNTED]
-    text = (f"Instructions of a call, counted one by one in the timed build ({counted['compiler']}). valgrind would count the same, but does not know all of its "
-            "instructions. Operations are the multiplications and additions of the textbook recursion. `bench/flops.py` counts them by running it on each robot, and "
-            "compares the result with Pinocchio's. One four-lane instruction can do eight operations.\n\n"
-            + compare.table(["robot", "algorithm", "ns", "instructions", "operations", "per degree of freedom", "instructions per operation", "operations per ns"], lines))
+        lines += [[NAMES[m.name] if name == COUNTED[0] else "", f"`{name}`", number(ns[name]), number(count[name]),
+                   number(flops[name]), number(flops[name] / counted["nv"]), f"{count[name] / flops[name]:.2f}",
+                   f"{flops[name] / ns[name]:.1f}"] for name in COUNTED]
+    text = (f"Instructions of a call, counted one by one in the timed build ({counted['compiler']}). valgrind would count the "
+            "same, but does not know all of its instructions. Operations are the multiplications and additions of the textbook "
+            "recursion. `bench/flops.py` counts them by running it on each robot, and compares the result with Pinocchio's. One "
+            "four-lane instruction can do eight operations.\n\n"
+            + compare.table(["robot", "algorithm", "ns", "instructions", "operations", "per degree of freedom",
+                             "instructions per operation", "operations per ns"], lines))
     return text, figures
 
 
 def depths(urdf):
     """Of each joint that moves: its number of moving joints up to the root, itself included."""
-    joints = re.findall(r'<joint name="[^"]*" type="(\w+)">.*?<parent link="([^"]*)"/>.*?<child link="([^"]*)"/>', urdf.read_text(), re.S)
+    joints = re.findall(r'<joint name="[^"]*" type="(\w+)">.*?<parent link="([^"]*)"/>.*?<child link="([^"]*)"/>',
+                        urdf.read_text(), re.S)
     depth = {}
     for kind, parent, child in joints:
         depth[child] = depth.get(parent, 0) + (kind != "fixed")
@@ -154,13 +163,16 @@ def cost_per_joint(args, tmp):
     figures = {}
     for n in LENGTHS:
         urdf = generated(tmp, ("chain", str(n)))
-        rows = {r["name"]: r["ns_median"] for r in dyn_bench(args, urdf, "--fixed", "--only", ",".join(RECURSIONS), "--seconds", "0.2")["rows"]}
+        rows = {r["name"]: r["ns_median"] for r in dyn_bench(args, urdf, "--fixed", "--only", ",".join(RECURSIONS), "--seconds",
+                                                             "0.2")["rows"]}
         for r in json.loads(run([args.dyn.parent / "dyn_stream", n], "dyn_stream"))["rows"]:
             f = figures.setdefault(r["name"], {"bytes": r["bytes"], "ns": {}})
             f["ns"][n] = rows[r["name"]] / n, r["ns"] / n
-    body = [[f"`{name}`", number(f["bytes"])] + [f"{ns[0]:.1f} ({ns[1]:.1f})" for ns in f["ns"].values()] for name, f in figures.items()]
-    text = ("Nanoseconds a joint, in a chain. In brackets is the time of reading and writing once the bytes that the recursion keeps for each joint, without computing "
-            "(`dyn_stream`). The work is the same for every joint. When all bytes no longer fit into the core's own cache (2 MB here), moving them takes the time.\n\n"
+    body = [[f"`{name}`", number(f["bytes"])] + [f"{ns[0]:.1f} ({ns[1]:.1f})" for ns in f["ns"].values()]
+            for name, f in figures.items()]
+    text = ("Nanoseconds a joint, in a chain. In brackets is the time of reading and writing once the bytes that the recursion "
+            "keeps for each joint, without computing (`dyn_stream`). The work is the same for every joint. When all bytes no "
+            "longer fit into the core's own cache (2 MB here), moving them takes the time.\n\n"
             + compare.table(["recursion", "bytes a joint"] + [f"{n:,} joints" for n in LENGTHS], body))
     return text, figures
 
@@ -174,10 +186,14 @@ def scaling(args, tmp):
         r = dyn_bench(args, urdf, "--fixed", "--only", "rnea,rnea_derivatives", "--seconds", "0.5")
         rnea, ns = (next(x["ns_median"] for x in r["rows"] if x["name"] == row) for row in ("rnea", "rnea_derivatives"))
         figures[name] = {"n": r["nv"], "pairs": pairs, "rnea": rnea, "rnea_derivatives": ns}
-        lines.append([name, number(r["nv"]), number(pairs), number(rnea / 1e3), number(ns / 1e3), f"{rnea / r['nv']:.1f}", f"{ns / pairs:.2f}", f"{ns / r['nv'] ** 2:.2f}"])
-    text = (chains + "\n\nDerivatives of RNEA (three matrices) grow with n times the mean depth, not with n². n times the mean depth is the number of pairs of joints in which one "
-            "supports the other. `tests/algorithm/scaling_test.cpp` counts operations instead, without a clock. In a chain of 1,000 joints writing 24 MB takes the time.\n\n"
-            + compare.table(["robot", "n", "n times mean depth", "RNEA, µs", "its derivatives, µs", "RNEA, ns / n", "derivatives, ns / (n depth)", "derivatives, ns / n²"], lines))
+        lines.append([name, number(r["nv"]), number(pairs), number(rnea / 1e3), number(ns / 1e3), f"{rnea / r['nv']:.1f}",
+                      f"{ns / pairs:.2f}", f"{ns / r['nv'] ** 2:.2f}"])
+    text = (chains + "\n\nDerivatives of RNEA (three matrices) grow with n times the mean depth, not with n². n times the mean "
+                     "depth is the number of pairs of joints in which one "
+            "supports the other. `tests/algorithm/scaling_test.cpp` counts operations instead, without a clock. In a chain of "
+            "1,000 joints writing 24 MB takes the time.\n\n"
+            + compare.table(["robot", "n", "n times mean depth", "RNEA, µs", "its derivatives, µs", "RNEA, ns / n",
+                             "derivatives, ns / (n depth)", "derivatives, ns / n²"], lines))
     return text, figures
 
 
@@ -186,10 +202,12 @@ def python(args, tmp):
     env = {**os.environ, "PYTHONPATH": str(PROJECT / "capi/python"), "DYN_LIBRARY": str(library)}
     rows = json.loads(run([args.python, PROJECT / "bench/python_overhead.py", "--json"], "python_overhead.py", env))["rows"]
     span = lambda key, digits=1: "{:.{d}f} to {:.{d}f}".format(min(r[key] for r in rows), max(r[key] for r in rows), d=digits)
-    body = [["on the data's own arrays: `d.rnea()`", span("held") + " µs"], ["on the caller's arrays: `d.rnea(q, v, a)`", span("given") + " µs"],
+    body = [["on the data's own arrays: `d.rnea()`", span("held") + " µs"],
+            ["on the caller's arrays: `d.rnea(q, v, a)`", span("given") + " µs"],
             ["a batch: `batch.rnea(q, v, a)`, any number of states", span("batch") + " µs"],
             ["a batch of 1,000 states, one thread", span("share", 2) + " %"]]
-    gains = [["a batch on two threads is faster", f"1,000 states: {span('gain', 2)} times; 10,000 states: {span('gain_large', 2)} times"]]
+    gains = [["a batch on two threads is faster",
+              f"1,000 states: {span('gain', 2)} times; 10,000 states: {span('gain_large', 2)} times"]]
     text = "The least of many runs counts. Calls are RNEA, ABA, CRBA and the centre of mass's Jacobian, on arm, quadruped and humanoid.\n\n" + compare.table(["call", "Python adds"], body + gains)
     return text, rows
 

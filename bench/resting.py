@@ -3,10 +3,11 @@
 
     python bench/resting.py [--passes 2] [--dt 0.002] [--only SCENE,...] [--solver admm]
 
-Needs the packages mujoco and dyn. The same MJCF goes to both. MuJoCo runs with its solver Newton, pyramidal and elliptic cones, with Euler, and with its
-integrator `discrete` where it has one; the fastest mean counts. libdyn runs as it is by default. Times are the processor's, of this thread, from the first
-contact on; of each step the least of the passes, which alternate. `ratio`: of means. `max/median`: of libdyn. `residual`: largest of all
-steps, `above`: steps in which it is more than 1e-4. `contacts`: at the end, MuJoCo's and libdyn's.
+Needs the packages mujoco and dyn. The same MJCF goes to both. MuJoCo runs with its solver Newton, pyramidal and elliptic cones,
+with Euler, and with its integrator `discrete` where it has one; the fastest mean counts. libdyn runs as it is by default. Times
+are the processor's, of this thread, from the first contact on; of each step the least of the passes, which alternate. `ratio`: of
+means. `max/median`: of libdyn. `residual`: largest of all steps, `above`: steps in which it is more than 1e-4. `contacts`: at the
+end, MuJoCo's and libdyn's.
 """
 
 import argparse
@@ -41,7 +42,8 @@ def bin_of(half, height=2.0):
 def heap(side, layers, shape, half, spread):
     """Bodies turned at random fall into a bin."""
     random = np.random.default_rng(1)
-    at = [((i - side / 2 + 0.5) * spread, (j - side / 2 + 0.5) * spread, 0.2 + spread * k) for k in range(layers) for i in range(side) for j in range(side)]
+    at = [((i - side / 2 + 0.5) * spread, (j - side / 2 + 0.5) * spread, 0.2 + spread * k) for k in range(layers)
+          for i in range(side) for j in range(side)]
     return bin_of(half) + "".join(body(p, shape, random.uniform(0, 360, 3)) for p in at)
 
 
@@ -135,8 +137,10 @@ def quadruped():
     for x in (-0.2, 0.2):
         for y in (-0.12, 0.12):
             legs += (
-                f'<body pos="{x} {y} 0"><joint type="hinge" axis="0 1 0" range="-100 100" damping=".5" armature=".01"/><geom type="capsule" size=".02" fromto="0 0 0 0 0 -.2" mass=".3"/>'
-                '<body pos="0 0 -.2"><joint type="hinge" axis="0 1 0" range="-150 150" damping=".5" armature=".01"/><geom type="capsule" size=".02" fromto="0 0 0 0 0 -.2" mass=".2"/></body></body>'
+                f'<body pos="{x} {y} 0"><joint type="hinge" axis="0 1 0" range="-100 100" damping=".5" armature=".01"/><geom '
+                'type="capsule" size=".02" fromto="0 0 0 0 0 -.2" mass=".3"/><body pos="0 0 -.2"><joint type="hinge" axis="0 1 '
+                '0" range="-150 150" damping=".5" armature=".01"/><geom type="capsule" size=".02" fromto="0 0 0 0 0 -.2" '
+                'mass=".2"/></body></body>'
             )
     return PLANE + f'<body pos="0 0 .35"><freejoint/><geom type="box" size=".25 .1 .05" mass="8"/>{legs}</body>'
 
@@ -216,7 +220,8 @@ def main():
     if unknown := set(names) - set(SCENES):
         parser.error(f"no such scene: {', '.join(sorted(unknown))}")
     print(f"libdyn: {dyn.library_path}", file=sys.stderr)
-    print("| scene | MuJoCo, us: mean | median | p99 | max | its setting | libdyn, us: mean | median | p99 | max | ratio | max/median | residual | above | iterations | contacts |")
+    print("| scene | MuJoCo, us: mean | median | p99 | max | its setting | libdyn, us: mean | median | p99 | max | ratio | "
+          "max/median | residual | above | iterations | contacts |")
     print("|---" * 16 + "|")
     ratios = []
     for name in names:
@@ -239,8 +244,9 @@ def main():
         a, b = row(their), row(times)
         ratios.append(b[0] / a[0])
         shown = lambda r: " | ".join(f"{x:.3g}" for x in r)
-        print(f"| {name} | {shown(a)} | {key} | {shown(b)} | {b[0] / a[0]:.2f} | {b[3] / b[1]:.1f} | {residual.max():.1g} | {(residual > 1e-4).sum()} of {steps} "
-              f"| {iterations[begin:].mean():.0f} | {their_met[-1]}, {met[-1]} |", flush=True)
+        print(f"| {name} | {shown(a)} | {key} | {shown(b)} | {b[0] / a[0]:.2f} | {b[3] / b[1]:.1f} | {residual.max():.1g} | "
+              f"{(residual > 1e-4).sum()} of {steps} | {iterations[begin:].mean():.0f} | {their_met[-1]}, {met[-1]} |",
+              flush=True)
     print(f"\ngeometric mean of the ratios: {np.exp(np.mean(np.log(ratios))):.2f}")
 
 

@@ -3,10 +3,12 @@
 
     python bench/rollout.py [--threads 2] [--rollouts 64] [--steps 250] [--passes 3] [ROBOT ...]
 
-Needs the packages mujoco and dyn. Both read the same MJCF: a robot of models/ above a floor, with a position servo at every joint, driven about its stance by the same random controls in
-steps of 2 ms; both return the state after every step. What counts is the least wall time of the passes, which alternate. MuJoCo runs as it is by default (Newton, pyramidal
-cones, Euler) and with elliptic cones, which are what libdyn's contacts have; the faster one counts. libdyn runs as it is by default (ADMM, residual 1e-4), and with Gauss-Seidel to a
-residual of 1e-3 in at most 50 sweeps. `apart`: how far bases (of the arm, all joints: rad) are from libdyn's default ones after a tenth of a second, median of the rollouts.
+Needs the packages mujoco and dyn. Both read the same MJCF: a robot of models/ above a floor, with a position servo at every
+joint, driven about its stance by the same random controls in steps of 2 ms; both return the state after every step. What counts
+is the least wall time of the passes, which alternate. MuJoCo runs as it is by default (Newton, pyramidal cones, Euler) and with
+elliptic cones, which are what libdyn's contacts have; the faster one counts. libdyn runs as it is by default (ADMM, residual
+1e-4), and with Gauss-Seidel to a residual of 1e-3 in at most 50 sweeps. `apart`: how far bases (of the arm, all joints: rad) are
+from libdyn's default ones after a tenth of a second, median of the rollouts.
 """
 
 import argparse
@@ -31,7 +33,8 @@ LEGS = ("FL", "FR", "RL", "RR")
 # base, its height, joints that are not at zero, gains of the servos (N m/rad, N m s/rad)
 ROBOTS = {
     "panda": ("fixed", None, {"panda_joint4": -1.5, "panda_joint6": 1.5}, (200, 20)),
-    "go2": ("floating", 0.27, {f"{leg}_{joint}_joint": x for leg in LEGS for joint, x in (("thigh", 0.9), ("calf", -1.8))}, (60, 3)),
+    "go2": ("floating", 0.27, {f"{leg}_{joint}_joint": x for leg in LEGS for joint, x in (("thigh", 0.9), ("calf", -1.8))},
+            (60, 3)),
     "humanoid": ("floating", 0.9, {}, (200, 10)),
 }
 
@@ -67,8 +70,10 @@ def main():
         parser.add_argument(f"--{name}", type=int, default=default)
     parser.add_argument("robots", nargs="*", metavar="ROBOT")
     o = parser.parse_args()
-    print(f"{o.rollouts} rollouts of {o.steps} steps of 2 ms, {o.threads} threads (MuJoCo {mujoco.__version__}): thousands of steps a second.\n")
-    print("| robot | contacts | libdyn | residual 1e-3 | apart | MuJoCo | elliptic cones | apart | ratio | with 1e-3 |\n|---|" + "---:|" * 9)
+    print(f"{o.rollouts} rollouts of {o.steps} steps of 2 ms, {o.threads} threads (MuJoCo {mujoco.__version__}): thousands of "
+          "steps a second.\n")
+    print("| robot | contacts | libdyn | residual 1e-3 | apart | MuJoCo | elliptic cones | apart | ratio | with 1e-3 |\n|---|"
+          + "---:|" * 9)
     for name in o.robots or ROBOTS:
         m, q, stance = scene(name)
         with tempfile.TemporaryDirectory() as folder:
@@ -78,7 +83,8 @@ def main():
         theirs.opt.timestep = DT
         control = stance + 0.2 * np.random.default_rng(1).normal(size=(o.rollouts, o.steps, len(stance)))
         x = m.to_peer("mujoco", q, np.zeros(m.nv))
-        q0, batch, data = ours.from_peer("mujoco", x.q, x.v).q, ours.batch(threads=o.threads), [mujoco.MjData(theirs) for _ in range(o.threads)]
+        q0, batch, data = ours.from_peer("mujoco", x.q,
+                                         x.v).q, ours.batch(threads=o.threads), [mujoco.MjData(theirs) for _ in range(o.threads)]
         data[0].qpos, data[0].qvel = x.q, x.v
         full = mujoco.mjtState.mjSTATE_FULLPHYSICS
         begin = np.empty(mujoco.mj_stateSize(theirs, full))
@@ -100,8 +106,9 @@ def main():
         rate = {kind: o.rollouts * o.steps / t / 1e3 for kind, t in times.items()}
         apart = {kind: np.median(np.linalg.norm(there - at["default"], axis=1)) for kind, there in at.items()}
         peer = max(CONES, key=rate.get)
-        print(f"| {name} | {contacts:.1f} | {rate['default']:.1f} | {rate['fast']:.1f} | {apart['fast']:.0e} | {rate['pyramidal']:.1f} | {rate['elliptic']:.1f} | {apart[peer]:.0e} | "
-              f"{rate['default'] / rate[peer]:.2f} | {rate['fast'] / rate[peer]:.2f} |", flush=True)  # fmt: skip
+        print(f"| {name} | {contacts:.1f} | {rate['default']:.1f} | {rate['fast']:.1f} | {apart['fast']:.0e} | "
+              f"{rate['pyramidal']:.1f} | {rate['elliptic']:.1f} | {apart[peer]:.0e} | {rate['default'] / rate[peer]:.2f} | "
+              f"{rate['fast'] / rate[peer]:.2f} |", flush=True)  # fmt: skip
 
 
 if __name__ == "__main__":

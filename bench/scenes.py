@@ -3,10 +3,12 @@
 
     python bench/scenes.py [--seconds 1] [--dt 0.002] [--passes 3] [--humanoids FOLDER] [--linear] [--plot FILE.svg] [SCENE ...]
 
-Needs the packages mujoco and dyn (and matplotlib for the plot). The same MJCF goes to both. MuJoCo runs with its solvers Newton and CG, pyramidal and
-elliptic cones, Euler and implicitfast, otherwise as it is by default; the fastest counts, whatever its errors. libdyn runs as it is by default (admm,
-residual 1e-4), with Gauss-Seidel to 1e-3 and 1e-2 in at most 50 sweeps and to 1e-1 in 10, and in two steps of half the size: `ratio` is that of the fastest of these whose errors are
-all at most MuJoCo's or round-off (1e-9 of overlap, slip and energy; 1e-12 of momentum), `default` that of the first. Times are the processor's, of this thread: the least of the passes, which alternate.
+Needs the packages mujoco and dyn (and matplotlib for the plot). The same MJCF goes to both. MuJoCo runs with its solvers Newton
+and CG, pyramidal and elliptic cones, Euler and implicitfast, otherwise as it is by default; the fastest counts, whatever its
+errors. libdyn runs as it is by default (admm, residual 1e-4), with Gauss-Seidel to 1e-3 and 1e-2 in at most 50 sweeps and to 1e-1
+in 10, and in two steps of half the size: `ratio` is that of the fastest of these whose errors are all at most MuJoCo's or
+round-off (1e-9 of overlap, slip and energy; 1e-12 of momentum), `default` that of the first. Times are the processor's, of this
+thread: the least of the passes, which alternate.
 
 Errors, the largest of all steps, MuJoCo's at its fastest setting:
   overlap     the deepest, less that at the beginning
@@ -14,8 +16,8 @@ Errors, the largest of all steps, MuJoCo's at its fastest setting:
   energy      by how much the sum has grown over its smallest value before, of scenes that nothing drives
   momentum    change of the sum, relative to the sum of m |v| at the beginning, where nothing acts from outside
 
---humanoids  MuJoCo's model/humanoid of github.com/google-deepmind/mujoco, which its package does not hold: adds its four scenes of humanoids
---linear     chains of up to 1,000 links alone
+--humanoids  MuJoCo's model/humanoid of github.com/google-deepmind/mujoco, which its package does not hold: adds its four scenes
+of humanoids --linear     chains of up to 1,000 links alone
 """
 
 import argparse
@@ -57,14 +59,17 @@ def walls(half):
 
 def poured(side):
     shake = np.random.default_rng(0).uniform(-0.01, 0.01, (side**3, 2))
-    at = [((i - side / 2) * 0.22, (j - side / 2) * 0.22, 0.1 + 0.22 * k) for i in range(side) for j in range(side) for k in range(side)]
+    at = [((i - side / 2) * 0.22, (j - side / 2) * 0.22, 0.1 + 0.22 * k) for i in range(side) for j in range(side)
+          for k in range(side)]
     return walls(1) + on_plane(free((x + s[0], y + s[1], z), 'type="sphere" size=".1"') for (x, y, z), s in zip(at, shake))
 
 
 def capsules(nx, ny, nz):
     random = np.random.default_rng(0)
-    at = [((i - nx / 2 + 0.5) * 0.3, (j - ny / 2 + 0.5) * 0.3, 0.15 + 0.3 * k) for k in range(nz) for i in range(nx) for j in range(ny)]
-    return walls(0.15 * max(nx, ny) + 0.1) + on_plane(free(p, 'type="capsule" size=".04 .08"', random.uniform(0, 360, 3)) for p in at)
+    at = [((i - nx / 2 + 0.5) * 0.3, (j - ny / 2 + 0.5) * 0.3, 0.15 + 0.3 * k) for k in range(nz) for i in range(nx)
+          for j in range(ny)]
+    return (walls(0.15 * max(nx, ny) + 0.1)
+            + on_plane(free(p, 'type="capsule" size=".04 .08"', random.uniform(0, 360, 3)) for p in at))
 
 
 def cloud(side):
@@ -80,7 +85,8 @@ def chain(n):
         turn = {} if k else {"quat": (np.cos(np.pi / 6), 0, np.sin(np.pi / 6), 0)}
         link = link.add_body(pos=(0, 0, -0.1 if k else 0), **turn)
         link.add_joint(axis=(0, 1, 0))
-        link.add_geom(type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=(0, 0, 0, 0, 0, -0.1), size=(0.02, 0, 0), contype=0, conaffinity=0)
+        link.add_geom(type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=(0, 0, 0, 0, 0, -0.1), size=(0.02, 0, 0), contype=0,
+                      conaffinity=0)
     return spec
 
 
@@ -98,7 +104,8 @@ SCENES = {
     **{f"chain of {n} links": (n, DOWN, "chain") for n in (20, 200)},
 }
 LINEAR = {f"chain of {n} links": (n, DOWN, "chain") for n in (10, 30, 100, 300, 1000)}
-HUMANOIDS = {"humanoid": "humanoid.xml", "humanoid100": "humanoid100.xml", "22 humanoids": "22_humanoids.xml", "100 humanoids": "100_humanoids.xml"}
+HUMANOIDS = {"humanoid": "humanoid.xml", "humanoid100": "humanoid100.xml", "22 humanoids": "22_humanoids.xml",
+             "100 humanoids": "100_humanoids.xml"}
 
 
 def scene_text(world, dt, gravity=DOWN):
@@ -184,7 +191,8 @@ def chain_of(theirs):
         placement[:3, :3], placement[:3, 3] = turned(theirs.body_quat[i]), theirs.body_pos[i]
         builder.add_joint(f"joint{i}", "revolute", f"joint{i - 1}" if i > 1 else None, placement, axis=theirs.jnt_axis[i - 1])
         R = turned(theirs.body_iquat[i])
-        builder.add_body(f"link{i}", f"joint{i}", theirs.body_mass[i], theirs.body_ipos[i], R @ np.diag(theirs.body_inertia[i]) @ R.T)
+        builder.add_body(f"link{i}", f"joint{i}", theirs.body_mass[i], theirs.body_ipos[i],
+                         R @ np.diag(theirs.body_inertia[i]) @ R.T)
     return builder.finish()
 
 
@@ -277,7 +285,8 @@ def main():
         parser.error(f"no such scene{'' if options.humanoids else ' without --humanoids'}: {', '.join(sorted(unknown))}")
     print(f"libdyn: {dyn.library_path}", file=sys.stderr)
     steps, rows = round(options.seconds / options.dt), []
-    print("| scene | MuJoCo, us | its setting | libdyn, us | its setting | ratio | default | overlap, m | | slip, m | | energy grown, J | | momentum | | residual, default | steps above 1e-4 |")
+    print("| scene | MuJoCo, us | its setting | libdyn, us | its setting | ratio | default | overlap, m | | slip, m | | energy "
+          "grown, J | | momentum | | residual, default | steps above 1e-4 |")
     print("|---" * 17 + "|")
     with tempfile.TemporaryDirectory() as folder:
         for name in options.scenes or scenes:
@@ -288,10 +297,12 @@ def main():
                 spec.option.timestep, spec.option.enableflags = options.dt, int(mujoco.mjtEnableBit.mjENBL_ENERGY)
                 model = spec.compile()
             else:
-                path.write_text(humanoid_text(world, options.dt) if isinstance(world, Path) else scene_text(world, options.dt, gravity))
+                path.write_text(humanoid_text(world, options.dt) if isinstance(world, Path)
+                                else scene_text(world, options.dt, gravity))
                 model = mujoco.MjModel.from_xml_path(str(path))
             theirs, mine = Mujoco(model, steps, kind), chain_of(model) if kind == "chain" else dyn.load(str(path))
-            ours = [Libdyn(mine, steps, kind, options.dt, setting) for setting in SETTINGS if kind != "chain" or setting in CHAINS]
+            ours = [Libdyn(mine, steps, kind, options.dt, setting) for setting in SETTINGS
+                    if kind != "chain" or setting in CHAINS]
             for _ in range(options.passes):
                 theirs.time(), [our.time() for our in ours]
             their, errors = theirs.errors(), {our.setting: our.errors() for our in ours}

@@ -3,8 +3,8 @@
 
     python bench/stress_mujoco.py [--dyn build/release/bin/dyn] [NAME ...]
 
-Needs the package mujoco. Errors are in the metric of the case; steps are 1 ms, integrator RK4 where nothing touches, elliptic cones, defaults
-otherwise. Prints a table in Markdown.
+Needs the package mujoco. Errors are in the metric of the case; steps are 1 ms, integrator RK4 where nothing touches, elliptic
+cones, defaults otherwise. Prints a table in Markdown.
 """
 
 import argparse
@@ -108,8 +108,8 @@ def bricard():
 
 
 def box(name, mass, size, at, friction):
-    return (f'<body name="{name}" pos="{at[0]} {at[1]} {at[2]}"><freejoint/><inertial pos="0 0 0" mass="{mass}" diaginertia="{mass * (size[1]**2 + size[2]**2) / 12} '
-            f'{mass * (size[0]**2 + size[2]**2) / 12} {mass * (size[0]**2 + size[1]**2) / 12}"/><geom type="box" size="{size[0] / 2} {size[1] / 2} {size[2] / 2}" friction="{friction} 0 0" condim="3"/></body>')
+    return (f'<body name="{name}" pos="{at[0]} {at[1]} {at[2]}"><freejoint/><inertial pos="0 0 0" mass="{mass}" '
+            f'diaginertia="{mass * (size[1]**2 + size[2]**2) / 12} {mass * (size[0]**2 + size[2]**2) / 12} {mass * (size[0]**2 + size[1]**2) / 12}"/><geom type="box" size="{size[0] / 2} {size[1] / 2} {size[2] / 2}" friction="{friction} 0 0" condim="3"/></body>')
 
 
 def plane(friction=0.0):
@@ -119,7 +119,8 @@ def plane(friction=0.0):
 def stack_penetration():
     worst = 0.0
     for masses in ((1, 1), (1, 1e3), (1, 1e6), (1e-3, 1e3), (1e3, 1e-3), (1e6, 1)):
-        m, d = model(plane() + "".join(box(f"b{k}", x, (0.2, 0.2, 0.2), (0, 0, 0.1 + 0.2 * k), 0.6) for k, x in enumerate(masses)), integrator="Euler")
+        m, d = model(plane() + "".join(box(f"b{k}", x, (0.2, 0.2, 0.2), (0, 0, 0.1 + 0.2 * k), 0.6)
+                                       for k, x in enumerate(masses)), integrator="Euler")
         for _ in range(1000):
             mujoco.mj_step(m, d)
             if d.ncon:
@@ -129,7 +130,8 @@ def stack_penetration():
 
 
 def on_incline(mu, angle, v=0.0):
-    m, d = model(plane() + box("b", 1, (0.2, 0.2, 0.1), (0, 0, 0.05), mu), gravity=(G * math.sin(angle), 0, -G * math.cos(angle)), integrator="Euler")
+    m, d = model(plane() + box("b", 1, (0.2, 0.2, 0.1), (0, 0, 0.05), mu), gravity=(G * math.sin(angle), 0, -G * math.cos(angle)),
+                 integrator="Euler")
     d.qvel[0] = v
     return m, d
 
@@ -162,7 +164,8 @@ def block_stops():
 
 
 def sphere():
-    m, d = model(plane() + '<body pos="0 0 .1"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia=".004 .004 .004"/><geom size=".1" friction=".2 0 0" condim="3"/></body>', integrator="Euler")
+    m, d = model(plane() + '<body pos="0 0 .1"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia=".004 .004 .004"/><geom '
+                           'size=".1" friction=".2 0 0" condim="3"/></body>', integrator="Euler")
     d.qvel[0] = 1
     run(m, d, 0.5)
     return d
@@ -196,9 +199,11 @@ def four_bar_spring():
     rod = lambda name, at, length, rest="": f'<body name="{name}" pos="{at} 0 0"><joint axis="0 0 1"/>{inertial(1, (length / 2, 0, 0), (0, length**2 / 12, length**2 / 12))}{rest}</body>'
     coupler = rod("coupler", 1, base, f'<site name="far" pos="{base} 0 0"/>')
     rest = (f'<tendon><spatial stiffness="{k}" springlength="{slack}"><site site="near"/><site site="far"/></spatial></tendon>'
-            f'<equality><connect body1="coupler" body2="right" anchor="{base} 0 0" solref="2e-3 1" solimp=".9999 .9999 .001"/></equality>')
+            f'<equality><connect body1="coupler" body2="right" anchor="{base} 0 0" solref="2e-3 1" solimp=".9999 .9999 '
+            '.001"/></equality>')
     # as it is at angle 0: flat
-    m, d = model('<site name="near"/>' + rod("left", 0, 1, coupler) + rod("right", base, 1), gravity=(0, 0, 0), dt=period / round(period / 1e-3), rest=rest)
+    m, d = model('<site name="near"/>' + rod("left", 0, 1, coupler) + rod("right", base, 1), gravity=(0, 0, 0),
+                 dt=period / round(period / 1e-3), rest=rest)
     d.qpos[:] = first, -first, first
     run(m, d, 10 * period)
     return float(max(abs(d.qpos[0] - first), abs(d.qvel[0]) * period / (2 * math.pi)))
@@ -207,9 +212,11 @@ def four_bar_spring():
 def table_least():
     a, b, mass, height, foot, worst = 0.5, 0.3, 12, 0.7, 0.02, 0.0
     for x, y in ((0, 0), (0.1, 0.05), (-0.2, 0.08), (0.25, -0.1)):
-        feet = "".join(f'<geom size="{foot}" pos="{i * a} {j * b} {foot - height}" friction=".5 0 0" condim="3"/>' for i in (-1, 1) for j in (-1, 1))
+        feet = "".join(f'<geom size="{foot}" pos="{i * a} {j * b} {foot - height}" friction=".5 0 0" condim="3"/>'
+                       for i in (-1, 1) for j in (-1, 1))
         I = [mass / 12 * t for t in (4 * b * b + 0.0025, 4 * a * a + 0.0025, 4 * a * a + 4 * b * b)]
-        m, d = model(plane() + f'<body pos="0 0 {height}"><freejoint/>{inertial(mass, (x, y, 0), I)}{feet}</body>', integrator="Euler")
+        m, d = model(plane() + f'<body pos="0 0 {height}"><freejoint/>{inertial(mass, (x, y, 0), I)}{feet}</body>',
+                     integrator="Euler")
         run(m, d, 3)
         force, expected = np.zeros(6), {(i, j): (1 + i * x / a + j * y / b) / 4 for i in (-1, 1) for j in (-1, 1)}
         for k in range(d.ncon):
@@ -221,7 +228,8 @@ def table_least():
 
 
 def kissing_cubes():
-    R = np.array([[0.94096063217417758029, 0.29296840037289501035, 0.16959541586174811667], [-0.23569836841299879326, 0.92661523595848427348, -0.29296840037289506586],
+    R = np.array([[0.94096063217417758029, 0.29296840037289501035, 0.16959541586174811667],
+                  [-0.23569836841299879326, 0.92661523595848427348, -0.29296840037289506586],
                   [-0.2429801799032638987, 0.23569836841299884878, 0.94096063217417758029]])
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, R.flatten())
@@ -230,7 +238,8 @@ def kissing_cubes():
         for e in (-1e-15, -2.5e-16, -1e-16, 0, 1e-16, 2.5e-16, 1e-15):
             a = np.array([0, 0, 5 * dim])
             b = a + R @ np.array([0, dim + e * max(1, dim), 0])
-            geoms = "".join(f'<geom type="box" size="{dim / 2} {dim / 2} {dim / 2}" pos="{p[0]:.17g} {p[1]:.17g} {p[2]:.17g}" quat="{quat[0]:.17g} {quat[1]:.17g} {quat[2]:.17g} {quat[3]:.17g}"/>' for p in (a, b))
+            geoms = "".join(f'<geom type="box" size="{dim / 2} {dim / 2} {dim / 2}" pos="{p[0]:.17g} {p[1]:.17g} {p[2]:.17g}" '
+                            f'quat="{quat[0]:.17g} {quat[1]:.17g} {quat[2]:.17g} {quat[3]:.17g}"/>' for p in (a, b))
             m, d = model(geoms)
             mujoco.mj_forward(m, d)
             worst = max(worst, abs(mujoco.mj_geomDistance(m, d, 0, 1, 10 * dim, np.zeros(6)) - e * max(1, dim)))
@@ -239,10 +248,14 @@ def kissing_cubes():
 
 CASES = {
     "pendulum": pendulum,
-    "double-pendulum-10s": lambda: double_pendulum(10, (-0.568474664015950189, -0.526393727932404698, 6.07838488576196486, -9.68136068170887876)),
-    "double-pendulum-20s": lambda: double_pendulum(20, (0.748760975479181827, -25.8324619988937768, 4.07800396927508779, 2.77988945538666974)),
-    "box-complex": lambda: box_complex(10, (0.225164563413958164, -0.619927562499452488, -0.277029150687194592, 0.698745723640310141)),
-    "box-1000s": lambda: box_complex(1000, (-0.885636055626914724, -0.0400448466590370319, -0.449882040184558476, -0.107941359770173042)),
+    "double-pendulum-10s": lambda: double_pendulum(10, (-0.568474664015950189, -0.526393727932404698, 6.07838488576196486,
+                                                        -9.68136068170887876)),
+    "double-pendulum-20s": lambda: double_pendulum(20, (0.748760975479181827, -25.8324619988937768, 4.07800396927508779,
+                                                        2.77988945538666974)),
+    "box-complex": lambda: box_complex(10, (0.225164563413958164, -0.619927562499452488, -0.277029150687194592,
+                                            0.698745723640310141)),
+    "box-1000s": lambda: box_complex(1000, (-0.885636055626914724, -0.0400448466590370319, -0.449882040184558476,
+                                            -0.107941359770173042)),
     "box-invariants": box_invariants,
     "heavy-top-0.1s": lambda: heavy_top(0.1, (0.421296658925402044, 0.894571974345592991, -0.149164700561899612)),
     "heavy-top-2s": lambda: heavy_top(2, (-0.150416822745641760, -0.724165591636895651, -0.673022269560444096)),
@@ -272,7 +285,8 @@ def main():
         name, error = case["name"], case["error"]
         mine = ("%.1e" % error if error is not None else "refused") + ("" if case["passed"] else " (fails)")
         theirs = "%.1e" % CASES[name]() if name in CASES else ""
-        print(f"| {name} | {case['metric'].replace('|', chr(92) + '|')} | {case['tolerance']:.0e} | {mine} | {theirs} |", flush=True)
+        print(f"| {name} | {case['metric'].replace('|', chr(92) + '|')} | {case['tolerance']:.0e} | {mine} | {theirs} |",
+              flush=True)
 
 
 if __name__ == "__main__":

@@ -33,7 +33,8 @@ def draw(answers, engines, path):
         for engine in engines:
             color, marker = COLORS[engine]
             best = front(a["points"][engine])
-            ax.plot([max(p.error, FLOOR) for p in best], [p.seconds for p in best], color=color, marker=marker, ms=2.5, lw=1.1, label=engine)
+            ax.plot([max(p.error, FLOOR) for p in best], [p.seconds for p in best], color=color, marker=marker, ms=2.5, lw=1.1,
+                    label=engine)
         if a["known_to"]:
             ax.axvline(a["known_to"], color=INK, lw=0.6, ls=(0, (3, 3)))
         ax.set_title(a["title"], fontsize=8)

@@ -1,7 +1,8 @@
 """The problems: one MJCF file for all engines, the state it starts from, and where it should be at ten times.
 
-Sources: IFToMM benchmark library (A01, A02), Peters and Hsu 2014 (box), Bruels and Cardona 2010 (top), Erez, Tassa, Todorov 2015 (chain, astronaut),
-Kang and Hwangbo's SimBenchmark (rolling, bouncing, quadruped), Le Lidec et al. 2024 (slide, drag, mass ratio).
+Sources: IFToMM benchmark library (A01, A02), Peters and Hsu 2014 (box), Bruels and Cardona 2010 (top), Erez, Tassa, Todorov 2015
+(chain, astronaut), Kang and Hwangbo's SimBenchmark (rolling, bouncing, quadruped), Le Lidec et al. 2024 (slide, drag, mass
+ratio).
 """
 
 import math
@@ -72,11 +73,13 @@ def pendulum():
         angle = 2 * mp.asin(s)
         return np.array([[float(mp.sin(angle)), 0, -float(mp.cos(angle))]])
 
-    return Problem("pendulum", "pendulum, 10 s (A01)", hanging(1), 10, [("bob0", (0, 0, -1))], q={"hinge0": math.pi / 2}, exact=exact)
+    return Problem("pendulum", "pendulum, 10 s (A01)", hanging(1), 10, [("bob0", (0, 0, -1))], q={"hinge0": math.pi / 2},
+                   exact=exact)
 
 
 def double_pendulum():
-    return Problem("double-pendulum", "double pendulum, 10 s", hanging(2), 10, [("bob0", (0, 0, -1)), ("bob1", (0, 0, -1))], q={"hinge0": math.pi / 2})
+    return Problem("double-pendulum", "double pendulum, 10 s", hanging(2), 10, [("bob0", (0, 0, -1)), ("bob1", (0, 0, -1))],
+                   q={"hinge0": math.pi / 2})
 
 
 def box():
@@ -97,12 +100,14 @@ def planar_chain():
     for k in reversed(range(5)):
         text = (f'<body name="link{k}" pos="{0 if k == 0 else 0.5} 0 0"><joint name="hinge{k}" axis="0 0 1"/>'
                 f'{inertial(1, (0.25, 0, 0), (1e-3, 1 / 48, 1 / 48))}{text}</body>')
-    return Problem("chain", "planar chain of 5, no gravity, 5 s", scene(text, (0, 0, 0)), 5, [(f"link{k}", (0.5, 0, 0)) for k in range(5)],
-                   q={f"hinge{k}": 0.3 * (-1) ** k for k in range(5)}, v={f"hinge{k}": x for k, x in enumerate((1.5, -2, 1, 2.5, -3))})
+    return Problem("chain", "planar chain of 5, no gravity, 5 s", scene(text, (0, 0, 0)), 5,
+                   [(f"link{k}", (0.5, 0, 0)) for k in range(5)], q={f"hinge{k}": 0.3 * (-1) ** k for k in range(5)},
+                   v={f"hinge{k}": x for k, x in enumerate((1.5, -2, 1, 2.5, -3))})
 
 
 def robot(dyn_command, urdf, folder):
-    """A robot of models/ as MJCF, without what is not smooth: limits, dry friction, contact; and without damping, whose laws are each engine's own."""
+    """A robot of models/ as MJCF, without what is not smooth: limits, dry friction, contact; and without damping, whose laws are
+    each engine's own."""
     out = folder / (urdf.stem + ".xml")
     subprocess.run([str(dyn_command), "convert", str(urdf), str(out), "--floating"], check=True, capture_output=True)
     text = out.read_text()
@@ -150,7 +155,8 @@ def four_bars(n=40):
         x, y = float(mp.sin(2 * half)), float(mp.cos(2 * half))
         return np.array([[k + x, y, 0] for k in range(n + 1)])
 
-    return Problem("four-bars", f"{n} four-bars, 2 s (A02)", scene(text, (0, -G, 0), loops=loops), 2, [(f"upright{k}", (0, 1, 0)) for k in range(n + 1)], "loops", v=v, exact=exact, loops=loops)
+    return Problem("four-bars", f"{n} four-bars, 2 s (A02)", scene(text, (0, -G, 0), loops=loops), 2,
+                   [(f"upright{k}", (0, 1, 0)) for k in range(n + 1)], "loops", v=v, exact=exact, loops=loops)
 
 
 def squeezer():
@@ -158,7 +164,8 @@ def squeezer():
     xa, ya, xb, yb, xc, yc = -0.06934, -0.00227, -0.03635, 0.03273, 0.014, 0.072
     d, da, e, ea, rr, ra, ss, sa, sb, sc, sd = 0.028, 0.0115, 0.02, 0.01421, 0.007, 0.00092, 0.035, 0.01874, 0.01043, 0.018, 0.02
     ta, tb, u, ua, ub, zf, zt, fa = 0.02308, 0.00916, 0.04, 0.01228, 0.00449, 0.02, 0.04, 0.01421
-    start = dict(beta=-0.0617138900142764496, theta=0.0, phi=0.222668390165885884674, delta=0.487364979543842550226, omega=-0.222668390165885884674, epsilon=1.23054744454982119249735)
+    start = dict(beta=-0.0617138900142764496, theta=0.0, phi=0.222668390165885884674, delta=0.487364979543842550226,
+                 omega=-0.222668390165885884674, epsilon=1.23054744454982119249735)
     gamma = 0.455279819163070380256
     x, y = xb + sc * math.sin(gamma) + sd * math.cos(gamma) - xc, yb - sc * math.cos(gamma) + sd * math.sin(gamma) - yc
     start |= dict(spring_angle=math.atan2(y, x), spring=math.hypot(x, y), spring_end=gamma - math.atan2(y, x))
@@ -172,11 +179,15 @@ def squeezer():
     telescope = body("tube", "spring", (0, 0), tiny, tiny, (0, 0), k3, "slide", "1 0 0", ' stiffness="4530" springref="0.07785"')
     text = (body("K1", "beta", (0, 0), 0.04325, 2.194e-6, (ra, 0), body("K2", "theta", (rr, 0), 0.00365, 4.410e-7, (-da, 0)))
             + body("rod", "spring_angle", (xc, yc), tiny, tiny, (0, 0), telescope)
-            + body("K5", "delta", (xa, ya), 0.07050, 1.169e-5, (ta, tb), body("K4", "phi", (zt, 0), 0.00706, 5.667e-7, (0, ea - e)))
-            + body("K7", "epsilon", (xa, ya), 0.05498, 1.912e-5, (-ub, -ua), body("K6", "omega", (0, -u), 0.00706, 5.667e-7, (zf - fa, 0))))
-    loops = [("K3", (-sd, sc, 0), "world", (xb, yb, 0)), ("K3", (-sd, sc - ss, 0), "K2", (-d, 0, 0)), ("K4", (0, -e, 0), "K2", (-d, 0, 0)), ("K6", (zf, 0, 0), "K2", (-d, 0, 0))]
+            + body("K5", "delta", (xa, ya), 0.07050, 1.169e-5, (ta, tb), body("K4", "phi", (zt, 0), 0.00706, 5.667e-7,
+                                                                              (0, ea - e)))
+            + body("K7", "epsilon", (xa, ya), 0.05498, 1.912e-5, (-ub, -ua),
+                   body("K6", "omega", (0, -u), 0.00706, 5.667e-7, (zf - fa, 0))))
+    loops = [("K3", (-sd, sc, 0), "world", (xb, yb, 0)), ("K3", (-sd, sc - ss, 0), "K2", (-d, 0, 0)),
+             ("K4", (0, -e, 0), "K2", (-d, 0, 0)), ("K6", (zf, 0, 0), "K2", (-d, 0, 0))]
     markers = [("K1", (rr, 0, 0)), ("K2", (-d, 0, 0)), ("K3", (-sd, sc, 0)), ("K5", (zt, 0, 0)), ("K7", (0, -u, 0))]
-    return Problem("squeezer", "Andrews' squeezer, 0.03 s (A03)", scene(text, (0, 0, 0), loops=loops), 0.03, markers, "loops", q=start, tau={"beta": 0.033}, loops=loops)
+    return Problem("squeezer", "Andrews' squeezer, 0.03 s (A03)", scene(text, (0, 0, 0), loops=loops), 0.03, markers, "loops",
+                   q=start, tau={"beta": 0.033}, loops=loops)
 
 
 # ---------------------------------------------------------------------------------------------------- contact
@@ -202,7 +213,9 @@ def slide(mu=0.4):
         t = min(t, stop)
         return np.array([[t - mu * G * t * t / 2, 0, 0.1]])
 
-    return Problem("slide", "cube slides to rest, 1.098 s", scene(FLOOR.format(mu) + on_feet("cube", (0, 0, 0.1), 1.0, (0.1, 0.1, 0.1), mu)), 1.098, [("cube", (0, 0, 0))], "contact", v={"cube": (1, 0, 0, 0, 0, 0)}, exact=exact)
+    return Problem("slide", "cube slides to rest, 1.098 s",
+                   scene(FLOOR.format(mu) + on_feet("cube", (0, 0, 0.1), 1.0, (0.1, 0.1, 0.1), mu)), 1.098, [("cube", (0, 0, 0))],
+                   "contact", v={"cube": (1, 0, 0, 0, 0, 0)}, exact=exact)
 
 
 def drag(mu=0.4):
@@ -215,10 +228,12 @@ def drag(mu=0.4):
         a = F - weight
         return np.array([[a * (s * s / 2 - s + 1 - math.exp(-s)), 0, 0.1]])
 
-    slides = "".join(f'<joint name="{name}" type="slide" axis="{axis}"/>' for name, axis in (("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")))
+    slides = "".join(f'<joint name="{name}" type="slide" axis="{axis}"/>'
+                     for name, axis in (("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")))
     text = on_feet("cube", (0, 0, 0.1), 1.0, (0.1, 0.1, 0.1), mu, slides)
     actuator = '<actuator><general name="pull" joint="x" dyntype="filter" dynprm="1" gainprm="1"/></actuator>'
-    return Problem("drag", "a growing force drags a block, 1 s", scene(FLOOR.format(mu) + text, rest=actuator), 1, [("cube", (0, 0, 0))], "contact", ctrl={"pull": F}, exact=exact)
+    return Problem("drag", "a growing force drags a block, 1 s", scene(FLOOR.format(mu) + text, rest=actuator), 1,
+                   [("cube", (0, 0, 0))], "contact", ctrl={"pull": F}, exact=exact)
 
 
 def stack(ratio=1e3):
@@ -226,8 +241,8 @@ def stack(ratio=1e3):
     text = FLOOR.format(0.9)
     for k, mass in enumerate((1.0, ratio)):
         text += on_feet(f"cube{k}", (0, 0, 0.1 + 0.2 * k), mass, (0.1, 0.1, 0.1), 0.9)
-    return Problem("stack", f"1 kg under {ratio:g} kg, 1 s", scene(text), 1, [("cube0", (0, 0, 0)), ("cube1", (0, 0, 0))], "contact",
-                   exact=lambda t: np.array([[0, 0, 0.1], [0, 0, 0.3]]))
+    return Problem("stack", f"1 kg under {ratio:g} kg, 1 s", scene(text), 1, [("cube0", (0, 0, 0)), ("cube1", (0, 0, 0))],
+                   "contact", exact=lambda t: np.array([[0, 0, 0.1], [0, 0, 0.3]]))
 
 
 def rolling():
@@ -235,7 +250,8 @@ def rolling():
     angle = math.radians(60)
     push = (150 * math.cos(angle), 150 * math.sin(angle))
     text = FLOOR.format(0.4) + on_feet("box", (0, 0, 0.5), 10.0, (10, 10, 0.5), 0.4)
-    markers, rest, frictions = [("box", (0, 0, 0))], [(0, 0, 0.5)], {"floor": 0.8 / 3, "box": 0.8, **{f"box_foot{k}": 0.8 for k in range(4)}}
+    markers, rest, frictions = [("box", (0, 0, 0))], [(0, 0, 0.5)], {"floor": 0.8 / 3, "box": 0.8,
+                                                                     **{f"box_foot{k}": 0.8 for k in range(4)}}
     for i in range(5):
         for j in range(5):
             name, x, y = f"ball{i}{j}", 2 * i - 4, 2 * j - 4
@@ -255,7 +271,8 @@ def rolling():
             out[1:, a] += size * ball * t * t / 2
         return out
 
-    return Problem("rolling", "a box pushed under 25 balls, 1 s", scene(text), 1, markers, "contact", tau={"box": (*push, 0, 0, 0, 0)}, exact=exact, axes=(0, 1), frictions=frictions)
+    return Problem("rolling", "a box pushed under 25 balls, 1 s", scene(text), 1, markers, "contact",
+                   tau={"box": (*push, 0, 0, 0, 0)}, exact=exact, axes=(0, 1), frictions=frictions)
 
 
 def bouncing():
@@ -271,11 +288,14 @@ def bouncing():
         s = (t + fall) % (2 * fall) - fall  # from the top
         return np.array([[2 * (k // 7), 2 * (k % 7), 5 - G * s * s / 2] for k in range(49)])
 
-    return Problem("bouncing", "49 balls bounce for 4 s, e = 1", scene(text), 4, [(name, (0, 0, 0)) for name in names], "contact", exact=exact, axes=(2,), restitution=1)
+    return Problem("bouncing", "49 balls bounce for 4 s, e = 1", scene(text), 4, [(name, (0, 0, 0)) for name in names], "contact",
+                   exact=exact, axes=(2,), restitution=1)
 
 
 def every(dyn_command, models, folder):
     return [pendulum(), double_pendulum(), box(), heavy_top(), planar_chain(),
-            flying(dyn_command, models / "robots/go2.urdf", folder, "quadruped", "quadruped in flight, 1 s", (0.5, 0.2, 3, 2, -1, 3), (3, -4, 5)),
-            flying(dyn_command, models / "robots/humanoid.urdf", folder, "astronaut", "humanoid in flight, 1 s", (0.5, 0.2, 3, 0.5, -1, 0.7), (1, -1.5, 2, 0.5)),
+            flying(dyn_command, models / "robots/go2.urdf", folder, "quadruped", "quadruped in flight, 1 s",
+                   (0.5, 0.2, 3, 2, -1, 3), (3, -4, 5)),
+            flying(dyn_command, models / "robots/humanoid.urdf", folder, "astronaut", "humanoid in flight, 1 s",
+                   (0.5, 0.2, 3, 0.5, -1, 0.7), (1, -1.5, 2, 0.5)),
             four_bars(), squeezer(), slide(), drag(), stack(), rolling(), bouncing()]

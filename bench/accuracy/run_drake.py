@@ -27,7 +27,8 @@ class Scene:
     def __init__(self, problem, dt=0.0, approximation="lagged", stiffness=None, stiction=1e-4):
         self.problem = problem
         builder = DiagramBuilder()
-        config = MultibodyPlantConfig(time_step=dt, contact_model="point", discrete_contact_approximation=approximation, stiction_tolerance=stiction)
+        config = MultibodyPlantConfig(time_step=dt, contact_model="point", discrete_contact_approximation=approximation,
+                                      stiction_tolerance=stiction)
         plant, graph = AddMultibodyPlant(config, builder)
         text = problem.mjcf
         for name, mu in problem.frictions.items():
@@ -125,7 +126,8 @@ def continuous(problem, reference, controlled, fixed, tag="", **material):
         return measured(method, value, scene.begin, scene.move, scene.look, reference, problem)
 
     out = [p for scheme in fixed for p in ladder(scheme + tag, steps_of(problem), by_step)]
-    return out + [p for scheme in controlled for p in ladder(scheme + ", accuracy" + tag, [10.0**-e for e in range(1, 14)], by_accuracy)]
+    return out + [p for scheme in controlled for p in ladder(scheme + ", accuracy" + tag, [10.0**-e for e in range(1, 14)],
+                                                             by_accuracy)]
 
 
 def discrete(problem, reference, approximation, tag="", **material):
@@ -146,6 +148,7 @@ def points(problem, reference):
     out = [p for approximation in ("sap", "similar", "lagged") for p in discrete(problem, reference, approximation)]
     if problem.kind == "loops":
         return out
-    out += [p for approximation in ("sap", "lagged") for p in discrete(problem, reference, approximation, ", stiff", stiffness=1e9, stiction=1e-6)]
+    out += [p for approximation in ("sap", "lagged") for p in discrete(problem, reference, approximation, ", stiff",
+                                                                       stiffness=1e9, stiction=1e-6)]
     out += continuous(problem, reference, TOUCHING, ())
     return out + continuous(problem, reference, ("runge_kutta3", "radau3"), (), ", stiff", stiffness=1e8, stiction=1e-6)

@@ -7,8 +7,8 @@ import numpy as np
 from common import Failed, ladder, measured, steps_of
 
 NAME, VERSION = "MuJoCo", mujoco.__version__
-INTEGRATORS = {"Euler": mujoco.mjtIntegrator.mjINT_EULER, "RK4": mujoco.mjtIntegrator.mjINT_RK4, "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT,
-               "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST}
+INTEGRATORS = {"Euler": mujoco.mjtIntegrator.mjINT_EULER, "RK4": mujoco.mjtIntegrator.mjINT_RK4,
+               "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT, "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST}
 
 
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
@@ -59,7 +59,8 @@ class Scene:
 
     def look(self):
         d = self.data
-        if not np.all(np.isfinite(d.qpos)) or any(d.warning[w].number for w in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)):
+        bad = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+        if not np.all(np.isfinite(d.qpos)) or any(d.warning[w].number for w in bad):
             raise Failed("unstable")
         mujoco.mj_kinematics(self.model, d)
         R = d.xmat[self.bodies].reshape(-1, 3, 3)
@@ -104,7 +105,8 @@ class Motion:
             if kind in (FREE, BALL):
                 w, (x, y_, z) = y[q], y[q + 1:q + 4]
                 a, b, c = d.qvel[v:v + 3]
-                dq[q:q + 4] = 0.5 * np.array([-x * a - y_ * b - z * c, w * a + y_ * c - z * b, w * b + z * a - x * c, w * c + x * b - y_ * a])
+                dq[q:q + 4] = 0.5 * np.array([-x * a - y_ * b - z * c, w * a + y_ * c - z * b, w * b + z * a - x * c,
+                                              w * c + x * b - y_ * a])
             else:
                 dq[q] = d.qvel[v]
         return np.concatenate([dq, d.qacc])

@@ -1,4 +1,5 @@
-"""Puts the library and its variants into the package, in libdyn/lib, the robots of libdyn.gym, and stubs for type checkers, which the library describes.
+"""Puts the library and its variants into the package, in libdyn/lib, the robots of libdyn.gym, and stubs for type checkers, which
+the library describes.
 
 `pip install ./capi/python` from a checkout needs no other step.
 
@@ -31,13 +32,16 @@ ROBOTS = ("go2.urdf", "humanoid.urdf")  # that libdyn.gym plays with
 def build_prefix(work):
     """Builds the checkout into a folder; returns the installed tree."""
     if not (CHECKOUT / "CMakeLists.txt").is_file():
-        raise SystemExit("libdyn's sources are not beside this package: install from a checkout, or set DYN_PREFIX to an installed libdyn.")
+        raise SystemExit("libdyn's sources are not beside this package: install from a checkout, or set DYN_PREFIX to an "
+                         "installed libdyn.")
     if not shutil.which("cmake"):
-        raise SystemExit("cmake is missing, with which libdyn is built: run tools/install_packages, or set DYN_PREFIX to an installed libdyn.")
+        raise SystemExit("cmake is missing, with which libdyn is built: run tools/install_packages, or set DYN_PREFIX to an "
+                         "installed libdyn.")
     build, prefix = CHECKOUT / "build" / "python", work / "prefix"
     hwcaps = os.environ.get("DYN_HWCAPS", "native")
     for command in (
-        ["cmake", "-S", CHECKOUT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DDYN_TESTS=OFF", "-DDYN_VIEWER=OFF", f"-DDYN_HWCAPS={hwcaps}"],
+        ["cmake", "-S", CHECKOUT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DDYN_TESTS=OFF", "-DDYN_VIEWER=OFF",
+         f"-DDYN_HWCAPS={hwcaps}"],
         ["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1)],
         ["cmake", "--install", build, "--prefix", prefix],
     ):
@@ -55,7 +59,8 @@ class BuildWithLibrary(build_py):
             prefix = pathlib.Path(os.environ.get("DYN_PREFIX") or build_prefix(pathlib.Path(work)))
             folders = {file.parent for file in prefix.rglob(SONAME) if "glibc-hwcaps" not in file.parts}
             if len(folders) != 1:
-                raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an installed libdyn.")
+                raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an "
+                                 "installed libdyn.")
             folder = folders.pop()
             for file in [folder / SONAME, *sorted(folder.glob(MODULE)), *sorted(folder.glob(f"glibc-hwcaps/*/{SONAME}"))]:
                 copy = target / file.relative_to(folder)
@@ -66,7 +71,8 @@ class BuildWithLibrary(build_py):
             shutil.copyfile(CHECKOUT / "models" / "robots" / name, package / "models" / name)
         environment = {k: v for k, v in os.environ.items() if k != "DYN_LIBRARY"}
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, sys.path))  # where the build finds numpy
-        subprocess.run([sys.executable, "-m", "libdyn.stubs", str(package.resolve())], check=True, env=environment, cwd=self.build_lib)
+        subprocess.run([sys.executable, "-m", "libdyn.stubs", str(package.resolve())], check=True, env=environment,
+                       cwd=self.build_lib)
 
 
 class PlatformWheel(bdist_wheel):

@@ -40,7 +40,8 @@ def comment_paragraphs(text):
 
 
 def page_paragraphs(text):
-    """Paragraphs of a page, without code, tables, headings, comments and details. A link is its text, a piece of code one word."""
+    """Paragraphs of a page, without code, tables, headings, comments and details. A link is its text, a piece of code one
+    word."""
     text = re.sub(r"^ *```.*?^ *```", "", text, flags=re.S | re.M)
     text = re.sub(r"<!--.*?-->|<details>.*?</details>", "", text, flags=re.S)  # details hold what programs printed
     text = re.sub(r"^(#| *\|).*$", "", text, flags=re.M)

@@ -147,8 +147,8 @@ class Peer:
         return out | {"dvcom_dq a": pin.getCenterOfMassVelocityDerivatives(m, d) @ A}
 
     def frame_derivatives(self, q, v, a, frames):
-        """Derivatives of velocity, spatial and classical acceleration times a, which is as good as random, and the kinematic Hessian
-        times a and v: the matrices would be large files."""
+        """Derivatives of velocity, spatial and classical acceleration times a, which is as good as random, and the kinematic
+        Hessian times a and v: the matrices would be large files."""
         m, d, G = self.model, self.data, self.G
         Q, V, A = self.to_pin(q), G @ v, G @ a
         pin.computeForwardKinematicsDerivatives(m, d, Q, V, A)
@@ -180,7 +180,8 @@ class Peer:
         pin.computeJointJacobians(m, d, Q)
         pin.forwardKinematics(m, d, Q, G @ v, G @ a)
         pin.updateFramePlacements(m, d)
-        return {frame["name"]: {name: (*self.frame_motion(frame, reference), pin.getFrameJacobian(m, d, self.frame(frame), reference) @ G)
+        return {frame["name"]: {name: (*self.frame_motion(frame, reference),
+                                       pin.getFrameJacobian(m, d, self.frame(frame), reference) @ G)
                                 for name, reference in REFERENCES.items()} for frame in frames}
 
     def inertial_parameters(self):

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Write golden.json: what MuJoCo makes of models/*.xml. usage: generate.py (with the packages mujoco and numpy)
 
-For each model: sizes, names and, at three states, inertia matrix, bias forces, positions of the bodies; masses of the bodies, dampings and the
-like of the joints. Quantities are MuJoCo's, in its conventions: quaternions (w, x, y, z), a free joint's velocity with the linear part in
-world axes.
+For each model: sizes, names and, at three states, inertia matrix, bias forces, positions of the bodies; masses of the bodies,
+dampings and the like of the joints. Quantities are MuJoCo's, in its conventions: quaternions (w, x, y, z), a free joint's
+velocity with the linear part in world axes.
 """
 import json
 from pathlib import Path
@@ -31,7 +31,8 @@ def state(m, d, rng, moved):
     mujoco.mj_fwdVelocity(m, d)
     M = np.zeros((m.nv, m.nv))
     mujoco.mj_fullM(m, d, M)
-    return {"qpos": list(d.qpos), "qvel": list(d.qvel), "M": M.tolist(), "bias": list(d.qfrc_bias), "x": d.xpos[1:].tolist(), "R": d.xmat[1:].tolist()}
+    return {"qpos": list(d.qpos), "qvel": list(d.qvel), "M": M.tolist(), "bias": list(d.qfrc_bias), "x": d.xpos[1:].tolist(),
+            "R": d.xmat[1:].tolist()}
 
 
 def model(path):
@@ -41,11 +42,12 @@ def model(path):
     return {
         "nq": m.nq, "nv": m.nv, "gravity": list(m.opt.gravity), "qpos0": list(m.qpos0),
         "bodies": {m.body(i).name: body(m, i) for i in range(1, m.nbody)},
-        "joints": [{"name": m.joint(j).name, "type": int(m.jnt_type[j]), "qpos": int(m.jnt_qposadr[j]), "dof": int(m.jnt_dofadr[j]),
-                    "range": list(m.jnt_range[j]) if m.jnt_limited[j] else None} for j in range(m.njnt)],
-        "damping": np.asarray(m.dof_damping).reshape(m.nv, -1)[:, 0].tolist(), "armature": list(m.dof_armature), "friction": list(m.dof_frictionloss),
-        "stiffness": np.asarray(m.jnt_stiffness).reshape(m.njnt, -1)[:, 0].tolist(), "spring": list(m.qpos_spring),
-        "keys": {m.key(k).name or f"key_{k}": list(m.key_qpos[k]) for k in range(m.nkey)},
+        "joints": [{"name": m.joint(j).name, "type": int(m.jnt_type[j]), "qpos": int(m.jnt_qposadr[j]),
+                    "dof": int(m.jnt_dofadr[j]), "range": list(m.jnt_range[j]) if m.jnt_limited[j] else None}
+                    for j in range(m.njnt)],
+        "damping": np.asarray(m.dof_damping).reshape(m.nv, -1)[:, 0].tolist(), "armature": list(m.dof_armature),
+        "friction": list(m.dof_frictionloss), "stiffness": np.asarray(m.jnt_stiffness).reshape(m.njnt, -1)[:, 0].tolist(),
+        "spring": list(m.qpos_spring), "keys": {m.key(k).name or f"key_{k}": list(m.key_qpos[k]) for k in range(m.nkey)},
         "sites": [m.site(s).name for s in range(m.nsite)],
         "states": [state(m, d, rng, k > 0) for k in range(3)],
     }

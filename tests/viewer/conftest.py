@@ -1,6 +1,7 @@
 """Pages in a real browser, without a screen: those of the command as it is built, and those that Debian's packages make.
 
-DYN_CLI: the command; DYN_MODELS_DIR: models/. Skipped where there is no chromium, no playwright, or none of those packages (tools/packages_page).
+DYN_CLI: the command; DYN_MODELS_DIR: models/. Skipped where there is no chromium, no playwright, or none of those packages
+(tools/packages_page).
 """
 
 import os
@@ -24,7 +25,8 @@ def bundle(request, tmp_path_factory):
         return
     copy = tmp_path_factory.mktemp("debian")
     page = copy / "share/dyn/viewer.html"
-    made = subprocess.run([ROOT / "tools/viewer/bundle", "--debian", copy / "work", page], capture_output=True, text=True, check=True)
+    made = subprocess.run([ROOT / "tools/viewer/bundle", "--debian", copy / "work", page], capture_output=True, text=True,
+                          check=True)
     if not page.exists():
         pytest.skip(made.stderr)
     (copy / "bin").mkdir()
@@ -44,7 +46,8 @@ def browser():
         pytest.skip("no browser tests: chromium is missing (Debian: chromium-headless-shell)")
     with api.sync_playwright() as playwright:
         # WebGL by software, so that pixels are the same on every machine
-        browser = playwright.chromium.launch(executable_path=found, args=["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+        browser = playwright.chromium.launch(executable_path=found, args=["--use-angle=swiftshader",
+                                                                          "--enable-unsafe-swiftshader"])
         yield browser
         browser.close()
 
@@ -54,9 +57,11 @@ class Page:
 
     def __init__(self, page):
         self.page, self.complaints, self.requests = page, [], []
-        page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") and "GPU stall" not in message.text else None)
+        page.on("console", lambda message: self.complaints.append(message.text)
+                if message.type in ("error", "warning") and "GPU stall" not in message.text else None)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url) if not request.is_navigation_request() and not request.url.startswith(("data:", "blob:")) else None)
+        page.on("request", lambda request: self.requests.append(request.url)
+                if not request.is_navigation_request() and not request.url.startswith(("data:", "blob:")) else None)
 
     def open(self, address):
         self.page.goto(address)
@@ -68,7 +73,8 @@ class Page:
 
     def settle(self):
         """Until two more pictures could be drawn."""
-        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done))))")
+        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => "
+                           "requestAnimationFrame(done))))")
 
     def changed(self, script):
         """How much of the 3D picture, 0 to 1, changes by what the script does."""

@@ -14,7 +14,8 @@ ROBOT = (MODELS / "robots/go2.urdf", "--floating", "--ground")
 
 class Live:
     def __init__(self, *arguments):
-        self.process = subprocess.Popen([dyn.command, "view", *map(str, arguments), "--live", "--no-browser"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([dyn.command, "view", *map(str, arguments), "--live", "--no-browser"],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.address = self.process.stdout.readline().strip()
         self.port, self.word = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/", self.address).groups()
 
@@ -26,7 +27,8 @@ class Live:
             return int(s.recv(4096).split()[1])
 
     def websocket(self, origin, word=None, host=None):
-        headers = {"Host": host or f"127.0.0.1:{self.port}", "Upgrade": "websocket", "Connection": "Upgrade", "Sec_WebSocket_Version": 13, "Sec_WebSocket_Key": base64.b64encode(os.urandom(16)).decode()}
+        headers = {"Host": host or f"127.0.0.1:{self.port}", "Upgrade": "websocket", "Connection": "Upgrade",
+                   "Sec_WebSocket_Version": 13, "Sec_WebSocket_Key": base64.b64encode(os.urandom(16)).decode()}
         if origin:
             headers["Origin"] = origin
         return self.request(f"/{word or self.word}/ws", **headers)
@@ -80,7 +82,8 @@ def test_a_port_that_is_none_is_said(port):
 
 def test_no_browser_is_said():
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")}
-    process = subprocess.Popen([dyn.command, "view", *map(str, ROBOT), "--live"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    process = subprocess.Popen([dyn.command, "view", *map(str, ROBOT), "--live"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               text=True, env=environment)
     address = process.stdout.readline().strip()
     said = process.stderr.readline()
     process.terminate()
@@ -132,7 +135,8 @@ def test_effects_are_switched(page, live):
     page.page.uncheck("#effect-gravity")
     page("window.since = dynView.live.history.length && dynView.live.state.time + 0.2")  # the switch has arrived by then
     page.page.wait_for_function("dynView.live.state.time > since + 0.5")
-    falls = page("(() => { const h = dynView.live.history.filter((s) => s.time > since), k = h.length >> 1, v = (a, b) => (b.com[2] - a.com[2]) / (b.time - a.time); return [v(h[0], h[k]), v(h[k], h.at(-1))]; })()")
+    falls = page("(() => { const h = dynView.live.history.filter((s) => s.time > since), k = h.length >> 1, v = (a, b) => "
+                 "(b.com[2] - a.com[2]) / (b.time - a.time); return [v(h[0], h[k]), v(h[k], h.at(-1))]; })()")
     assert falls[0] < -1 and falls[1] == pytest.approx(falls[0], rel=1e-3)  # nothing pulls any more
     assert page("dynView.live.state.contacts.length") == 0
 
@@ -140,7 +144,9 @@ def test_effects_are_switched(page, live):
 def test_bad_commands_are_answered(page, live):
     page.open(live.address)
     page.page.wait_for_function("dynView.live.state")
-    for command in ("{do: 'push', frame: 9999, point: [0, 0, 0], force: [1, 0, 0]}", "{do: 'push', frame: 1, point: [0], force: []}", "{do: 'dance'}", "{}", "{do: 'speed', factor: 'x'}", "{do: 'effects', without: 'nonsense'}", "[1]"):
+    for command in ("{do: 'push', frame: 9999, point: [0, 0, 0], force: [1, 0, 0]}",
+                    "{do: 'push', frame: 1, point: [0], force: []}", "{do: 'dance'}", "{}", "{do: 'speed', factor: 'x'}",
+                    "{do: 'effects', without: 'nonsense'}", "[1]"):
         page("document.getElementById('message').textContent = ''")
         page(f"dynView.live.socket.send(JSON.stringify({command}))")
         page.page.wait_for_function("document.getElementById('message').textContent !== ''")

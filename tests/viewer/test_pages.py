@@ -55,7 +55,8 @@ def test_poses_are_those_of_the_simulation(page, fall):
     page.open(f"file://{fall[0]}")
     page("dynView.player.play(false), dynView.player.seek(0.5)")
     q = fall[1]["q"]
-    assert page("dynView.robot.joints[1].position.toArray()") == pytest.approx(q[:3], abs=2e-5)  # 16 bits of what the robot covers
+    assert (page("dynView.robot.joints[1].position.toArray()")
+            == pytest.approx(q[:3], abs=2e-5))  # 16 bits of what the robot covers
     turn = page("dynView.robot.joints[1].quaternion.toArray()")
     assert abs(sum(x * y for x, y in zip(turn, q[3:7]))) == pytest.approx(1, abs=1e-8)
     evaluated = json.loads(dyn("eval", *GO2[:2], "--compute", "placements", "--q", *q, "--json").stdout)["placements"]
@@ -68,16 +69,19 @@ def test_poses_are_those_of_the_simulation(page, fall):
 def test_contact_forces_carry_the_weight(page, tmp_path):
     """A ball on the ground: one contact, its force the weight."""
     (tmp_path / "ball.xml").write_text(
-        '<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1" mass="2"/></body></worldbody></mujoco>'
+        '<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1" '
+        'mass="2"/></body></worldbody></mujoco>'
     )
     assert dyn("sim", tmp_path / "ball.xml", "--duration", 0.2, "--html", tmp_path / "ball.html").returncode == 0
     page.open(f"file://{tmp_path}/ball.html")
-    contacts = page("dynView.recording.contactsAt(dynView.recording.moments - 1).map((c) => ({force: c.force, position: [...c.position]}))")
+    contacts = page("dynView.recording.contactsAt(dynView.recording.moments - 1).map((c) => ({force: c.force, position: "
+                    "[...c.position]}))")
     assert len(contacts) == 1
     assert contacts[0]["force"] == pytest.approx([0, 0, 2 * 9.81], rel=1e-4, abs=1e-3)
     assert contacts[0]["position"][2] == pytest.approx(0, abs=1e-4)
     # the arrow ends where the force says
-    box = page("(() => { const o = dynView.overlays; const m = o.heads.matrix.clone(); o.heads.getMatrixAt(0, m); return m.elements[14] / dynView.scene.size; })()")
+    box = page("(() => { const o = dynView.overlays; const m = o.heads.matrix.clone(); o.heads.getMatrixAt(0, m); return "
+               "m.elements[14] / dynView.scene.size; })()")
     assert box == pytest.approx(0.67, rel=1e-3)
 
 
@@ -158,7 +162,8 @@ def test_switches_show_and_hide(page, fall):
 
 
 def test_thirty_seconds_of_a_humanoid_are_under_5_mb_and_light_to_draw(page, tmp_path):
-    made = dyn("sim", MODELS / "robots/humanoid.urdf", "--floating", "--ground", "--duration", 30, "--dt", 5e-3, "--no-error-estimate", "--html", tmp_path / "h.html")
+    made = dyn("sim", MODELS / "robots/humanoid.urdf", "--floating", "--ground", "--duration", 30, "--dt", 5e-3,
+               "--no-error-estimate", "--html", tmp_path / "h.html")
     assert made.returncode == 0, made.stderr
     assert (tmp_path / "h.html").stat().st_size < 5e6
     page.open(f"file://{tmp_path}/h.html")
@@ -176,7 +181,8 @@ def test_thirty_seconds_of_a_humanoid_are_under_5_mb_and_light_to_draw(page, tmp
     assert max(early["gl"], late["gl"]) < 1000 and max(early["draws"], late["draws"]) < 120
     session = page.page.context.new_cdp_session(page.page)
     session.send("Performance.enable", {"timeDomain": "threadTicks"})
-    time = lambda: next(m["value"] for m in session.send("Performance.getMetrics")["metrics"] if m["name"] == "ThreadTime")  # of the page's thread, on a processor
+    time = lambda: next(m["value"] for m in session.send("Performance.getMetrics")["metrics"]
+                        if m["name"] == "ThreadTime")  # of the page's thread, on a processor
     page("window.frames600()")
     before = time()
     page("window.frames600()")
@@ -203,7 +209,8 @@ FRAME_WORK = """(() => {
 
 
 def test_long_recordings_are_thinned_and_say_so(tmp_path):
-    made = dyn("sim", MODELS / "robots/double_pendulum.urdf", "--fixed", "--duration", 1500, "--dt", 0.01, "--no-error-estimate", "--html", tmp_path / "p.html")
+    made = dyn("sim", MODELS / "robots/double_pendulum.urdf", "--fixed", "--duration", 1500, "--dt", 0.01, "--no-error-estimate",
+               "--html", tmp_path / "p.html")
     assert made.returncode == 0, made.stderr
     text = (tmp_path / "p.html").read_text()
     assert len(text) < 5e6
@@ -214,14 +221,15 @@ def test_names_that_look_like_markup_stay_names(page, tmp_path):
     name = "</script><script>window.broken = true</script>"
     escaped = name.replace("<", "&lt;").replace(">", "&gt;")
     (tmp_path / "evil.urdf").write_text(
-        f'<robot name="{escaped}"><link name="{escaped}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-        '<collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>'
+        f'<robot name="{escaped}"><link name="{escaped}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" '
+        'ixz="0" iyz="0"/></inertial><collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>'
     )
     made = dyn("view", tmp_path / "evil.urdf", "--floating", "--html", tmp_path / "evil.html")
     assert made.returncode == 0, made.stderr
     page.open(f"file://{tmp_path}/evil.html")
     assert page("window.broken") is None
-    made = dyn("accuracy", tmp_path / "evil.urdf", "--floating", "--duration", 0.1, "--budget", "1s", "--html", tmp_path / "a.html")
+    made = dyn("accuracy", tmp_path / "evil.urdf", "--floating", "--duration", 0.1, "--budget", "1s", "--html",
+               tmp_path / "a.html")
     assert made.returncode == 0, made.stderr
     page.page.goto(f"file://{tmp_path}/a.html")
     assert page("window.broken") is None and name in page("document.querySelector('h1').textContent")
@@ -242,10 +250,12 @@ def test_view_moves_joints_by_hand(page, tmp_path):
         slider.fill(str(x))
     assert len(state) == info["nv"]
     (tmp_path / "s.json").write_text(json.dumps({"q": state}))
-    placements = json.loads(dyn("eval", MODELS / "robots/gripper.urdf", "--fixed", "--compute", "placements,com", "--state", tmp_path / "s.json", "--json").stdout)
+    placements = json.loads(dyn("eval", MODELS / "robots/gripper.urdf", "--fixed", "--compute", "placements,com", "--state",
+                                tmp_path / "s.json", "--json").stdout)
     assert page("dynView.overlays.com.position.toArray()") == pytest.approx(placements["com"], abs=1e-6)
     placements = placements["placements"]
-    shown = dict(zip(page("dynView.head.model.frames.map((f) => f.name)"), page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")))
+    shown = dict(zip(page("dynView.head.model.frames.map((f) => f.name)"),
+                     page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")))
     for name, placement in placements.items():
         if name in shown:
             assert shown[name][12:15] == pytest.approx(placement["translation"], abs=1e-6), name
@@ -267,20 +277,27 @@ def frames_follow_sliders(page, model, html, count):
     elements = page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")
     for name, e in zip(names[1:], elements[1:]):
         assert e[12:15] == pytest.approx(placements[name]["translation"], abs=1e-6), name
-        assert [e[4 * j + i] for i in range(3) for j in range(3)] == pytest.approx([x for row in placements[name]["rotation"] for x in row], abs=1e-6), name
+        assert ([e[4 * j + i] for i in range(3) for j in range(3)]
+                == pytest.approx([x for row in placements[name]["rotation"] for x in row], abs=1e-6)), name
     assert page.complaints == []
 
 
 def test_view_moves_joints_of_several_coordinates(page, tmp_path):
-    """Every type of joint that an MJCF or the builder has, in one chain: frames are where the library says for the q that the page shows."""
-    made = subprocess.run([sys.executable, "-c", CHAIN, tmp_path / "c.dynb"], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT / "capi/python"), "DYN_LIBRARY": str(BUILT.parents[1] / "lib")})
+    """Every type of joint that an MJCF or the builder has, in one chain: frames are where the library says for the q that the
+    page shows."""
+    made = subprocess.run([sys.executable, "-c", CHAIN, tmp_path / "c.dynb"], capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": str(ROOT / "capi/python"),
+                               "DYN_LIBRARY": str(BUILT.parents[1] / "lib")})
     assert made.returncode == 0, made.stderr
     frames_follow_sliders(page, tmp_path / "c.dynb", tmp_path / "c.html", 6 + 3 + 3 + 3 + 3 + 2 + 2 + 1 + 1)  # nv of each
 
 
 def test_view_moves_composite_joints(page, tmp_path):
-    """Chains in one joint, also of joints of several coordinates and behind fixed parts, one below another and beside a follower."""
-    made = subprocess.run([sys.executable, "-c", COMPOSITES, tmp_path / "c.dynb"], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT / "capi/python"), "DYN_LIBRARY": str(BUILT.parents[1] / "lib")})
+    """Chains in one joint, also of joints of several coordinates and behind fixed parts, one below another and beside a
+    follower."""
+    made = subprocess.run([sys.executable, "-c", COMPOSITES, tmp_path / "c.dynb"], capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": str(ROOT / "capi/python"),
+                               "DYN_LIBRARY": str(BUILT.parents[1] / "lib")})
     assert made.returncode == 0, made.stderr
     frames_follow_sliders(page, tmp_path / "c.dynb", tmp_path / "c.html", 2 + 1 + 11 + 2)
 
@@ -336,12 +353,17 @@ def seen_from_the_side(page):
 
 def test_shapes_have_the_colours_of_their_files(page, tmp_path):
     """Seen from the side: a red box whose material is the robot's, a green one, half a blue one's light, one of no colour."""
-    boxes = {"red": '<material name="paint"/>', "green": '<material name=""><color rgba="0 0.9 0 1"/></material>', "blue": '<material name="b"><color rgba="0 0 1 0.4"/></material>', "none": ""}
-    links = "".join(f'<visual><origin xyz="{k} 0 0"/><geometry><box size="0.8 1 1"/></geometry>{material}</visual>' for k, material in enumerate(boxes.values()))
+    boxes = {"red": '<material name="paint"/>', "green": '<material name=""><color rgba="0 0.9 0 1"/></material>',
+             "blue": '<material name="b"><color rgba="0 0 1 0.4"/></material>', "none": ""}
+    links = "".join(f'<visual><origin xyz="{k} 0 0"/><geometry><box size="0.8 1 1"/></geometry>{material}</visual>'
+                    for k, material in enumerate(boxes.values()))
     body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-    (tmp_path / "c.urdf").write_text(f'<robot name="c"><material name="paint"><color rgba="0.9 0 0 1"/></material><link name="a">{body}{links}</link></robot>')
-    geoms = "".join(f'<geom type="box" size="0.4 0.5 0.5" pos="{k} 0 0" {looks}/>' for k, looks in enumerate(['material="paint"', 'rgba="0 0.9 0 1"', 'material="paint" rgba="0 0 1 0.4"', ""]))
-    (tmp_path / "c.xml").write_text(f'<mujoco><asset><material name="paint" rgba="0.9 0 0 1"/></asset><worldbody><body><freejoint/>{geoms}</body></worldbody></mujoco>')
+    (tmp_path / "c.urdf").write_text('<robot name="c"><material name="paint"><color rgba="0.9 0 0 1"/></material><link '
+                                     f'name="a">{body}{links}</link></robot>')
+    geoms = "".join(f'<geom type="box" size="0.4 0.5 0.5" pos="{k} 0 0" {looks}/>'
+                    for k, looks in enumerate(['material="paint"', 'rgba="0 0.9 0 1"', 'material="paint" rgba="0 0 1 0.4"', ""]))
+    (tmp_path / "c.xml").write_text('<mujoco><asset><material name="paint" rgba="0.9 0 0 '
+                                    f'1"/></asset><worldbody><body><freejoint/>{geoms}</body></worldbody></mujoco>')
     for file, base in (("c.urdf", ["--floating"]), ("c.xml", [])):
         made = dyn("view", tmp_path / file, *base, "--html", tmp_path / "c.html")
         assert made.returncode == 0, made.stderr
@@ -358,7 +380,8 @@ def test_inertia_ellipsoids_have_the_links_inertia(page, tmp_path):
     """A solid ellipsoid x = M u, |u| <= 1 has the inertia m / 5 (tr(M M') 1 - M M')."""
     values = {"ixx": 0.031, "iyy": 0.047, "izz": 0.055, "ixy": 0.006, "ixz": -0.004, "iyz": 0.003}
     (tmp_path / "e.urdf").write_text(
-        '<robot name="e"><link name="a"><inertial><mass value="3"/><inertia ' + " ".join(f'{k}="{v}"' for k, v in values.items()) + "/></inertial>"
+        '<robot name="e"><link name="a"><inertial><mass value="3"/><inertia ' + " ".join(f'{k}="{v}"' for k, v in values.items())
+        + "/></inertial>"
         '<visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual></link></robot>'
     )
     assert dyn("view", tmp_path / "e.urdf", "--floating", "--html", tmp_path / "e.html").returncode == 0
@@ -388,7 +411,8 @@ def test_a_robot_without_shapes_is_drawn_as_lines(page, tmp_path):
     (tmp_path / "bare.urdf").write_text(
         f'<robot name="bare"><link name="a"/><link name="b">{body}</link><link name="c">{body}</link>'
         '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>'
-        '<joint name="k" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/></joint></robot>'
+        '<joint name="k" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0 0 1"/><axis xyz="0 1 '
+        '0"/></joint></robot>'
     )
     assert dyn("view", tmp_path / "bare.urdf", "--fixed", "--html", tmp_path / "bare.html").returncode == 0
     page.open(f"file://{tmp_path}/bare.html")
@@ -400,10 +424,12 @@ def test_meshes_are_drawn(page, tmp_path):
     """A visual mesh file: a tetrahedron of 1 m, scaled by 0.5."""
     corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
     faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
-    (tmp_path / "t.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join("f " + " ".join(str(i + 1) for i in f) + "\n" for f in faces))
+    (tmp_path / "t.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+                                    + "".join("f " + " ".join(str(i + 1) for i in f) + "\n" for f in faces))
     (tmp_path / "t.urdf").write_text(
-        '<robot name="t"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-        '<visual><geometry><mesh filename="t.obj" scale="0.5 0.5 0.5"/></geometry></visual><visual><geometry><mesh filename="gone.obj"/></geometry></visual></link></robot>'
+        '<robot name="t"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" '
+        'iyz="0"/></inertial><visual><geometry><mesh filename="t.obj" scale="0.5 0.5 '
+        '0.5"/></geometry></visual><visual><geometry><mesh filename="gone.obj"/></geometry></visual></link></robot>'
     )
     made = dyn("view", tmp_path / "t.urdf", "--floating", "--html", tmp_path / "t.html")
     assert made.returncode == 0, made.stderr
@@ -414,19 +440,24 @@ def test_meshes_are_drawn(page, tmp_path):
 
 
 def test_meshes_have_the_colours_of_their_files(page, tmp_path):
-    """Cubes: one of red and green faces, one of it in the robot's blue, one whose file says nothing, one of many colours; with few triangles and with too many for the page."""
+    """Cubes: one of red and green faces, one of it in the robot's blue, one whose file says nothing, one of many colours; with
+    few triangles and with too many for the page."""
     corners = [(x, y, z) for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (-0.4, 0.4)]
-    faces = {"red": ["1 3 7 5", "2 6 8 4", "1 5 6 2"], "green": ["3 4 8 7", "1 2 4 3", "5 7 8 6"]}  # below, above, front; the rest
+    faces = {"red": ["1 3 7 5", "2 6 8 4", "1 5 6 2"], "green": ["3 4 8 7", "1 2 4 3",
+                                                                 "5 7 8 6"]}  # below, above, front; the rest
     (tmp_path / "m.mtl").write_text("newmtl red\nKd 0.9 0.05 0.05\nnewmtl green\nKd 0.05 0.9 0.05\n")
     vertices = "".join("v {} {} {}\n".format(*c) for c in corners)
     # grains inside of the cube: 100 000 triangles
     grains = "".join(f"v {0.001 * (k % 100):.4f} {0.001 * (k // 100 % 100):.4f} {0.001 * (k // 10000):.4f}\nv 0.3 0.3 {3e-6 * k:.6f}\nv 0.3 0.2 0\n" for k in range(100000))
     grains += "".join(f"f {3 * k + 9} {3 * k + 10} {3 * k + 11}\n" for k in range(100000))
-    text = "mtllib m.mtl\n" + vertices + "{}" + "".join(f"usemtl {name}\n" + "".join(f"f {face}\n" for face in list) for name, list in faces.items())
+    text = ("mtllib m.mtl\n" + vertices + "{}"
+            + "".join(f"usemtl {name}\n" + "".join(f"f {face}\n" for face in list) for name, list in faces.items()))
     (tmp_path / "few.obj").write_text(text.format(""))
     (tmp_path / "plain.obj").write_text(vertices + "".join(f"f {face}\n" for list in faces.values() for face in list))
     (tmp_path / "many.obj").write_text(text.format("") + "usemtl green\n" + grains)
-    (tmp_path / "vertices.obj").write_text("".join("v {} {} {} {} {} {}\n".format(*c, *((0.9, 0.05, 0.05) if c[1] < 0 else (0.05, 0.9, 0.05))) for c in corners) + "".join(f"f {face}\n" for list in faces.values() for face in list))
+    red, green = (0.9, 0.05, 0.05), (0.05, 0.9, 0.05)
+    coloured = "".join("v {} {} {} {} {} {}\n".format(*c, *(red if c[1] < 0 else green)) for c in corners)
+    (tmp_path / "vertices.obj").write_text(coloured + "".join(f"f {face}\n" for list in faces.values() for face in list))
     body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     paint = '<material name="b"><color rgba="0.05 0.05 0.9 1"/></material>'
     for files in (("few", "few", "plain", "vertices"), ("many",)):
@@ -440,18 +471,22 @@ def test_meshes_have_the_colours_of_their_files(page, tmp_path):
         if files == ("many",):
             assert "fewer triangles" in page("document.getElementById('side').innerText")
         else:
-            assert seen[1][2] > 3 * max(seen[1][:2]) and max(seen[2][:3]) < 2 * min(seen[2][:3]) and seen[3][0] > 3 * max(seen[3][1:3])
+            assert (seen[1][2] > 3 * max(seen[1][:2]) and max(seen[2][:3]) < 2 * min(seen[2][:3])
+                    and seen[3][0] > 3 * max(seen[3][1:3]))
             page.page.click("#look-top")
-            assert page("dynView.robot.layers.visual.map((mesh) => mesh.material.vertexColors ? mesh.geometry.attributes.color.count / 3 : 0)") == [12, 0, 0, 12]
+            assert page("dynView.robot.layers.visual.map((mesh) => mesh.material.vertexColors ? "
+                        "mesh.geometry.attributes.color.count / 3 : 0)") == [12, 0, 0, 12]
         assert page.complaints == []
 
 
 def test_accuracy_and_stress_pages(page, tmp_path):
-    made = dyn("accuracy", MODELS / "robots/double_pendulum.urdf", "--fixed", "--q", "1.2,0.4", "--duration", 0.2, "--budget", "3s", "--target", "1e-3m", "--html", tmp_path / "a.html")
+    made = dyn("accuracy", MODELS / "robots/double_pendulum.urdf", "--fixed", "--q", "1.2,0.4", "--duration", 0.2, "--budget",
+               "3s", "--target", "1e-3m", "--html", tmp_path / "a.html")
     assert made.returncode == 0, made.stderr
     page.page.goto(f"file://{tmp_path}/a.html")
     assert page("document.querySelectorAll('svg circle').length") > 5
-    assert page("[...document.querySelectorAll('svg')].map((s) => s.getBoundingClientRect()).filter((b) => b.width > 100 && b.height > 50).length") == 2
+    assert page("[...document.querySelectorAll('svg')].map((s) => s.getBoundingClientRect()).filter((b) => b.width > 100 && "
+                "b.height > 50).length") == 2
     assert "--integrator" in page("document.body.innerText")  # the recommendation
     made = dyn("stress", "pendulums", "--html", tmp_path / "s.html")
     page.page.goto(f"file://{tmp_path}/s.html")
@@ -461,7 +496,8 @@ def test_accuracy_and_stress_pages(page, tmp_path):
 
 
 def test_a_simulation_that_fails_leaves_what_it_was_until_then(page, tmp_path):
-    made = dyn("sim", MODELS / "robots/double_pendulum.urdf", "--fixed", "--duration", 300, "--dt", 1, "--integrator", "rk4", "--v", "100,-300", "--html", tmp_path / "f.html")
+    made = dyn("sim", MODELS / "robots/double_pendulum.urdf", "--fixed", "--duration", 300, "--dt", 1, "--integrator", "rk4",
+               "--v", "100,-300", "--html", tmp_path / "f.html")
     assert made.returncode == 1 and "overflows" in made.stderr
     page.open(f"file://{tmp_path}/f.html")
     assert page.complaints == []
@@ -486,6 +522,8 @@ def test_without_the_template_it_says_what_is_missing(tmp_path):
     library = BUILT.parents[1] / "lib"
 
     for command in ("view", "info"):
-        made = subprocess.run([tmp_path / "bin/dyn", command, MODELS / "robots/double_pendulum.urdf", "--fixed", "--html", tmp_path / "x.html"], capture_output=True, text=True, env={**os.environ, "LD_LIBRARY_PATH": str(library)})
+        made = subprocess.run([tmp_path / "bin/dyn", command, MODELS / "robots/double_pendulum.urdf", "--fixed", "--html",
+                               tmp_path / "x.html"], capture_output=True, text=True,
+                               env={**os.environ, "LD_LIBRARY_PATH": str(library)})
         assert made.returncode == 1 and "npm" in made.stderr and "libjs-three" in made.stderr and "viewer.html" in made.stderr
         assert not (tmp_path / "x.html").exists()

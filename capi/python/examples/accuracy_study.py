@@ -2,8 +2,9 @@
 
     python accuracy_study.py [FILE.svg]
 
-dyn.accuracy.sweep tries every integrator at every step on a double pendulum, against a reference known to rounding. In a diagram of error against step,
-both logarithmic, an integrator of order p falls with slope p until rounding stops it. The cheapest setting that meets a target is then run by itself.
+dyn.accuracy.sweep tries every integrator at every step on a double pendulum, against a reference known to rounding. In a diagram
+of error against step, both logarithmic, an integrator of order p falls with slope p until rounding stops it. The cheapest setting
+that meets a target is then run by itself.
 """
 
 import json
@@ -36,7 +37,8 @@ def data_at(q):
 
 
 def main(svg=None):
-    result = dyn.accuracy.sweep(PENDULUM, base="fixed", q=Q, without="limits", duration=DURATION, target=f"{TARGET}m", budget="3s")
+    result = dyn.accuracy.sweep(PENDULUM, base="fixed", q=Q, without="limits", duration=DURATION, target=f"{TARGET}m",
+                                budget="3s")
     reference = result["reference"]
     print(f"reference: {reference['kind']}, known to {reference['uncertainty']['m']:.1g} m")
     for name, points in dyn.accuracy.methods(result).items():

@@ -2,9 +2,9 @@
 
     python derivatives.py [ROBOT.urdf BASE]
 
-A difference of length e errs by e^2 (what the curve bends) plus u / e (what rounding leaves of a difference of near numbers, u = 1e-16 relative), so
-that no e is good: central differences get 10 of 16 digits at best. The analytic derivatives have no e. On a floating base and wherever nq and nv differ,
-steps of q are taken by integrate.
+A difference of length e errs by e^2 (what the curve bends) plus u / e (what rounding leaves of a difference of near numbers, u =
+1e-16 relative), so that no e is good: central differences get 10 of 16 digits at best. The analytic derivatives have no e. On a
+floating base and wherever nq and nv differ, steps of q are taken by integrate.
 """
 
 import sys
@@ -56,7 +56,8 @@ def main(path=GO2, base="floating"):
 
     rnea, analytic = least_time(lambda: data.rnea(q, v, a)), least_time(lambda: data.rnea_derivatives(q, v, a))
     differences = least_time(lambda: central(model, data, q, v, a, best))
-    print(f"time in Python: rnea {1e6 * rnea:.3g} us; analytic by q, v and a {1e6 * analytic:.3g} us; differences by q alone {1e6 * differences:.3g} us")
+    print(f"time in Python: rnea {1e6 * rnea:.3g} us; analytic by q, v and a {1e6 * analytic:.3g} us; differences by q alone "
+          f"{1e6 * differences:.3g} us")
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
     python effects_study.py
 
-A free arm falls for half a second. `dyn effects --suggest e` leaves out each effect, measures by how much the result moves, and finds the most that can be
-left out together while it moves by less than e. Here the same is done by hand, beside it: switch an effect off, look at what changes. What is absent needs
-no switch: it has no memory and takes no time.
+A free arm falls for half a second. `dyn effects --suggest e` leaves out each effect, measures by how much the result moves, and
+finds the most that can be left out together while it moves by less than e. Here the same is done by hand, beside it: switch an
+effect off, look at what changes. What is absent needs no switch: it has no memory and takes no time.
 """
 
 import json
@@ -36,7 +36,8 @@ def fall(model, effects=JOINTS, contact=True, gravity=None):
 
 def main():
     model = dyn.load(PANDA, base="fixed")
-    words = [dyn.accuracy.command(), "effects", str(PANDA), "--fixed", "--duration", str(DURATION), "--suggest", str(ALLOWED), "--json"]
+    words = [dyn.accuracy.command(), "effects", str(PANDA), "--fixed", "--duration", str(DURATION), "--suggest", str(ALLOWED),
+             "--json"]
     found = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
     measured = {e["name"]: e["magnitude"] for e in found["effects"] if e.get("magnitude") is not None}
     complete, data = fall(model)
@@ -47,13 +48,15 @@ def main():
         "limits": fall(model, JOINTS & ~dyn.Effect.LIMITS)[0],
         "contact": fall(model, contact=False)[0],
     }
-    print(f"{model.name} falls for {DURATION} s; without an effect a joint ends elsewhere by (rad, m), and a frame by (dyn effects: m, rad)")
+    print(f"{model.name} falls for {DURATION} s; without an effect a joint ends elsewhere by (rad, m), and a frame by (dyn "
+          "effects: m, rad)")
     for name, q in by_hand.items():
         moved = np.abs(model.difference(complete, q)).max()
         print(f"  {name:10} {moved:9.2g}   {measured[name]:9.2g}")
         assert (moved < ALLOWED) == (measured[name] < ALLOWED), "both say alike what matters"
     out = found["suggested"]["without"]
-    print(f"for {ALLOWED:g} the scene does without {', '.join(out)}: {found['suggested']['options']} changes the result by {found['suggested']['error']:.2g}")
+    print(f"for {ALLOWED:g} the scene does without {', '.join(out)}: {found['suggested']['options']} changes the result by "
+          f"{found['suggested']['error']:.2g}")
     assert out and found["suggested"]["error"] < ALLOWED and "gravity" not in out and "limits" not in out
 
     # absent: no spring, no actuator, no medium in this scene, and nothing of them in its memory
@@ -61,7 +64,8 @@ def main():
     for name in ("springs", "actuators", "fluid", "constraints"):
         assert plan[name].present == 0 and plan[name].bytes == 0, name
     without = fall(model, contact=False)[1].plan()["contact"]
-    print(f"springs, actuators, a medium and constraints are absent: 0 bytes. Contact, switched off: {without.acting} of {without.present} pairs are tested")
+    print(f"springs, actuators, a medium and constraints are absent: 0 bytes. Contact, switched off: {without.acting} of "
+          f"{without.present} pairs are tested")
     assert without.acting == 0 and plan["contact"].acting > 0
 
 

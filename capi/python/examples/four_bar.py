@@ -2,8 +2,8 @@
 
     python four_bar.py
 
-Crank 0.4 m, coupler 1 m, rocker 0.8 m, ground 1 m, in the plane of x and y. The file's last hinge is a loop of five rows where the plane needs two: three
-are redundant. That changes how the hinge's force is shared among rows, and nothing of the motion.
+Crank 0.4 m, coupler 1 m, rocker 0.8 m, ground 1 m, in the plane of x and y. The file's last hinge is a loop of five rows where
+the plane needs two: three are redundant. That changes how the hinge's force is shared among rows, and nothing of the motion.
 """
 
 from pathlib import Path
@@ -58,7 +58,8 @@ def main():
         last = data.q[0]
         off = max(off, np.abs(model.difference(closed_form(data.q[0]), np.array(data.q))).max())
         drift = max(drift, abs(data.energy().kinetic - start))
-    print(f"in 3 s the crank made {turns / (2 * np.pi):.2f} turns; angles differ from the closed form by {off:.1g} rad, energy by {drift:.1g} of {start:.3g} J")
+    print(f"in 3 s the crank made {turns / (2 * np.pi):.2f} turns; angles differ from the closed form by {off:.1g} rad, energy "
+          f"by {drift:.1g} of {start:.3g} J")
     assert abs(turns) > 4 * np.pi and off < 1e-9 and drift < 1e-11 * start
 
     # what cannot be is named: a second pin, 1 mm beside the first
@@ -66,7 +67,8 @@ def main():
     data.set_constraint(1, dyn.constraint.connect("rocker", "ground", **beside))
     report = data.constraint_report(q)
     named = sorted({row.constraint for row in report.rows if row.verdict == dyn.RowVerdict.CONTRADICTORY})
-    print(f"a second pin 1 mm beside the first: {report.contradictory} rows contradict each other, of {' and '.join(named)}, by {report.contradiction:.2g} m")
+    print(f"a second pin 1 mm beside the first: {report.contradictory} rows contradict each other, of {' and '.join(named)}, by "
+          f"{report.contradiction:.2g} m")
     assert named == ["pin", "slot 1"] and 1e-4 < report.contradiction < 1e-3
 
 

@@ -15,7 +15,8 @@ import libdyn as dyn
 
 GRIPPER = Path(__file__).resolve().parents[3] / "models" / "robots" / "gripper.urdf"
 MU, MASS, SIZE = 0.5, 0.2, np.array([0.02, 0.03, 0.03])  # -, kg, m
-FINGERS = {"left_pad": (1, -0.004, 0.0), "right_finger": (-1, 0.006, 0.02)}  # side, and where the face is in the link: y, z of its middle, m
+FINGERS = {"left_pad": (1, -0.004, 0.0), "right_finger": (-1, 0.006,
+                                                          0.02)}  # side, and where the face is in the link: y, z of its middle, m
 
 
 def scene():
@@ -90,7 +91,8 @@ def main():
     print(f"a box of {MASS} kg between two fingers, friction {MU}: the knuckle needs {least:.4f} N m")
     for share in (1.02, 1.5, 0.98):
         sunk, forces = hold(model, q, share * least)
-        up, slide = forces[:, 2].sum(), np.linalg.norm(forces[:, [0, 2]], axis=1).sum() / np.abs(forces[:, 1]).sum() if len(forces) else 0.0
+        up, slide = forces[:, 2].sum(), np.linalg.norm(forces[:, [0, 2]],
+                                                       axis=1).sum() / np.abs(forces[:, 1]).sum() if len(forces) else 0.0
         print(f"  with {share:4.2f} of that the box sinks {1e3 * sunk:.3g} mm in 0.5 s; the fingers carry {up:.4g} N of {MASS * 9.81:.4g} N, at {slide:.2f} of the normal force")
         if share > 1:
             assert abs(sunk) < 1e-5 and abs(up - MASS * 9.81) < 1e-5 and slide < MU, "it holds"

@@ -4,8 +4,9 @@
 
 tau = Y(q, v, a) pi + armature a is linear in the parameters pi (ten a body), so that torques measured along a rich motion give pi
 by least squares. Not all of pi moves the torques: what they determine are the base parameters, the part of pi in the row space of
-the stacked regressor. Least squares finds that part, but its bodies need not exist (negative masses ...). So the bodies are fitted
-again in log-Cholesky parameters theta, every value of which is a body that can exist, by Levenberg-Marquardt from a rough guess.
+the stacked regressor. Least squares finds that part, but its bodies need not exist (negative masses ...). So the bodies are
+fitted again in log-Cholesky parameters theta, every value of which is a body that can exist, by Levenberg-Marquardt from a rough
+guess.
 """
 
 import sys

@@ -2,9 +2,10 @@
 
     python inverse_kinematics.py [STARTS]
 
-The loop: e = log6(target^-1 X) is the hand's error in the hand's own axes, so the Jacobian beside it is the LOCAL one (an error in one frame and a
-Jacobian in another is the usual reason why such a loop wanders off). Steps are damped least squares, taken on the manifold by integrate. It knows no
-limits and starts once; d.ik keeps the limits, adapts its damping, and starts again where it gets nowhere.
+The loop: e = log6(target^-1 X) is the hand's error in the hand's own axes, so the Jacobian beside it is the LOCAL one (an error
+in one frame and a Jacobian in another is the usual reason why such a loop wanders off). Steps are damped least squares, taken on
+the manifold by integrate. It knows no limits and starts once; d.ik keeps the limits, adapts its damping, and starts again where
+it gets nowhere.
 """
 
 import sys

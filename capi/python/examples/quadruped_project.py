@@ -29,10 +29,12 @@ def what_it_is(path):
     assert (model.nq, model.nv, model.njoints) == (19, 18, 14), "position and quaternion, twelve angles; the universe is joint 0"
     assert model.nq == sum(j.nq for j in model.joints) and model.nv == sum(j.nv for j in model.joints)
     kinds = Counter(f.type.name for f in model.frames)
-    assert kinds["JOINT"] == model.njoints - 1 and kinds["BODY"] == model.nbodies, "each joint has a frame, and each link, merged or not"
+    assert (kinds["JOINT"] == model.njoints - 1
+            and kinds["BODY"] == model.nbodies), "each joint has a frame, and each link, merged or not"
     assert kinds["BODY"] == 1 + 12 + kinds["FIXED_JOINT"], "links: the base, one on each joint, one on each fixed joint"
     assert sum(kinds.values()) == model.nframes, "and the universe"
-    print(f"1. {model.name}: nq {model.nq}, nv {model.nv}, {model.njoints} joints, {model.nframes} frames: {dict(kinds)}; {model.total_mass:.4g} kg")
+    print(f"1. {model.name}: nq {model.nq}, nv {model.nv}, {model.njoints} joints, {model.nframes} frames: {dict(kinds)}; "
+          f"{model.total_mass:.4g} kg")
     return model
 
 
@@ -62,12 +64,14 @@ def what_holds_it(model, data, q, v, a):
     zero = np.zeros(model.nv)
     assert np.array_equal(data.rnea(q, zero, zero), data.gravity_torque(q)), "at rest inverse dynamics is gravity, bit for bit"
     R = data.frame_placement("base").rotation
-    assert np.abs(R @ data.gravity_torque(q)[:3] - [0, 0, 9.81 * model.total_mass]).max() < 1e-11, "what the base lacks is the robot's weight"
+    assert (np.abs(R @ data.gravity_torque(q)[:3] - [0, 0, 9.81 * model.total_mass]).max()
+            < 1e-11), "what the base lacks is the robot's weight"
     tau = data.rnea(q, v, a)
     eps, M = np.finfo(float).eps, data.crba(q)
     assert np.abs(data.aba(q, v, tau) - a).max() < 50 * eps * np.linalg.cond(M)
     assert np.array_equal(M, M.T), "M is full: no triangle is left for the caller"
-    print(f"3. its weight is {9.81 * model.total_mass:.5g} N; the joints hold their links with {np.round(data.gravity_torque(q)[6:9], 3)} N m (front left leg)")
+    print(f"3. its weight is {9.81 * model.total_mass:.5g} N; the joints hold their links with "
+          f"{np.round(data.gravity_torque(q)[6:9], 3)} N m (front left leg)")
 
 
 def two_threads(model, q, v, a):

@@ -2,11 +2,13 @@
 
     python quadruped_stands.py [SECONDS] [--record FOLDER]
 
-The controller (standing.py: floating base, foot Jacobians, contact forces in their cones) asks for an acceleration of the trunk that takes
-it back to where it stood; the simulator knows nothing of it but the torques. Prints what came of it and what it cost.
---record writes where it began and every torque into FOLDER/stands.json and stands.csv, from which `dyn sim` makes the same motion again, bit for bit:
+The controller (standing.py: floating base, foot Jacobians, contact forces in their cones) asks for an acceleration of the trunk
+that takes it back to where it stood; the simulator knows nothing of it but the torques. Prints what came of it and what it cost.
+--record writes where it began and every torque into FOLDER/stands.json and stands.csv, from which `dyn sim` makes the same motion
+again, bit for bit:
 
-    dyn sim models/robots/go2.urdf --floating --ground --effects armature,limits --state FOLDER/stands.json --tau-csv FOLDER/stands.csv --duration SECONDS --html stands.html
+    dyn sim models/robots/go2.urdf --floating --ground --effects armature,limits --state FOLDER/stands.json --tau-csv
+    FOLDER/stands.csv --duration SECONDS --html stands.html
 """
 
 import argparse
@@ -64,7 +66,8 @@ def main(seconds=30.0, record=None):
     robot.set_step_options("semi_implicit_euler", DT)
     robot.set_state(home)
     starts = [seconds * (k + 1) / 5 for k in range(len(PUSHES))]
-    steps, away, least, residual, penetration, thinking, moving = round(seconds / DT), np.zeros(len(PUSHES) + 1), 4, 0.0, 0.0, 0.0, 0.0
+    steps, away, least = round(seconds / DT), np.zeros(len(PUSHES) + 1), 4
+    residual = penetration = thinking = moving = 0.0
     tau, motors, rows = np.zeros(model.nv), np.zeros(model.nv - 6), []
     for k in range(steps):
         t = k * DT
@@ -95,12 +98,15 @@ def main(seconds=30.0, record=None):
         write(Path(record), home, rows)
     mass = model.total_mass
     forces = sum(c.force_on_b * (1 if c.contact.shape_b != model.nshapes - 1 else -1) for c in robot.step_contacts())
-    print(f"stood {seconds:g} s in {steps} steps of {DT:g} s; at the end {1e3 * np.linalg.norm(robot.q[:3] - home[:3]):.3g} mm from home, speed {np.abs(robot.v).max():.2g}")
+    print(f"stood {seconds:g} s in {steps} steps of {DT:g} s; at the end {1e3 * np.linalg.norm(robot.q[:3] - home[:3]):.3g} mm "
+          f"from home, speed {np.abs(robot.v).max():.2g}")
     for (side, _), start, far in zip(PUSHES, starts, away[1:]):
         print(f"pushed from the {side} at {start:g} s with {FORCE:g} N for {LASTS:g} s: moved {1e3 * far:.3g} mm")
-    print(f"contact forces at the end add up to {forces[2]:.6g} N, its weight is {9.81 * mass:.6g} N; never fewer than {least} contact points")
+    print(f"contact forces at the end add up to {forces[2]:.6g} N, its weight is {9.81 * mass:.6g} N; never fewer than {least} "
+          "contact points")
     print(f"deepest penetration {penetration:.2g} m, largest residual {residual:.2g}")
-    print(f"the simulator took {1e6 * moving / steps:.3g} us a step ({seconds / moving:.3g} times real time), the controller {1e6 * thinking / steps:.3g} us")
+    print(f"the simulator took {1e6 * moving / steps:.3g} us a step ({seconds / moving:.3g} times real time), the controller "
+          f"{1e6 * thinking / steps:.3g} us")
     fell = robot.q[2] < 0.5 * home[2] or away[0] > 0.05
     return int(fell)
 

@@ -2,12 +2,13 @@
 
     python standing.py [ROBOT.urdf]
 
-M a + h = S'tau + sum J_k'f_k. For given q, v and a wanted the six rows of the base hold no motor: J_b'f = (M a + h)_b =: w must come from
-the feet, f_k in its friction cone. Four feet have twelve forces for six rows: the least ones that do it solve the quadratic program
+M a + h = S'tau + sum J_k'f_k. For given q, v and a wanted the six rows of the base hold no motor: J_b'f = (M a + h)_b =: w must
+come from the feet, f_k in its friction cone. Four feet have twelve forces for six rows: the least ones that do it solve the
+quadratic program
     min |J_b'f - w|^2 / 2 + epsilon |f|^2 / 2   over the cones
-which dyn.contact_problem_qp gives with pyramids in the cones (here for daqp, if it is installed), and dyn.contact_solve with the cones
-themselves: G = J_b J_b' + epsilon I, g = -J_b w. As long as no foot slides both are the same minimum. Then tau is what is left of the
-other rows.
+which dyn.contact_problem_qp gives with pyramids in the cones (here for daqp, if it is installed), and dyn.contact_solve with the
+cones themselves: G = J_b J_b' + epsilon I, g = -J_b w. As long as no foot slides both are the same minimum. Then tau is what is
+left of the other rows.
 """
 
 import sys
@@ -48,7 +49,8 @@ def qp_forces(G, g):
     qp = dyn.contact_problem_qp(G, g, friction=np.full(len(FEET), MU), facets=32)
     H, A = qp.dense()
     big = 1e30
-    x, _, flag, _ = daqp.solve(H, qp.g, A, np.minimum(qp.upper, big), np.maximum(qp.lower, -big), np.zeros(len(qp.lower), np.int32))
+    x, _, flag, _ = daqp.solve(H, qp.g, A, np.minimum(qp.upper, big), np.maximum(qp.lower, -big),
+                               np.zeros(len(qp.lower), np.int32))
     return np.array(x).reshape(-1, 3) if flag == 1 else None
 
 
@@ -68,12 +70,14 @@ def inverse_dynamics(model, data, q, v, a, tolerance=1e-13, epsilon=EPSILON, wei
 def main(path=GO2):
     model = dyn.load(path, base="floating")
     data, q, v = model.data(), standing(model), np.zeros(model.nv)
-    for name, push in (("standing", (0, 0, 0)), ("1 m/s^2 forward", (1, 0, 0)), ("1 m/s^2 to the left", (0, 1, 0)), ("2 m/s^2 up", (0, 0, 2))):
+    for name, push in (("standing", (0, 0, 0)), ("1 m/s^2 forward", (1, 0, 0)), ("1 m/s^2 to the left", (0, 1, 0)),
+                       ("2 m/s^2 up", (0, 0, 2))):
         a = np.zeros(model.nv)
         a[:3] = push
         answer = inverse_dynamics(model, data, q, v, a)
         share = np.linalg.norm(answer.forces[:, :2], axis=1) / (MU * answer.forces[:, 2])
-        print(f"{name}: vertical forces {answer.forces[:, 2].round(2)} N, share of the cone {share.max():.2f}, largest torque {abs(answer.tau).max():.2f} N m")
+        print(f"{name}: vertical forces {answer.forces[:, 2].round(2)} N, share of the cone {share.max():.2f}, largest torque "
+              f"{abs(answer.tau).max():.2f} N m")
     return 0
 
 

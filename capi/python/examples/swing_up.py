@@ -2,8 +2,9 @@
 
     python swing_up.py
 
-States x = (q, v), steps v+ = v + h aba(q, v, u), q+ = q (+) h v+. Differential dynamic programming (its Gauss-Newton form) needs the derivatives A = dx+/dx,
-B = dx+/du of each step; they follow from aba_derivatives. Deviations of q live on the tangent space: model.difference.
+States x = (q, v), steps v+ = v + h aba(q, v, u), q+ = q (+) h v+. Differential dynamic programming (its Gauss-Newton form) needs
+the derivatives A = dx+/dx, B = dx+/du of each step; they follow from aba_derivatives. Deviations of q live on the tangent space:
+model.difference.
 """
 
 from pathlib import Path

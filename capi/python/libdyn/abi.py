@@ -66,7 +66,8 @@ for _name, _declared in FUNCTIONS.items():
     _found = getattr(lib, _name)
     _found.restype, _found.argtypes = _plain(_declared["returns"]), [_argument(p) for p in _declared["parameters"]]
 
-_INITIALIZERS = {f["parameters"][0]["type"]: f for name, f in FUNCTIONS.items() if name.endswith("_init") and f["returns"] == "void"}
+_INITIALIZERS = {f["parameters"][0]["type"]: f for name, f in FUNCTIONS.items()
+                 if name.endswith("_init") and f["returns"] == "void"}
 
 
 def initialized(structure: Any, *arguments: Any) -> Any:

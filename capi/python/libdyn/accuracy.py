@@ -46,8 +46,9 @@ def _words(key: str, x: Any) -> list[str]:
 
 
 def sweep(file: str | os.PathLike, base: str | None = None, **options: Any) -> dict:
-    """Runs `dyn accuracy` on a robot or scene. Returns its JSON as a dict. Options are the command's own: q, v, tau, ctrl (numbers),
-    configuration, duration, target="1e-6m", budget="30s", ground=True, without="limits", solver, reference, resume, csv, html and so on."""
+    """Runs `dyn accuracy` on a robot or scene. Returns its JSON as a dict. Options are the command's own: q, v, tau, ctrl
+    (numbers), configuration, duration, target="1e-6m", budget="30s", ground=True, without="limits", solver, reference, resume,
+    csv, html and so on."""
     if base not in (None, "fixed", "floating"):
         raise ArgumentError(f'base is {base!r}, but must be "fixed" or "floating".')
     words = [command(), "accuracy", os.fspath(file), "--json", *([f"--{base}"] if base else [])]
@@ -67,7 +68,8 @@ def _read(result: Any) -> dict:
         except (OSError, ValueError) as error:
             raise FileError(f"{os.fspath(result)}: {error}") from None
     if not isinstance(result, dict) or not isinstance(result.get("points"), list):
-        raise ArgumentError("result has no points: it is what dyn.accuracy.sweep or `dyn accuracy --json` gives, or the name of a file with that.")
+        raise ArgumentError("result has no points: it is what dyn.accuracy.sweep or `dyn accuracy --json` gives, or the name of "
+                            "a file with that.")
     return result
 
 
@@ -82,9 +84,10 @@ def methods(result: Any) -> dict[str, list[dict]]:
 
 
 def plot(result: Any, path: str | os.PathLike | None = None, error: str = "m") -> Any:
-    """The work-precision diagram of a sweep (a dict, or a file of it): error to the right, time upwards, both logarithmic; beside it the same over
-    evaluations of forward dynamics. One line a method, one mark a setting; what nothing is both cheaper and nearer than has a ring; what failed stands at the
-    right edge. error: which one, "m", "rad", "J" or "kg m/s". Writes path if given. Returns the figure. Needs matplotlib."""
+    """The work-precision diagram of a sweep (a dict, or a file of it): error to the right, time upwards, both logarithmic; beside
+    it the same over evaluations of forward dynamics. One line a method, one mark a setting; what nothing is both cheaper and
+    nearer than has a ring; what failed stands at the right edge. error: which one, "m", "rad", "J" or "kg m/s". Writes path if
+    given. Returns the figure. Needs matplotlib."""
     result = _read(result)
     if error not in ("m", "rad", "J", "kg m/s"):
         raise ArgumentError(f'error is {error!r}, but must be "m", "rad", "J" or "kg m/s".')
@@ -105,7 +108,8 @@ def plot(result: Any, path: str | os.PathLike | None = None, error: str = "m") -
             failed = [p[work] for p in points if p["failed"] and p[work] > 0]
             ax.plot([1] * len(failed), failed, "x", color=line.get_color(), transform=ax.get_yaxis_transform(), clip_on=False)
         front = sorted((max(p["errors"][error], least), p[work]) for p in result["points"] if p["pareto"])
-        ax.plot([p[0] for p in front], [p[1] for p in front], "o", ms=9, mfc="none", mec="0.35", mew=0.8, label="cheapest", zorder=1)
+        ax.plot([p[0] for p in front], [p[1] for p in front], "o", ms=9, mfc="none", mec="0.35", mew=0.8, label="cheapest",
+                zorder=1)
         if front:
             ax.set_xlim(right=10 * max(max(p["errors"][error], least) for p in result["points"] if not p["failed"]))
         ax.set_xlabel(f"error, {error}"), ax.set_ylabel(label)

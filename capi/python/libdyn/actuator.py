@@ -84,7 +84,8 @@ class ModelActuators(ModelHandle):
     def actuator(self, actuator: str | int) -> Actuator:
         """One of the model's, by name or number."""
         x = abi.Actuator()
-        check(lib.dyn_model_actuator_info(self._m, self.actuator_id(actuator) if isinstance(actuator, str) else actuator, byref(x)))
+        check(lib.dyn_model_actuator_info(self._m, self.actuator_id(actuator) if isinstance(actuator, str) else actuator,
+                                          byref(x)))
         return Actuator(
             ActuatorType(x.type), x.gear, x.kp, x.kv, x.gain, tuple(x.bias), x.time_constant,
             tuple(x.control_range), tuple(x.force_range), x.component, x.joint, x.idx_u, x.controls,
@@ -106,8 +107,9 @@ class Actuation(DataHandle):
         point: ArrayLike | None = None,
         reference: ReferenceLike = Reference.LOCAL_WORLD_ALIGNED,
     ) -> None:
-        """Adds [force; moment], (6,), that acts in steps until clear_wrenches, at point (3,) of a frame (None: its origin). "local": in the
-        frame's axes, turning with it; "local_world_aligned": world axes; "world": world axes, moment about the world's origin."""
+        """Adds [force; moment], (6,), that acts in steps until clear_wrenches, at point (3,) of a frame (None: its origin).
+        "local": in the frame's axes, turning with it; "local_world_aligned": world axes; "world": world axes, moment about the
+        world's origin."""
         at = None if point is None else checked(point, (3,), "point")
         kind = member(Reference, reference, "reference")
         w = checked(wrench, (6,), "wrench")

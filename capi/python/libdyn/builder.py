@@ -113,7 +113,8 @@ class Builder:
         check(lib.dyn_builder_add_body(self._b, text(name, "name"), above, address(x), mass, address(c), address(i)))
         return self
 
-    def add_frame(self, name: str, parent: str | None, placement: Any = None, type: FrameTypeLike = FrameType.OP_FRAME) -> Builder:
+    def add_frame(self, name: str, parent: str | None, placement: Any = None,
+                  type: FrameTypeLike = FrameType.OP_FRAME) -> Builder:
         """Adds a frame."""
         x = None if placement is None else twelve(placement)
         above = None if parent is None else text(parent, "parent")
@@ -137,9 +138,11 @@ class Builder:
         material: Material | None = None,
         rgba: ArrayLike | None = None,
     ) -> Builder:
-        """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo. radius: of rounding (m); contype, conaffinity:
-        groups it is in, groups it collides with, a bit each; surface: of "convex" a hull, of "triangles" a mesh, of "height_field" one of
-        Mesh.height_field; material: what happens where it touches; rgba: how it looks, red, green, blue, opacity, 0 to 1."""
+        """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo. radius: of rounding (m); contype,
+        conaffinity:
+        groups it is in, groups it collides with, a bit each; surface: of "convex" a hull, of "triangles" a mesh, of
+        "height_field" one of Mesh.height_field; material: what happens where it touches; rgba: how it looks, red, green, blue,
+        opacity, 0 to 1."""
         colour = None if rgba is None else checked(rgba, (4,), "rgba")
         if colour is not None and not ((colour >= 0) & (colour <= 1)).all():
             raise ArgumentError(f"rgba is {rgba}: give four numbers from 0 to 1.")
@@ -183,7 +186,8 @@ class Builder:
         return self
 
     def add_actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:
-        """Adds an actuator of a joint: a dyn.Actuator, or its values, as in add_actuator("hip", "hip_joint", type="position", kp=40, kv=1)."""
+        """Adds an actuator of a joint: a dyn.Actuator, or its values, as in add_actuator("hip", "hip_joint", type="position",
+        kp=40, kv=1)."""
         spec = Actuator(**values) if actuator is None else actuator._replace(**values)
         check(lib.dyn_builder_add_actuator(self._b, text(name, "name"), byref(spec.structure()), text(joint, "joint")))
         return self
@@ -199,20 +203,22 @@ class Builder:
         return self
 
     def add_pair(self, shape1: str, shape2: str, material: Material | None = None) -> Builder:
-        """Two collision shapes, by name, that are tested whatever the filter says; material: of their contacts, None: from the shapes'."""
+        """Two collision shapes, by name, that are tested whatever the filter says; material: of their contacts, None: from the
+        shapes'."""
         own = None if material is None else byref(material.structure())
         check(lib.dyn_builder_add_pair(self._b, text(shape1, "shape1"), text(shape2, "shape2"), own))
         return self
 
     def lock(self, joints: str | Sequence[str], q: ArrayLike) -> Builder:
-        """Locks joints, and whoever follows them, at q, (nq,), of the model that finish would make now. Their links become part of
-        what carries them, and they stay as frames."""
+        """Locks joints, and whoever follows them, at q, (nq,), of the model that finish would make now. Their links become part
+        of what carries them, and they stay as frames."""
         names = [text(n, "joint") for n in ([joints] if isinstance(joints, str) else joints)]
         a = np.ascontiguousarray(numbers(q, "q").reshape(-1))
         check(lib.dyn_builder_lock(self._b, (c_char_p * len(names))(*names), len(names), address(a), a.size))
         return self
 
-    def attach(self, model: Model, prefix: str = "", joint: str | None = None, type: JointTypeLike = "fixed", **spec: Any) -> Builder:
+    def attach(self, model: Model, prefix: str = "", joint: str | None = None, type: JointTypeLike = "fixed",
+               **spec: Any) -> Builder:
         """Adds a model, its names behind the prefix, its world carried by a joint of that name and type; spec: parent, placement,
         axis and all that add_joint() takes. joint None: its world is the builder's."""
         if joint is None:
@@ -241,4 +247,5 @@ class Builder:
         return Model(out.value)
 
 
-Builder.add_joint.__doc__ = f"{Builder.add_joint.__doc__}" + "".join(f"{name:<16}  {sentence}\n        " for name, sentence in VALUES.items())
+Builder.add_joint.__doc__ = f"{Builder.add_joint.__doc__}" + "".join(f"{name:<16}  {sentence}\n        "
+                                                                     for name, sentence in VALUES.items())

@@ -1,7 +1,7 @@
 """Rollouts on Ray (package ray): the same simulations by the workers of a cluster.
 
-A simulation's bits depend neither on its neighbours nor on who computes it, so the results are those of engine="threads", on processors for which the
-library has the same variant. Ray runs the tasks of a lost worker or node again.
+A simulation's bits depend neither on its neighbours nor on who computes it, so the results are those of engine="threads", on
+processors for which the library has the same variant. Ray runs the tasks of a lost worker or node again.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ _made: tuple[Any, Any, Batch] | None = None  # in a worker: the last model's byt
 
 
 def _batch(kind: type[Model], image: np.ndarray, effects: EffectLike | None) -> Batch:
-    """The image lies in the node's object store: tasks of one rollout get the same memory, and the model is used where it lies."""
+    """The image lies in the node's object store: tasks of one rollout get the same memory, and the model is used where it
+    lies."""
     global _made
     key = image.ctypes.data, image.size, bytes(image[:256])
     if _made is None or _made[:2] != (key, effects):
@@ -44,7 +45,8 @@ def _batch(kind: type[Model], image: np.ndarray, effects: EffectLike | None) -> 
     return _made[2]
 
 
-def simulate(kind: type[Model], image: np.ndarray, effects: EffectLike | None, n: int, shared: dict[str, Any], own: dict[str, Any]) -> tuple[Rollout, str]:
+def simulate(kind: type[Model], image: np.ndarray, effects: EffectLike | None, n: int, shared: dict[str, Any],
+             own: dict[str, Any]) -> tuple[Rollout, str]:
     """A task: n simulations, and the sentence of the first that failed."""
     result = _batch(kind, image, effects).rollout(n=n, strict=False, **shared, **own)
     return result, last_error() if result.status.any() else ""
@@ -93,7 +95,8 @@ def rollout(
     retries  how often a task is run again whose worker or node was lost
     options  more of Batch.rollout: dt, integrator, solver, tolerance, max_iterations, sensors, contacts
 
-    The model travels once to each node, as its image. Connects to the cluster that RAY_ADDRESS names, or starts a local one, unless ray.init was called.
+    The model travels once to each node, as its image. Connects to the cluster that RAY_ADDRESS names, or starts a local one,
+    unless ray.init was called.
     """
     try:
         import ray
@@ -120,7 +123,8 @@ def rollout(
     task = ray.remote(num_cpus=1, max_retries=retries)(simulate)
     begins = range(0, plan.n, chunk)
     pending = {
-        task.remote(type(model), image, effects, min(chunk, plan.n - a), common, {name: x[a : a + chunk] for name, x in own.items()}): a for a in begins
+        task.remote(type(model), image, effects, min(chunk, plan.n - a), common,
+                    {name: x[a : a + chunk] for name, x in own.items()}): a for a in begins
     }
     parts: dict[int, tuple[Rollout, str]] = {}
     try:

@@ -45,7 +45,8 @@ class Distance(NamedTuple):
 
 def _distance(d: abi.Distance) -> Distance:
     vectors = (np.array(x) for x in (d.normal, d.point_a, d.point_b))
-    return Distance(DistanceStatus(d.status), d.distance, *vectors, d.residual, bool(d.unique), d.iterations, DistanceMethod(d.method))
+    return Distance(DistanceStatus(d.status), d.distance, *vectors, d.residual, bool(d.unique), d.iterations,
+                    DistanceMethod(d.method))
 
 
 def _geometry(type: Any, size: ArrayLike | Mesh, radius: float, what: str) -> abi.Geometry:
@@ -62,12 +63,15 @@ def _geometry(type: Any, size: ArrayLike | Mesh, radius: float, what: str) -> ab
 
 
 def geometry_distance(
-    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0, method: DistanceMethodLike = DistanceMethod.GJK
+    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0,
+    method: DistanceMethodLike = DistanceMethod.GJK
 ) -> Distance:
     """Distance between two shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);
-    sizes as in dyn.ShapeInfo. ("convex", points) is the hull of points (n, 3), or of a dyn.Mesh that is a hull; ("triangles", mesh) and
-    ("height_field", mesh) take a dyn.Mesh. tolerance: of the distance, relative to the size of the smaller shape; 0: the default.
-    method: the one tried first. "ccd" (libccd) is for overlapping convex shapes without a closed form; its result is verified before use."""
+    sizes as in dyn.ShapeInfo. ("convex", points) is the hull of points (n, 3), or of a dyn.Mesh that is a hull; ("triangles",
+    mesh) and ("height_field", mesh) take a dyn.Mesh. tolerance: of the distance, relative to the size of the smaller shape; 0:
+    the default.
+    method: the one tried first. "ccd" (libccd) is for overlapping convex shapes without a closed form; its result is verified
+    before use."""
     A, B = (_geometry(*x, *(0.0,) * (3 - len(x)), what) for x, what in ((a, "a"), (b, "b")))
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out = abi.Distance()
@@ -93,7 +97,8 @@ class CollisionQueries(DataHandle):
         return _distance(out)
 
     def distance_gradients(self) -> Numbers:
-        """(npairs, nv): derivatives of distances by q on the tangent space; zero where a pair is not tested or its distance has none.
+        """(npairs, nv): derivatives of distances by q on the tangent space; zero where a pair is not tested or its distance has
+        none.
         Needs compute_distances of q."""
         out = np.empty((self.model.npairs, self.model.nv), order="F")
         check(lib.dyn_distance_gradients(self._m, self._d, address(out)))

@@ -43,7 +43,8 @@ class Constraint(NamedTuple):
     """Fields of dynConstraint."""
 
 
-def _make(type: ConstraintType, first: Any, second: Any, placement1: Any = None, placement2: Any = None, **values: Any) -> Constraint:
+def _make(type: ConstraintType, first: Any, second: Any, placement1: Any = None, placement2: Any = None,
+          **values: Any) -> Constraint:
     for key, x in (("placement1", placement1), ("placement2", placement2)):
         if x is not None:
             values[key] = twelve(x, key).tolist()
@@ -76,7 +77,8 @@ def distance(first: Any, second: Any, length: float, **more: Any) -> Constraint:
     return _make(ConstraintType.DISTANCE, first, second, length=length, **more)
 
 
-def loop(joint_type: JointTypeLike, first: Any, second: Any = None, axis: Any = None, axis2: Any = None, pitch: float = 0.0, **more: Any) -> Constraint:
+def loop(joint_type: JointTypeLike, first: Any, second: Any = None, axis: Any = None, axis2: Any = None, pitch: float = 0.0,
+         **more: Any) -> Constraint:
     """first moves as the child of such a joint in second: 6 - nv rows."""
     values: dict[str, Any] = {"joint_type": int(member(JointType, joint_type, "joint_type")), "pitch": pitch, **more}
     for key, x in (("axis", axis), ("axis2", axis2)):
@@ -108,7 +110,8 @@ def friction(first: Any, force: float, **more: Any) -> Constraint:
 def structure(c: Any, find: Any = None) -> abi.Constraint:
     """As dyn.h takes it. find(what, name): an id."""
     if not isinstance(c, Constraint):
-        raise ArgumentError(f"{c!r} is no constraint of dyn.constraint: point, frame, connect, weld, distance, loop, coupling, limit, friction.")
+        raise ArgumentError(f"{c!r} is no constraint of dyn.constraint: point, frame, connect, weld, distance, loop, coupling, "
+                            "limit, friction.")
     out = abi.initialized(abi.Constraint, int(c.type))
     for key, x in c.values.items():
         if key not in _FIELDS:
@@ -217,7 +220,8 @@ class Report(NamedTuple):
 
 
 def _result(r: abi.ConstraintResult) -> Result:
-    return Result(ConstraintReason(r.reason), r.rows, r.rank, r.iterations, r.residual, r.contradiction, r.condition, r.regularisation)
+    return Result(ConstraintReason(r.reason), r.rows, r.rank, r.iterations, r.residual, r.contradiction, r.condition,
+                  r.regularisation)
 
 
 class ModelConstraints(ModelHandle):
@@ -281,7 +285,8 @@ class ConstraintCalls(DataHandle):
             if self.constraint(slot).type == ConstraintType.NONE:
                 self.set_constraint(slot, constraint)
                 return slot
-        raise ArgumentError(f"all {self.model.nconstraint_slots} slots are full: load the model with more constraint_slots, or empty one.")
+        raise ArgumentError(f"all {self.model.nconstraint_slots} slots are full: load the model with more constraint_slots, or "
+                            "empty one.")
 
     def set_constraint_enabled(self, slot: str | int, enabled: bool = True) -> None:
         """Switches a slot on or off."""
@@ -328,7 +333,8 @@ class ConstraintCalls(DataHandle):
         self.constraint_result = _result(result)
         return Constrained(ddq, forces)
 
-    def constrained_inverse_dynamics(self, q: Any = None, v: Any = None, a: Any = None, fext: Any = None, *, actuated: Any = None) -> Held:
+    def constrained_inverse_dynamics(self, q: Any = None, v: Any = None, a: Any = None, fext: Any = None, *,
+                                     actuated: Any = None) -> Held:
         """tau and the least forces that give the acceleration a. actuated: (nv,) of bool; None: all but a floating base."""
         tau, forces, result = np.empty(self.model.nv), np.empty(self._nrows()), abi.ConstraintResult()
         driven = None
@@ -336,27 +342,32 @@ class ConstraintCalls(DataHandle):
             driven = np.ascontiguousarray(np.asarray(actuated, bool), np.int32)
             if driven.shape != (self.model.nv,):
                 raise ArgumentError(f"actuated has shape {driven.shape}, but must have shape {(self.model.nv,)}.")
-        check(lib.dyn_constrained_inverse_dynamics(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext), address(driven),
-                                                   _outputs(None, address(tau), address(forces), addressof(result))))  # fmt: skip
+        check(lib.dyn_constrained_inverse_dynamics(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext),
+                                                   address(driven), _outputs(None, address(tau), address(forces),
+                                                                             addressof(result))))  # fmt: skip
         self.constraint_result = _result(result)
         return Held(tau, forces)
 
     def constraint_impulse(
-        self, q: Any = None, v: Any = None, *, max_iterations: int | None = None, regularisation: float = 0.0, tolerance: float | None = None
+        self, q: Any = None, v: Any = None, *, max_iterations: int | None = None, regularisation: float = 0.0,
+        tolerance: float | None = None
     ) -> Impulse:
         """Impact: the velocity after it, and the impulses."""
         out, impulses, result = np.empty(self.model.nv), np.empty(self._nrows()), abi.ConstraintResult()
         options = self._options(max_iterations, regularisation, tolerance)
-        check(lib.dyn_constraint_impulse(self._m, self._d, self._q(q), self._v(v), options, address(out), address(impulses), byref(result)))
+        check(lib.dyn_constraint_impulse(self._m, self._d, self._q(q), self._v(v), options, address(out), address(impulses),
+                                         byref(result)))
         self.constraint_result = _result(result)
         return Impulse(out, impulses)
 
-    def project(self, q: Any = None, v: Any = None, *, weigh: bool = True, tolerance: float = 1e-12, max_iterations: int = 100) -> Projection:
+    def project(self, q: Any = None, v: Any = None, *, weigh: bool = True, tolerance: float = 1e-12,
+                max_iterations: int = 100) -> Projection:
         """q and v near those given that satisfy the constraints; weigh: near in kinetic energy, else in the coordinates."""
         options = abi.initialized(abi.ProjectOptions)
         options.weigh, options.tolerance, options.max_iterations = bool(weigh), tolerance, max_iterations
         q_out, v_out, result = np.empty(self.model.nq), np.empty(self.model.nv), abi.ConstraintResult()
-        check(lib.dyn_project(self._m, self._d, self._q(q), self._v(v), byref(options), address(q_out), address(v_out), byref(result)))
+        check(lib.dyn_project(self._m, self._d, self._q(q), self._v(v), byref(options), address(q_out), address(v_out),
+                              byref(result)))
         self.constraint_result = _result(result)
         return Projection(q_out, v_out, self.constraint_result)
 
@@ -397,7 +408,8 @@ class ConstraintCalls(DataHandle):
         self.constraint_result = _result(result)
         return ConstrainedDerivatives(*out)
 
-    def constrained_dynamics_derivatives(self, q: Any = None, v: Any = None, tau: Any = None, fext: Any = None) -> ConstrainedDerivatives:
+    def constrained_dynamics_derivatives(self, q: Any = None, v: Any = None, tau: Any = None,
+                                         fext: Any = None) -> ConstrainedDerivatives:
         """Derivatives of constrained_dynamics by q, v, tau."""
         q, v, tau, fext = self._q(q), self._v(v), self._tau(tau), self._fext(fext)
         return self._derivatives(
@@ -421,6 +433,7 @@ class ConstraintCalls(DataHandle):
 
 
 __all__ = [
-    "Constrained", "ConstrainedDerivatives", "Constraint", "ConstraintReason", "ConstraintType", "Held", "Impulse", "Projection", "Report", "Result", "Row",
-    "RowVerdict", "Terms", "connect", "coupling", "distance", "frame", "friction", "limit", "loop", "point", "weld",
+    "Constrained", "ConstrainedDerivatives", "Constraint", "ConstraintReason", "ConstraintType", "Held", "Impulse", "Projection",
+    "Report", "Result", "Row", "RowVerdict", "Terms", "connect", "coupling", "distance", "frame", "friction", "limit", "loop",
+    "point", "weld",
 ]  # fmt: skip

@@ -142,7 +142,8 @@ def geometry_sweep(
     duration: float,
     margin: float = 0.0,
 ) -> Impact:
-    """When two moving shapes come within margin; motions are [linear; angular] (6,) of their frames, in axes of the world, None: at rest."""
+    """When two moving shapes come within margin; motions are [linear; angular] (6,) of their frames, in axes of the world, None:
+    at rest."""
     A, B = _shape(a, "a"), _shape(b, "b")
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     V_a, V_b = (None if v is None else checked(v, (6,), name) for v, name in ((motion_a, "motion_a"), (motion_b, "motion_b")))
@@ -157,7 +158,8 @@ class BroadPhase:
     """Which of many boxes overlap. One thread at a time."""
 
     def __init__(self, capacity: int, pair_capacity: int | None = None, margin: float = 0.0):
-        """capacity: room for boxes; pair_capacity: for overlaps of boxes made larger by margin (m), by default 64 for each box."""
+        """capacity: room for boxes; pair_capacity: for overlaps of boxes made larger by margin (m), by default 64 for each
+        box."""
         out = c_void_p()
         check(lib.dyn_broad_phase_new(capacity, 64 * capacity if pair_capacity is None else pair_capacity, margin, byref(out)))
         self._owner = Owner(out.value, lib.dyn_broad_phase_free)

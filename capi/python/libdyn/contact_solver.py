@@ -62,7 +62,8 @@ class ContactSolution(NamedTuple):
 
 
 class ConeQp(NamedTuple):
-    """min x'Hx / 2 + g'x over lower <= A x <= upper, matrices in CSC: (values, rows, columns), as scipy.sparse.csc_array takes them."""
+    """min x'Hx / 2 + g'x over lower <= A x <= upper, matrices in CSC: (values, rows, columns), as scipy.sparse.csc_array takes
+    them."""
 
     H: tuple[Numbers, Integers, Integers]
     g: Numbers
@@ -93,14 +94,17 @@ class _Problem:
         self.n, contacts, boxes = g.size, friction.size, np.size(lower)
         kinds = None if contact_rows is None else np.ascontiguousarray(contact_rows, np.int32)
         if kinds is not None and kinds.shape != (contacts,):
-            raise SizeError(f"contact_rows has shape {kinds.shape}, but must have shape {(contacts,)}, one for each coefficient of friction.")
+            raise SizeError(f"contact_rows has shape {kinds.shape}, but must have shape {(contacts,)}, one for each coefficient "
+                            "of friction.")
         rows = int(equalities) + boxes + (3 * contacts if kinds is None else int(kinds.sum()))
         if rows != self.n:
-            raise SizeError(f"g has {self.n} rows, but {equalities} equalities, {boxes} boxes and {contacts} contacts have {rows}.")
+            raise SizeError(f"g has {self.n} rows, but {equalities} equalities, {boxes} boxes and {contacts} contacts have "
+                            f"{rows}.")
         self.c.equalities, self.c.boxes, self.c.contacts = int(equalities), boxes, contacts
-        shapes = {"friction": contacts, "torsion": contacts, "rolling": contacts, "restitution": contacts, "lower": boxes, "upper": boxes}
-        given = dict(g=g, friction=friction, torsion=torsion, rolling=rolling, compliance=compliance, bias=bias, restitution=restitution,
-                     v_minus=v_minus, lower=lower, upper=upper)  # fmt: skip
+        shapes = {"friction": contacts, "torsion": contacts, "rolling": contacts, "restitution": contacts, "lower": boxes,
+                  "upper": boxes}
+        given = dict(g=g, friction=friction, torsion=torsion, rolling=rolling, compliance=compliance, bias=bias,
+                     restitution=restitution, v_minus=v_minus, lower=lower, upper=upper)  # fmt: skip
         self.keep: list[Any] = [kinds]
         for name, x in given.items():
             a = None if x is None else checked(np.atleast_1d(numbers(x, name)), (shapes.get(name, rows),), name)
@@ -120,7 +124,8 @@ class ContactSolver:
     """Workspace for contact problems of at most max_rows rows. One thread at a time."""
 
     def __init__(self, max_rows: int, memory: Numbers | None = None):
-        """memory: a contiguous array of ContactSolver.bytes(max_rows) bytes, aligned to 64, to work in; None: the library's own."""
+        """memory: a contiguous array of ContactSolver.bytes(max_rows) bytes, aligned to 64, to work in; None: the library's
+        own."""
         out = c_void_p()
         if memory is None:
             check(lib.dyn_contact_solver_new(max_rows, byref(out)))
@@ -159,7 +164,8 @@ class ContactSolver:
         options.relaxation, options.newton, options.warm_start = relaxation, newton, warm_start is not None
         impulse = np.zeros(p.n) if warm_start is None else checked(warm_start, (p.n,), "warm_start").copy()
         velocity, report = np.zeros(p.n), abi.ContactReport()
-        check(lib.dyn_contact_solver_solve(self._s, byref(p.c), byref(options), address(impulse), address(velocity), byref(report)))
+        check(lib.dyn_contact_solver_solve(self._s, byref(p.c), byref(options), address(impulse), address(velocity),
+                                           byref(report)))
         return ContactSolution(impulse, velocity, _report(report))
 
     def residuals(self, G: ArrayLike, g: ArrayLike, impulse: ArrayLike, **problem: Any) -> ContactReport:
@@ -176,7 +182,8 @@ def contact_solve(G: ArrayLike, g: ArrayLike, **arguments: Any) -> ContactSoluti
 
 
 def contact_problem_qp(G: ArrayLike | None, g: ArrayLike, *, facets: int = 8, inscribed: bool = True, **problem: Any) -> ConeQp:
-    """Returns the problem as a quadratic program, cones as pyramids of `facets` facets (0: second-order cones). Without G only A, lower and upper hold."""
+    """Returns the problem as a quadratic program, cones as pyramids of `facets` facets (0: second-order cones). Without G only A,
+    lower and upper hold."""
     p, q = _Problem(G, g, **problem), abi.Qp()
     check(lib.dyn_contact_problem_qp(byref(p.c), facets, inscribed, byref(q)))
     n, m, nH, nA = q.n, q.m, q.H_nonzeros, q.A_nonzeros
@@ -197,7 +204,8 @@ def contact_compliance(dt: float, stiffness: float = 0.0, damping: float = 0.0, 
     return R.value, b.value
 
 
-def contact_compliance_hertz(dt: float, frequency: float, damping_ratio: float, mass: float, gap: float = 0.0) -> tuple[float, float]:
+def contact_compliance_hertz(dt: float, frequency: float, damping_ratio: float, mass: float,
+                             gap: float = 0.0) -> tuple[float, float]:
     """The same from a frequency (Hz) and a damping ratio at an effective mass (kg)."""
     k, d = c_double(), c_double()
     check(lib.dyn_contact_stiffness_hertz(frequency, damping_ratio, mass, byref(k), byref(d)))

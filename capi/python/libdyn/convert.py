@@ -45,7 +45,8 @@ class StateLayout:
     """Layout of the same robot's state in another library.
 
     convention      "pinocchio", "mujoco", "drake", "ros", or "dyn"
-    joints          names of our joints in the peer's order; default: the model's order, with followers of a mimic for mujoco, drake
+    joints          names of our joints in the peer's order; default: the model's order, with followers of a mimic for mujoco,
+    drake
                     and ros, and without for the others
     idx_q, idx_v    where each begins in the peer's q and v; default: one after another
     nq, nv          sizes of the peer's q and v; default: up to the end of the last joint
@@ -96,7 +97,8 @@ class StateLayout:
 
     @classmethod
     def of_mujoco(cls, model: Any, rename: Mapping[str, str | None] | None = None, **options: Any) -> StateLayout:
-        """Layout of a mujoco.MjModel. rename: {its joint: ours}, None leaves one out; a free joint without a name is called ""."""
+        """Layout of a mujoco.MjModel. rename: {its joint: ours}, None leaves one out; a free joint without a name is called
+        ""."""
         joints = [(model.joint(j).name, int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])) for j in range(model.njnt)]
         return cls("mujoco", **_renamed(rename, joints), nq=model.nq, nv=model.nv, **options)
 
@@ -125,7 +127,8 @@ class States(Configurations):
     """The part of Model that converts states."""
 
     def to_peer(
-        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None,
+        tau: ArrayLike | None = None
     ) -> State:
         """A state as another library stores it: (q, v, a, tau) of the layout's sizes; a needs v.
 
@@ -134,7 +137,8 @@ class States(Configurations):
         return self._convert(layout, Direction.TO_PEER, q, v, a, tau)
 
     def from_peer(
-        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None,
+        tau: ArrayLike | None = None
     ) -> State:
         """The inverse of to_peer. A follower's force is added to its leader's; its own q, v, a are not read."""
         return self._convert(layout, Direction.FROM_PEER, q, v, a, tau)
@@ -154,5 +158,6 @@ class States(Configurations):
                     raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
             given.append(x)
         out = [None if x is None else np.zeros(n) for x, n in zip(given, (nq_out, nv_out, nv_out, nv_out))]
-        check(lib.dyn_state_layout_convert(self._m, byref(layout._layout), towards, *map(address, given), _outputs(*map(address, out))))
+        check(lib.dyn_state_layout_convert(self._m, byref(layout._layout), towards, *map(address, given),
+                                           _outputs(*map(address, out))))
         return State(*out)

@@ -84,12 +84,13 @@ class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, Cons
 
     def set_effects(self, effects: EffectLike, joint: str | int = 0) -> None:
         """Switches the effects of a joint, or of all, to those given: dyn.Effect members or names, as "damping", ("armature",
-        "springs"), "all", "default" or (). Those of new data are "default": steps apply all effects that the model states ("as_stated"), and
-        algorithms called alone apply armature."""
+        "springs"), "all", "default" or (). Those of new data are "default": steps apply all effects that the model states
+        ("as_stated"), and algorithms called alone apply armature."""
         check(lib.dyn_data_set_effects(self._m, self._d, self.model._joint(joint), mask(Effect, effects, "effects")))
 
     def warm_up(self) -> None:
-        """Touches what later calls would be the first to touch: no call waits for a page of memory. Once in each thread with a deadline."""
+        """Touches what later calls would be the first to touch: no call waits for a page of memory. Once in each thread with a
+        deadline."""
         check(lib.dyn_data_warm_up(self._m, self._d))
 
     def effects(self, joint: str | int = 0) -> Effect:

@@ -1,6 +1,7 @@
 """A method of Data for each of the library's algorithms that works on data.
 
-A method is written out, as dataclasses write theirs. Arguments become addresses; the library fills a buffer, and its copy is returned.
+A method is written out, as dataclasses write theirs. Arguments become addresses; the library fills a buffer, and its copy is
+returned.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from .results import RESULTS, memory_address, turned
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo
 
 ADDRESSES = {
-    "model": "self._m", "data": "self._d", "q": "self._q(q)", "v": "self._v(v)", "a": "self._a(a)", "tau": "self._tau(tau)", "fext": "self._fext(fext)",
-    "lambda": "_vector(self, lam)", "frame": "self.model._frame(frame)", "joint": "self.model._joint(joint)", "reference": "_reference(reference)",
+    "model": "self._m", "data": "self._d", "q": "self._q(q)", "v": "self._v(v)", "a": "self._a(a)", "tau": "self._tau(tau)",
+    "fext": "self._fext(fext)", "lambda": "_vector(self, lam)", "frame": "self.model._frame(frame)",
+    "joint": "self.model._joint(joint)", "reference": "_reference(reference)",
 }  # fmt: skip
 """Argument of each parameter in C."""
 PARAMETERS = {"frame": "frame", "joint": "joint", "lambda": "lam", "reference": "reference='local'"}
@@ -51,7 +53,8 @@ def parameters(algorithm: AlgorithmInfo) -> tuple[list[str], int] | None:
     outputs = [p for p in function["parameters"] if p["type"] == "double*" or (p["type"] == "double" and "length" in p)]
     names = [p["name"] for p in function["parameters"] if p not in outputs][: -1 if together else None]
     outputs = outputs or together
-    return (names, len(outputs)) if names[:2] == ["model", "data"] and len(outputs) == len(algorithm.outputs) and ADDRESSES.keys() >= set(names) else None
+    return ((names, len(outputs)) if names[:2] == ["model", "data"] and len(outputs) == len(algorithm.outputs)
+            and ADDRESSES.keys() >= set(names) else None)
 
 
 def gathered(function: dict) -> list[dict]:
@@ -73,7 +76,8 @@ def _vector(data: DataHandle, lam: Any) -> int:
 
 
 def _outputs(data: DataHandle, algorithm: str) -> list[tuple[Callable[..., Any], int | None]]:
-    """For each output of an algorithm: a function that returns it (given the order "F"), and the address that the library fills."""
+    """For each output of an algorithm: a function that returns it (given the order "F"), and the address that the library
+    fills."""
     info, made = ALGORITHMS[algorithm], []
     shapes = info.shapes(data.model)
     small = max(map(prod, shapes)) <= LARGE
@@ -103,7 +107,8 @@ def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callabl
     name = method_name(algorithm.name)
     lines = [
         f"def {name}({', '.join(['self', *signature(names)])}):",
-        f"    {', '.join(f'(t{k}, p{k})' for k in range(outputs))}, = self._outputs.get({algorithm.name!r}) or _outputs(self, {algorithm.name!r})",
+        f"    {', '.join(f'(t{k}, p{k})' for k in range(outputs))}, = self._outputs.get({algorithm.name!r}) or _outputs(self, "
+        f"{algorithm.name!r})",
         f"    status = _call({', '.join(arguments)})",
         "    if status:",
         "        _fail(status)",
@@ -112,8 +117,9 @@ def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callabl
     source, file = "\n".join(lines) + "\n", f"<libdyn.Data.{name}>"
     linecache.cache[file] = len(source), None, source.splitlines(True), file  # for tracebacks
     known: dict[str, Any] = {
-        "_call": getattr(lib, f"dyn_{algorithm.name}"), "_outputs": _outputs, "_fail": fail, "_Result": RESULTS.get(algorithm.name), "_vector": _vector,
-        "_reference": reference, "_placement": to_placement, "_placements": to_placements, "_together": together,
+        "_call": getattr(lib, f"dyn_{algorithm.name}"), "_outputs": _outputs, "_fail": fail,
+        "_Result": RESULTS.get(algorithm.name), "_vector": _vector, "_reference": reference, "_placement": to_placement,
+        "_placements": to_placements, "_together": together,
     }  # fmt: skip
     exec(compile(source, file, "exec"), known)
     method = known[name]

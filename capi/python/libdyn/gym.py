@@ -2,10 +2,12 @@
 
     import gymnasium, libdyn.gym                           # the import registers dyn/Go2-v0 and dyn/Humanoid-v0
     env = gymnasium.make("dyn/Go2-v0")
-    envs = libdyn.gym.WalkVectorEnv("go2", 1024, threads=8)   # or gymnasium.make_vec("dyn/Go2-v0", 1024, vectorization_mode="vector_entry_point")
+    envs = libdyn.gym.WalkVectorEnv("go2", 1024, threads=8)   # or gymnasium.make_vec("dyn/Go2-v0", 1024,
+    vectorization_mode="vector_entry_point")
 
-An action is what each servo's target is away from the stance, -1 to 1; an observation is the base's height, gravity's direction in its axes, the joints'
-positions less the stance, v, and the last action. Environment k of a vector environment with seed s is bit for bit the single one with seed s + k.
+An action is what each servo's target is away from the stance, -1 to 1; an observation is the base's height, gravity's direction
+in its axes, the joints' positions less the stance, v, and the last action. Environment k of a vector environment with seed s is
+bit for bit the single one with seed s + k.
 """
 
 from __future__ import annotations
@@ -46,7 +48,8 @@ class Robot(NamedTuple):
 
 
 ROBOTS = {
-    "go2": Robot(0.27, 0.15, {f"{leg}_{name}_joint": x for leg in _LEGS for name, x in (("thigh", 0.9), ("calf", -1.8))}, 0.4, (60, 3)),
+    "go2": Robot(0.27, 0.15, {f"{leg}_{name}_joint": x for leg in _LEGS for name, x in (("thigh", 0.9), ("calf", -1.8))}, 0.4,
+                 (60, 3)),
     "humanoid": Robot(0.92, 0.6, {}, 0.4, (500, 25)),
 }
 
@@ -135,12 +138,14 @@ class WalkVectorEnv(VectorEnv):
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
-    def __init__(self, robot: str = "go2", num_envs: int = 1, threads: int | None = None, max_episode_steps: int = 1000, render_mode: None = None):
+    def __init__(self, robot: str = "go2", num_envs: int = 1, threads: int | None = None, max_episode_steps: int = 1000,
+                 render_mode: None = None):
         self.render_mode = render_mode
         self.num_envs, self.task, self.max_episode_steps = num_envs, Task(robot), max_episode_steps
         task = self.task
         self.single_action_space, self.single_observation_space = task.action_space, task.observation_space
-        self.action_space, self.observation_space = batch_space(task.action_space, num_envs), batch_space(task.observation_space, num_envs)
+        self.action_space, self.observation_space = batch_space(task.action_space,
+                                                                num_envs), batch_space(task.observation_space, num_envs)
         self.batch = task.model.batch(threads)
         self._single = Simulation(task.model, dt=DT)
         self._random: list[np.random.Generator] = [np.random.default_rng() for _ in range(num_envs)]
@@ -158,7 +163,8 @@ class WalkVectorEnv(VectorEnv):
         return self.task.observe(self._q, self._v, self._action)
 
     def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
-        seeds = [None if seed is None else seed + k for k in range(self.num_envs)] if seed is None or isinstance(seed, int) else seed
+        seeds = ([None if seed is None else seed + k for k in range(self.num_envs)] if seed is None
+                 or isinstance(seed, int) else seed)
         chosen = np.ones(self.num_envs, bool) if not options or "reset_mask" not in options else options["reset_mask"]
         for k in np.flatnonzero(chosen):
             if seeds[k] is not None:
@@ -191,5 +197,6 @@ class WalkVectorEnv(VectorEnv):
 for _name, _id in (("go2", "dyn/Go2-v0"), ("humanoid", "dyn/Humanoid-v0")):
     if _id not in gymnasium.registry:
         gymnasium.register(
-            _id, "libdyn.gym:WalkEnv", vector_entry_point="libdyn.gym:WalkVectorEnv", max_episode_steps=1000, kwargs={"robot": _name}
+            _id, "libdyn.gym:WalkEnv", vector_entry_point="libdyn.gym:WalkVectorEnv", max_episode_steps=1000,
+            kwargs={"robot": _name}
         )

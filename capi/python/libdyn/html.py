@@ -28,7 +28,8 @@ def model(m: Any) -> str:
         limits = [f"{a:g} to {b:g}" for a, b in zip(m.lower_limit[own], m.upper_limit[own]) if a > -1e300 or b < 1e300]
         follows = f"{j.mimic_ratio:g} {m.joint_name(j.mimic_leader)} + {j.mimic_offset:g}" if j.mimic_leader >= 0 else ""
         kind = getattr(j.type, "name", str(j.type)).lower()
-        rows.append((j.id, j.name, kind, m.joint_name(j.parent), _range(j.idx_q, j.nq), _range(j.idx_v, j.nv), follows or ", ".join(limits)))
+        rows.append((j.id, j.name, kind, m.joint_name(j.parent), _range(j.idx_q, j.nq), _range(j.idx_v, j.nv),
+                     follows or ", ".join(limits)))
     head = f"<b>dyn.Model {escape(m.name)}</b>: nq {m.nq}, nv {m.nv}, {m.nbodies} links, {m.nframes} frames, {m.nshapes} shapes, {m.total_mass:.6g} kg"
     return head + _table(("joint", "name", "type", "parent", "q", "v", "limits, or what it follows"), rows)
 
@@ -41,6 +42,8 @@ def data(d: Any) -> str:
             value = d.field(info.name)
         except Error:
             continue
-        shown = f"{value:.6g}" if isinstance(value, float) else " ".join(f"{x:.4g}" for x in value.ravel()) if value.size <= 8 else f"array {value.shape}"
+        shown = (f"{value:.6g}" if isinstance(value, float) else " ".join(f"{x:.4g}" for x in value.ravel())
+                 if value.size <= 8 else f"array {value.shape}")
         rows.append((info.name, shown, info.unit, info.frame, info.sentence))
-    return f"<b>{escape(repr(d)[1:-1])}</b>; what was not computed is not shown" + _table(("field", "value", "unit", "frame", ""), rows)
+    return (f"<b>{escape(repr(d)[1:-1])}</b>; what was not computed is not shown"
+            + _table(("field", "value", "unit", "frame", ""), rows))

@@ -102,12 +102,14 @@ def pose(frame: int | str, placement: Any, *, weight: float = 1.0, weights: Arra
     return Task(IkTaskType.POSE, frame, _target(rotation, translation), None, weight, weights, priority)
 
 
-def position(frame: int | str, point: ArrayLike, *, weight: float = 1.0, weights: ArrayLike | None = None, priority: int = 0) -> Task:
+def position(frame: int | str, point: ArrayLike, *, weight: float = 1.0, weights: ArrayLike | None = None,
+             priority: int = 0) -> Task:
     """A frame's origin at a point of the world, m. weights: 3, axes of the world."""
     return Task(IkTaskType.POSITION, frame, _target(translation=point), None, weight, weights, priority)
 
 
-def orientation(frame: int | str, rotation: ArrayLike, *, weight: float = 1.0, weights: ArrayLike | None = None, priority: int = 0) -> Task:
+def orientation(frame: int | str, rotation: ArrayLike, *, weight: float = 1.0, weights: ArrayLike | None = None,
+                priority: int = 0) -> Task:
     """A frame's axes along a rotation matrix (3, 3) or quaternion (x, y, z, w). weights: 3, the frame's axes."""
     return Task(IkTaskType.ORIENTATION, frame, _target(rotation), None, weight, weights, priority)
 
@@ -191,7 +193,8 @@ class InverseKinematics(DataHandle):
                 keep.append(checked(x, (m.nq,), name))
                 setattr(options, name, address(keep[-1]))
         solution, residuals, r = np.empty(m.nq), np.empty((len(given), 2)), abi.IkResult()
-        status = _ik(self._m, self._d, self._q(q), given, len(given), byref(options), _outputs(address(solution), address(residuals), addressof(r)))
+        status = _ik(self._m, self._d, self._q(q), given, len(given), byref(options),
+                     _outputs(address(solution), address(residuals), addressof(r)))
         if status:
             fail(status)
         joint = m.joint_name(r.joint) if r.joint >= 0 else None

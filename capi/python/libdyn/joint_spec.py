@@ -42,8 +42,9 @@ def sizes(spec: Any, parts: Sequence[Any] = ()) -> dict[str, int]:
 
 
 def joint_spec(
-    name: str, type: Any, parent: str | None = None, placement: Any = None, axis: ArrayLike | None = None, axis2: ArrayLike | None = None,
-    pitch: float | None = None, mimic: str | None = None, parts: Sequence[Mapping[str, Any]] = (), **values: Any,
+    name: str, type: Any, parent: str | None = None, placement: Any = None, axis: ArrayLike | None = None,
+    axis2: ArrayLike | None = None, pitch: float | None = None, mimic: str | None = None, parts: Sequence[Mapping[str, Any]] = (),
+    **values: Any,
 ) -> tuple[Any, list[Any]]:  # fmt: skip
     """The structure of a joint, and what must live as long."""
     keep: list[Any] = []

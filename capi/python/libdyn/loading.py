@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from .enums import BaseLike, MeshUseLike
 
 
-def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any, contacts: Any, confined: bool):
+def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any,
+             contacts: Any, confined: bool):
     options = abi.initialized(abi.LoadOptions)
     if base is not None:
         options.base = member(Base, base, "base")
@@ -80,13 +81,14 @@ def load(
     cos_sin       continuous joints store (cos, sin)
     package_dirs  where package://NAME/... is looked up
     gravity       (3,), m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's
-    meshes        what stands for collision meshes: "auto", the convex hull of each mesh that can be read, and a warning for each other
+    meshes        what stands for collision meshes: "auto", the convex hull of each mesh that can be read, and a warning for each
+    other
                   one; "hull", their convex hulls (report says which are not convex); "triangles"; "none", their names alone. With
                   "hull" and "triangles" a mesh that cannot be read is an error
     constraint_slots  spare slots for constraints that a data of the model has
     contact_capacity  contact points that a step has room for, the deepest; 0: what the shapes need
-    confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are errors
-    srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
+    confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are
+    errors srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
 
     Warnings of the load report are shown once a model, as a dyn.LoadWarning. Model.report has all of them.
     """

@@ -8,7 +8,8 @@ from . import abi
 
 
 class Material(NamedTuple):
-    """Material of a collision shape. Two that touch have the larger friction, torsion, rolling, restitution and damping; their springs are in series."""
+    """Material of a collision shape. Two that touch have the larger friction, torsion, rolling, restitution and damping; their
+    springs are in series."""
 
     friction: float = 1.0
     """Coulomb's coefficient."""

@@ -77,7 +77,8 @@ def _view(start: int | None, shape: tuple[int, ...], kind: type, owner: Owner) -
 
 
 class Mesh:
-    """Triangles in metres: equal vertices made one, triangles without area dropped. From dyn.load_mesh or dyn.Mesh.from_arrays."""
+    """Triangles in metres: equal vertices made one, triangles without area dropped. From dyn.load_mesh or
+    dyn.Mesh.from_arrays."""
 
     def __init__(self, handle: int):
         self._owner = Owner(handle, lib.dyn_mesh_free)
@@ -86,8 +87,8 @@ class Mesh:
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, triangles: ArrayLike = ()) -> Mesh:
-        """vertices (n, 3), m; triangles (m, 3), indices of vertices, counter-clockwise seen from outside. Without triangles: a cloud
-        of points for hull()."""
+        """vertices (n, 3), m; triangles (m, 3), indices of vertices, counter-clockwise seen from outside. Without triangles: a
+        cloud of points for hull()."""
         points, corners = np.ascontiguousarray(numbers(vertices, "vertices")), np.asarray(triangles)
         if corners.size == 0:
             corners = np.empty((0, 3), np.int32)
@@ -99,16 +100,18 @@ class Mesh:
             raise ArgumentError("triangles must hold indices of vertices, 0 or more.")
         corners = np.ascontiguousarray(corners, np.int32)
         out = c_void_p()
-        check(lib.dyn_mesh_from_arrays(address(points), len(points), address(corners) if len(corners) else None, len(corners), byref(out)))
+        check(lib.dyn_mesh_from_arrays(address(points), len(points), address(corners) if len(corners) else None, len(corners),
+                                       byref(out)))
         return cls(out.value)
 
     @classmethod
     def height_field(cls, heights: ArrayLike, step: float | Sequence[float], bottom: float) -> Mesh:
-        """Heights over a grid, (rows, columns), all above bottom, m; the point of column i has x = (i - (columns - 1) / 2) * step, that of a
-        row y likewise. step: a number, or one for x and one for y."""
+        """Heights over a grid, (rows, columns), all above bottom, m; the point of column i has x = (i - (columns - 1) / 2) *
+        step, that of a row y likewise. step: a number, or one for x and one for y."""
         h, steps = np.ascontiguousarray(numbers(heights, "heights")), numbers(step, "step")
         if h.ndim != 2 or steps.shape not in ((), (2,)):
-            raise SizeError(f"heights must have shape (rows, columns) and step be one or two numbers, but their shapes are {h.shape} and {steps.shape}.")
+            raise SizeError("heights must have shape (rows, columns) and step be one or two numbers, but their shapes are "
+                            f"{h.shape} and {steps.shape}.")
         x, y = np.broadcast_to(steps, 2).tolist()
         out = c_void_p()
         field = abi.initialized(abi.HeightField)
@@ -132,7 +135,8 @@ class Mesh:
 
     @cached_property
     def colours(self) -> Numbers:
-        """(m, 3): red, green, blue of each triangle, 0 to 1, by the file's materials and colours of vertices; NaN where it says nothing."""
+        """(m, 3): red, green, blue of each triangle, 0 to 1, by the file's materials and colours of vertices; NaN where it says
+        nothing."""
         rgb = np.empty((len(self.triangles), 3))
         check(lib.dyn_mesh_rgb(self._owner.address, address(rgb)))
         rgb[rgb < 0] = np.nan
@@ -151,7 +155,8 @@ class Mesh:
     @property
     def neighbours(self) -> list[Integers]:
         """Vertices that share an edge with each vertex of a hull."""
-        return self._lists(self._arrays.neighbour_start, self._arrays.neighbours, self._arrays.vertex_count if self._arrays.face_count else 0)
+        return self._lists(self._arrays.neighbour_start, self._arrays.neighbours,
+                           self._arrays.vertex_count if self._arrays.face_count else 0)
 
     def _lists(self, starts: int | None, items: int | None, count: int) -> list[Integers]:
         if not count:
@@ -165,10 +170,10 @@ class Mesh:
         x = abi.MeshInfo()
         check(lib.dyn_mesh_info(self._owner.address, byref(x)))
         return MeshInfo(
-            x.vertices, x.triangles, x.welded, x.degenerate, x.duplicates, x.skipped, np.array(x.lower), np.array(x.upper), x.area,
-            x.components, x.open_edges, x.flipped_edges, x.nonmanifold_edges, bool(x.closed), x.orientation, x.volume, np.array(x.com),
-            np.array(x.inertia).reshape(3, 3, order="F"), Status(x.hull_status), x.hull_volume, x.hull_volume_ratio, x.hull_depth,
-            None if x.convex < 0 else bool(x.convex),
+            x.vertices, x.triangles, x.welded, x.degenerate, x.duplicates, x.skipped, np.array(x.lower), np.array(x.upper),
+            x.area, x.components, x.open_edges, x.flipped_edges, x.nonmanifold_edges, bool(x.closed), x.orientation, x.volume,
+            np.array(x.com), np.array(x.inertia).reshape(3, 3, order="F"), Status(x.hull_status), x.hull_volume,
+            x.hull_volume_ratio, x.hull_depth, None if x.convex < 0 else bool(x.convex),
         )  # fmt: skip
 
     def hull(self) -> Mesh:

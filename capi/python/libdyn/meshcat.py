@@ -70,7 +70,8 @@ def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, Numbers]]:
     if shape.rgba is None and not np.isnan(mesh.colours).all():  # colours are of triangles, and Meshcat's of corners
         colours = np.where(np.isnan(mesh.colours), _NO_COLOUR, mesh.colours)
         corners = np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
-        return [(g.TriangularMeshGeometry(mesh.vertices[mesh.triangles].reshape(-1, 3), corners, np.repeat(colours, 3, axis=0)), here)]
+        return [(g.TriangularMeshGeometry(mesh.vertices[mesh.triangles].reshape(-1, 3), corners, np.repeat(colours, 3, axis=0)),
+                 here)]
     return [(g.TriangularMeshGeometry(np.array(mesh.vertices), np.array(mesh.triangles)), here)]
 
 
@@ -93,7 +94,8 @@ class Display:
     color       of what has none, 0xRRGGBB
     """
 
-    def __init__(self, model: Model, visualizer: Any = None, role: ShapeRoleLike = "visual", root: str = "robot", color: int = 0xB0B8C8):
+    def __init__(self, model: Model, visualizer: Any = None, role: ShapeRoleLike = "visual", root: str = "robot",
+                 color: int = 0xB0B8C8):
         self.model = model
         self.visualizer = meshcat.Visualizer() if visualizer is None else visualizer
         self._window = self.visualizer[root]

@@ -12,24 +12,29 @@ from .interface import FUNCTIONS, INTERFACE, public_name
 from .tables import FIELDS
 
 OWNERS = {
-    "model": "Model", "data": "Data", "builder": "Builder", "batch": "Batch", "mesh": "Mesh", "contact_solver": "ContactSolver", "broad_phase": "BroadPhase",
+    "model": "Model", "data": "Data", "builder": "Builder", "batch": "Batch", "mesh": "Mesh", "contact_solver": "ContactSolver",
+    "broad_phase": "BroadPhase",
 }  # fmt: skip
 """Class of the functions dyn_model_..., dyn_data_..., and so on."""
 DIFFERENT = {
-    "dyn_data_new": "Model.data", "dyn_data_init": "Model.data", "dyn_data_size": "Model.data_size", "dyn_data_array": "Data.field",
-    "dyn_data_pair": "Data.pair_reason", "dyn_data_effect_info": "Data.plan", "dyn_effect_count": "Data.plan", "dyn_field_id": "Data.field",
-    "dyn_batch_new": "Model.batch", "dyn_batch_run": "dyn.Batch", "dyn_builder_new": "dyn.Builder", "dyn_builder_set_shape_rgba": "Builder.add_shape",
-    "dyn_contact_stiffness_hertz": "dyn.contact_compliance_hertz",
-    "dyn_contact_solver_new": "dyn.ContactSolver", "dyn_contact_solver_init": "dyn.ContactSolver", "dyn_contact_solver_size": "ContactSolver.bytes",
+    "dyn_data_new": "Model.data", "dyn_data_init": "Model.data", "dyn_data_size": "Model.data_size",
+    "dyn_data_array": "Data.field", "dyn_data_pair": "Data.pair_reason", "dyn_data_effect_info": "Data.plan",
+    "dyn_effect_count": "Data.plan", "dyn_field_id": "Data.field", "dyn_batch_new": "Model.batch", "dyn_batch_run": "dyn.Batch",
+    "dyn_builder_new": "dyn.Builder", "dyn_builder_set_shape_rgba": "Builder.add_shape",
+    "dyn_contact_stiffness_hertz": "dyn.contact_compliance_hertz", "dyn_contact_solver_new": "dyn.ContactSolver",
+    "dyn_contact_solver_init": "dyn.ContactSolver", "dyn_contact_solver_size": "ContactSolver.bytes",
     "dyn_broad_phase_new": "dyn.BroadPhase", "dyn_mesh_load": "dyn.load_mesh", "dyn_mesh_rgb": "Mesh.colours",
     "dyn_mesh_from_height_field": "Mesh.height_field", "dyn_model_load": "dyn.load", "dyn_model_load_string": "dyn.load_string",
     "dyn_model_save_memory": "Model.to_bytes", "dyn_model_report_count": "Model.report", "dyn_model_report_entry": "Model.report",
-    "dyn_model_frame_id_of_type": "Model.frame_id", "dyn_model_shape_rgba": "Model.shape", "dyn_model_ndisabled_pairs": "Model.disabled_pairs",
-    "dyn_model_disabled_pair": "Model.disabled_pairs", "dyn_model_nconfigurations": "Model.configuration_names", "dyn_model_pair": "Model.pairs",
+    "dyn_model_frame_id_of_type": "Model.frame_id", "dyn_model_shape_rgba": "Model.shape",
+    "dyn_model_ndisabled_pairs": "Model.disabled_pairs", "dyn_model_disabled_pair": "Model.disabled_pairs",
+    "dyn_model_nconfigurations": "Model.configuration_names", "dyn_model_pair": "Model.pairs",
     "dyn_model_configuration_name": "Model.configuration_names", "dyn_model_constraint_name": "Model.constraint_names",
-    "dyn_model_actuator_name": "Model.actuator_names", "dyn_model_state_size": "Data.save_state", "dyn_state_layout_sizes": "StateLayout.sizes",
-    "dyn_state_layout_convert": "Model.to_peer", "dyn_field_info": "dyn.FIELDS", "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS", "dyn_algorithm_run": "dyn.ALGORITHMS",
-    "dyn_effect_type_info": "dyn.Effect", "dyn_sensor_size": "dyn.SensorType", "dyn_version": "dyn.__version__", "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status",
+    "dyn_model_actuator_name": "Model.actuator_names", "dyn_model_state_size": "Data.save_state",
+    "dyn_state_layout_sizes": "StateLayout.sizes", "dyn_state_layout_convert": "Model.to_peer", "dyn_field_info": "dyn.FIELDS",
+    "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS", "dyn_algorithm_run": "dyn.ALGORITHMS",
+    "dyn_effect_type_info": "dyn.Effect", "dyn_sensor_size": "dyn.SensorType", "dyn_version": "dyn.__version__",
+    "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status",
 }  # fmt: skip
 """Functions whose names in Python do not follow from those in C."""
 
@@ -57,7 +62,8 @@ def _arguments() -> dict[str, set[str]]:
     """For each enumeration the arguments that take it: parameters of functions, members of structures that a caller fills."""
     found: dict[str, set[str]] = {}
     filled = {f["parameters"][0]["type"] for name, f in FUNCTIONS.items() if name.endswith("_init")}
-    declared = [f["parameters"] for f in FUNCTIONS.values()] + [s["fields"] for s in INTERFACE["structs"] if f"{s['name']}*" in filled]
+    declared = ([f["parameters"] for f in FUNCTIONS.values()]
+                + [s["fields"] for s in INTERFACE["structs"] if f"{s['name']}*" in filled])
     for x in (x for each in declared for x in each):
         found.setdefault(x.get("type", ""), set()).add(x["name"])
     return found

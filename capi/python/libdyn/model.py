@@ -131,7 +131,8 @@ class Model(States, ModelArrays, ModelConstraints, ModelActuators, Saving):
         return Batch(self, threads, parts)
 
     def inertial_parameters(self) -> Numbers:
-        """pi of all joints' bodies, (10 (njoints - 1),): ten a body, [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] in the joint's frame."""
+        """pi of all joints' bodies, (10 (njoints - 1),): ten a body, [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] in the joint's
+        frame."""
         pi = np.empty(10 * (self.njoints - 1))
         check(lib.dyn_model_inertial_parameters(self._m, address(pi)))
         return pi

@@ -62,7 +62,8 @@ class Rollout(NamedTuple):
 class Plan:
     """Sizes of a rollout: what is not said follows from the arrays that are given."""
 
-    def __init__(self, model: Model, q0: Any, v0: Any, tau: Any, control: Any, states: Any, n: int | None, steps: int | None, every: int):
+    def __init__(self, model: Model, q0: Any, v0: Any, tau: Any, control: Any, states: Any, n: int | None, steps: int | None,
+                 every: int):
         self.model, self.steps, self.every, self.n = model, steps, every, n
         if not isinstance(every, (int, np.integer)) or not 1 <= every < 2**31:
             raise ArgumentError(f"every is {every!r}, but must be a number of steps, from 1 to 2^31 - 1.")
@@ -70,7 +71,8 @@ class Plan:
         driven = [(name, x) for name, x in (("control", control), ("tau", tau)) if x is not None]
         for name, x in driven:
             if x.ndim not in (2, 3):
-                raise SizeError(f"{name} has shape {x.shape}, but must have shape (N, R, {self.width(name)}), or (R, ...) for all simulations.")
+                raise SizeError(f"{name} has shape {x.shape}, but must have shape (N, R, {self.width(name)}), or (R, ...) for "
+                                "all simulations.")
             self.agree("steps", x.shape[-2] * every, f"the {x.shape[-2]} records of {name}")
         for name, x in [("q0", q0), ("v0", v0), *driven, ("states", states)]:
             if x is not None and x.ndim == (3 if name in ("control", "tau") else 2):
@@ -96,7 +98,8 @@ class Plan:
         """The shape of x with a row for each simulation; x may have one row for all."""
         shape = (self.n, self.records, self.width(name)) if name in ("control", "tau") else (self.n, self.width(name))
         if x.shape not in (shape, shape[1:]):
-            raise SizeError(f"{name} has shape {x.shape}, but must have shape {shape} or {shape[1:]} of model {self.model.name!r}.")
+            raise SizeError(f"{name} has shape {x.shape}, but must have shape {shape} or {shape[1:]} of model "
+                            f"{self.model.name!r}.")
         return shape
 
     def rows(self, name: str, x: Any) -> Numbers | None:
@@ -124,7 +127,8 @@ _PROGRESS: Any = dict(abi.Rollout._fields_)["progress"]
 
 
 class _Progress:
-    """The caller's function as the library calls it; what it raises (a key pressed, too) ends the rollout and is raised again after it."""
+    """The caller's function as the library calls it; what it raises (a key pressed, too) ends the rollout and is raised again
+    after it."""
 
     def __init__(self, told: Callable[[int, int], Any] | None):
         self.told, self.error = told, None
@@ -163,7 +167,8 @@ class Rollouts:
         strict: bool = True,
         progress: Callable[[int, int], Any] | None = None,
     ) -> Rollout:
-        """N simulations of `steps` steps of dt (None: of the model's file, else 1e-3 s). Simulation k is bit for bit what a Data does, whatever the number of threads.
+        """N simulations of `steps` steps of dt (None: of the model's file, else 1e-3 s). Simulation k is bit for bit what a Data
+        does, whatever the number of threads.
 
         q0, v0      (N, nq), (N, nv), or one row for all: where they begin; as new data
         states      (N, bytes), Rollout.states of an earlier call: they go on from there
@@ -176,11 +181,13 @@ class Rollouts:
         contacts    contact points to record, of the last step before each record, the rest is counted
         keep_states whether to return what a later call goes on from
         strict      the first simulation that fails raises, after all have ended; False: Rollout.status says it
-        progress    called with (steps made, steps in all) about every 10 ms by this thread; False from it, an exception in it, or Ctrl-C ends all:
+        progress    called with (steps made, steps in all) about every 10 ms by this thread; False from it, an exception in it, or
+        Ctrl-C ends all:
                     dyn.CancelledError, or that exception
         """
         model = self.model
-        given = {name: None if x is None else numbers(x, name) for name, x in (("q0", q0), ("v0", v0), ("control", control), ("tau", tau))}
+        given = {name: None if x is None else numbers(x, name) for name, x in (("q0", q0), ("v0", v0), ("control", control),
+                                                                               ("tau", tau))}
         size = lib.dyn_model_state_size(model._m)
         if states is not None and (
             not isinstance(states, np.ndarray) or states.dtype != np.uint8 or states.ndim != 2 or states.shape[1] != size
@@ -220,4 +227,5 @@ class Rollouts:
             fail(status)
         ends = np.cumsum([0, *sizes.values()])
         data = {name: out["sensor_data"][..., a:b] for name, a, b in zip(sizes, ends, ends[1:])}
-        return Rollout(out["q"], out["v"], data, out.get("contacts"), out.get("contact_count"), out.get("final_states"), out["status"])
+        return Rollout(out["q"], out["v"], data, out.get("contacts"), out.get("contact_count"), out.get("final_states"),
+                       out["status"])

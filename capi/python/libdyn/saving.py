@@ -28,7 +28,9 @@ class SaveLine(NamedTuple):
 def _options(strict: bool, lines: list[SaveLine]) -> abi.SaveOptions:
     options = abi.initialized(abi.SaveOptions)
     options.strict = bool(strict)
-    options.call = abi.SaveReport(lambda _, level, message: lines.append(SaveLine(kind(ReportLevel, level), in_python(message.decode("utf-8", "replace")))))
+    options.call = abi.SaveReport(lambda _, level,
+                                  message: lines.append(SaveLine(kind(ReportLevel, level),
+                                                                 in_python(message.decode("utf-8", "replace")))))
     options.report = cast(options.call, c_void_p).value
     return options
 
@@ -37,8 +39,8 @@ class Saving(ModelHandle):
     """The part of Model that writes it."""
 
     def save(self, path: str | os.PathLike, strict: bool = False) -> list[SaveLine]:
-        """Writes the model as URDF (.urdf), MJCF (.xml, .mjcf) or compiled (.dynb): see dyn_model_save. What the format has no place for is in the
-        list as WARNING, and an error with strict; what it says in another way as INFO."""
+        """Writes the model as URDF (.urdf), MJCF (.xml, .mjcf) or compiled (.dynb): see dyn_model_save. What the format has no
+        place for is in the list as WARNING, and an error with strict; what it says in another way as INFO."""
         name = os.fsencode(path)
         if b"\0" in name:
             raise ArgumentError(f"path holds a zero character: {path!r}.")
@@ -55,8 +57,8 @@ class Saving(ModelHandle):
         return out.raw
 
     def image(self, narrow: bool = False, names: bool = True) -> bytes:
-        """Returns the bytes of a .dynb, as Model.from_buffer takes them. narrow: for machines without SIMD; names: False leaves them out, with
-        the load report."""
+        """Returns the bytes of a .dynb, as Model.from_buffer takes them. narrow: for machines without SIMD; names: False leaves
+        them out, with the load report."""
         size, flags = c_size_t(), (1 if narrow else 0) | (0 if names else 2)
         check(lib.dyn_model_image(self._m, flags, None, 0, byref(size)))
         out = create_string_buffer(size.value)

@@ -35,8 +35,8 @@ class Simulation:
         sim = dyn.Simulation(model)
         trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q))
 
-    q: where it begins, or the name of a configuration of the model, with the velocity, controls, activations and time that it states; by default as
-    new data, where an MJCF file draws it.
+    q: where it begins, or the name of a configuration of the model, with the velocity, controls, activations and time that it
+    states; by default as new data, where an MJCF file draws it.
     dt, integrator, effects: by default those of the model's file, or 1e-3 s, "semi_implicit_euler" and all effects.
     stepping: more of Data.set_step_options. `data` is a Data like any other.
     """
@@ -102,7 +102,8 @@ class Simulation:
         steps = round(duration / self.dt)
         if every < 1 or steps < 1 or steps % every or abs(steps * self.dt - duration) > 1e-9 * duration:
             raise ArgumentError(f"duration is {duration} s, but must be a multiple of every * dt, {every} * {self.dt} s.")
-        t, q, v = np.empty(steps // every + 1), np.empty((steps // every + 1, self.model.nq)), np.empty((steps // every + 1, self.model.nv))
+        t, q, v = np.empty(steps // every + 1), np.empty((steps // every + 1,
+                                                          self.model.nq)), np.empty((steps // every + 1, self.model.nv))
         t[0], q[0], v[0] = self.time, self.q, self.v
         for k in range(1, len(t)):
             self.step(every, None if controller is None else controller(self))

@@ -54,7 +54,8 @@ class StepReport(NamedTuple):
     sleeping: int
     """Islands that slept in the last step."""
     unsolved: int
-    """Islands whose residual stayed above the tolerance, in all steps: iterations or time were not enough, or equalities contradict one another."""
+    """Islands whose residual stayed above the tolerance, in all steps: iterations or time were not enough, or equalities
+    contradict one another."""
 
 
 class ErrorLedger(NamedTuple):
@@ -83,7 +84,8 @@ class ErrorLedger(NamedTuple):
     energy_defect: float
     """energy_change less all of these: the steps' error."""
     momentum_defect: Numbers
-    """(3,): N s, change of linear momentum less the impulses from outside; zero where anything but a free flyer joins a tree to the world."""
+    """(3,): N s, change of linear momentum less the impulses from outside; zero where anything but a free flyer joins a tree to
+    the world."""
     constraint_drift: float
     """m, rad: largest error of an equality row at the beginning of a step."""
     cone: float
@@ -140,8 +142,8 @@ class Stepping(DataHandle):
         integrator      method of a step
         dt              s, length of a step
         accuracy        advance alone: its steps have lengths with errors that add up to at most this; 0: steps of dt
-        solver          contact solver; it ends at the residual tolerance, after max_iterations, or after time_budget (s a step; 0: no limit)
-        tolerance       0: 1e-4 of the largest velocity, 1e-9 with accuracy
+        solver          contact solver; it ends at the residual tolerance, after max_iterations, or after time_budget (s a step;
+        0: no limit) tolerance       0: 1e-4 of the largest velocity, 1e-9 with accuracy
         max_iterations  of each island, over all that the solver tries; 0: 100, or 1200 with tolerance or accuracy
         sleep_speed     m/s, rad/s, with the effect SLEEPING: an island sleeps after sleep_time (s) below this speed
         visit_sleepers  steps compute islands that sleep, too
@@ -201,7 +203,8 @@ class Stepping(DataHandle):
             check(lib.dyn_data_step_contacts(self._m, self._d, out, room, byref(count)))
             if count.value <= room:
                 return [
-                    ContactForce(to_contact(f.contact), np.array(f.force_on_b), np.array(f.moment_on_b)) for f in out[: count.value]
+                    ContactForce(to_contact(f.contact), np.array(f.force_on_b), np.array(f.moment_on_b))
+                    for f in out[: count.value]
                 ]
             room = count.value
 

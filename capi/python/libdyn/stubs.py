@@ -18,7 +18,8 @@ from .results import RESULTS
 from .tables import ALGORITHMS, FIELDS, OPTIONAL, SHAPES, AlgorithmInfo
 
 HEAD = "# Written by `python -m libdyn.stubs` from the library's tables.\n"
-INPUTS = {"frame": "int | str", "joint": "int | str", "reference": "ReferenceLike", "integrator": "IntegratorLike", "dt": "float", "lam": "ArrayLike"}
+INPUTS = {"frame": "int | str", "joint": "int | str", "reference": "ReferenceLike", "integrator": "IntegratorLike", "dt": "float",
+          "lam": "ArrayLike"}
 INPUTS.update((name, "StateLike | None") for name in ("q", "v", "a", "tau"))
 
 
@@ -65,9 +66,11 @@ def abi() -> Iterator[str]:
 def arrays() -> Iterator[str]:
     yield "from .arrays import Numbers\nfrom .enums import ModelArray, ModelArrayLike\nfrom .handles import ModelHandle\n"
     yield "DESCRIBED: dict[ModelArray, tuple[str, str]]\n\nclass ModelArrays(ModelHandle):"
-    yield _block("    def array(self, which: ModelArrayLike) -> Numbers:", _doc(model_arrays.ModelArrays.array.__doc__ or "", "        "))
+    yield _block("    def array(self, which: ModelArrayLike) -> Numbers:",
+                 _doc(model_arrays.ModelArrays.array.__doc__ or "", "        "))
     for array, (size, sentence) in model_arrays.DESCRIBED.items():
-        yield _block("    @property", f"    def {array.name.lower()}(self) -> Numbers:", _doc(f"({size},): {sentence}", "        "))
+        yield _block("    @property", f"    def {array.name.lower()}(self) -> Numbers:",
+                     _doc(f"({size},): {sentence}", "        "))
 
 
 STRUCTURES = {described["name"][3:] for described in INTERFACE["structs"]}
@@ -88,7 +91,8 @@ def fields() -> Iterator[str]:
     inputs = ", ".join(f"{name}: StateLike | None = None" for name in field_module.STATE.values())
     yield f"    def set_state(self, {inputs}) -> None:"
     yield _doc(field_module.Fields.set_state.__doc__ or "", "        ")
-    yield _block("    @property", "    def state(self) -> dict[str, Numbers]:", _doc(field_module.Fields.state.__doc__ or "", "        "))
+    yield _block("    @property", "    def state(self) -> dict[str, Numbers]:",
+                 _doc(field_module.Fields.state.__doc__ or "", "        "))
     yield _block("    def field(self, field: str | int) -> Any:", _doc(field_module.Fields.field.__doc__ or "", "        "))
     for info in FIELDS.values():
         if keyword.iskeyword(info.name):  # reached by Data.field alone
@@ -127,7 +131,8 @@ def data() -> Iterator[str]:
             inputs += [f"{name}: {kind}" + (f" = {default}" if default else "")]
         name = data_methods.method_name(algorithm.name)
         returns = _returns(algorithm, algorithm.name in data_methods.FIRST_ALONE)
-        yield _block(f"    def {name}({', '.join(['self', *inputs])}) -> {returns}:", _doc(getattr(data_methods.Algorithms, name).__doc__, "        "))
+        yield _block(f"    def {name}({', '.join(['self', *inputs])}) -> {returns}:",
+                     _doc(getattr(data_methods.Algorithms, name).__doc__, "        "))
 
 
 def batch() -> Iterator[str]:
@@ -147,7 +152,8 @@ def batch() -> Iterator[str]:
             yield _block("    @overload", method.format("str", "Numbers") + " ...")
 
 
-STUBS = {"enums": enums, "abi": abi, "results": results, "fields": fields, "model_arrays": arrays, "data_methods": data, "batch_methods": batch}
+STUBS = {"enums": enums, "abi": abi, "results": results, "fields": fields, "model_arrays": arrays, "data_methods": data,
+         "batch_methods": batch}
 
 
 def write(folder: Path) -> None:

@@ -85,7 +85,8 @@ def wheel(tmp_path_factory):
         copy = installed / file.relative_to(prefix)
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(file, copy)
-    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(work), str(checkout / "capi/python")]
+    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(work),
+               str(checkout / "capi/python")]
     subprocess.run(command, check=True, env={**os.environ, "DYN_PREFIX": str(work / "prefix")}, cwd=work)
     (found,) = work.glob("*.whl")
     return found, installed

@@ -20,7 +20,8 @@ def go2(**options):
 def rod(b, name, parent, placement, length, type="revolute", axis=(0, 0, 1), mass=1.0, **more):
     """A joint and a slender rod along x."""
     b.add_joint(name, type, parent, placement, axis=axis, **more)
-    b.add_body(name + "_rod", name, mass=mass, com=(length / 2, 0, 0), inertia=np.diag([1e-3, mass * length**2 / 12, mass * length**2 / 12]))
+    b.add_body(name + "_rod", name, mass=mass, com=(length / 2, 0, 0),
+               inertia=np.diag([1e-3, mass * length**2 / 12, mass * length**2 / 12]))
 
 
 def four_bar(crank=1.0, coupler=1.0, rocker=1.0, ground=1.0, kind="loop", copies=1, **more):
@@ -63,7 +64,8 @@ def random_state(m, seed):
     return m.random(seed=seed), g.normal(size=m.nv), g.normal(size=m.nv)
 
 
-LOOPS = {"revolute": 5, "prismatic": 5, "helical": 5, "cylindrical": 4, "universal": 4, "spherical": 3, "planar": 3, "translation": 3}
+LOOPS = {"revolute": 5, "prismatic": 5, "helical": 5, "cylindrical": 4, "universal": 4, "spherical": 3, "planar": 3,
+         "translation": 3}
 
 
 def arms(constraint):
@@ -73,7 +75,8 @@ def arms(constraint):
     g = np.random.default_rng(5)
     for side, y in (("l", 0.3), ("r", -0.3)):
         parent, at = "base", (0.1, y, 0.2)
-        for k, (type, axis) in enumerate((("revolute", (0, 0, 1)), ("revolute", (0, 1, 0)), ("spherical", (0, 0, 1)), ("prismatic", (1, 0.2, 0)), ("continuous", (1, 0, 0)))):
+        for k, (type, axis) in enumerate((("revolute", (0, 0, 1)), ("revolute", (0, 1, 0)), ("spherical", (0, 0, 1)),
+                                          ("prismatic", (1, 0.2, 0)), ("continuous", (1, 0, 0)))):
             b.add_joint(f"{side}{k}", type, parent, at, axis=axis)
             b.add_body(f"{side}{k}_link", f"{side}{k}", mass=1, com=g.normal(size=3) * 0.1, inertia=np.diag([0.1, 0.12, 0.15]))
             parent, at = f"{side}{k}", (0.3, 0.05, -0.1)

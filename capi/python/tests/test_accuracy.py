@@ -22,7 +22,8 @@ def by_dt(said, integrator):
 
 def test_orders_show(smooth):
     assert smooth["reference"]["smooth"] and smooth["reference"]["uncertainty"]["m"] < 1e-13
-    for integrator, order in (("semi_implicit_euler", 1), ("implicit_fast", 1), ("implicit_midpoint", 2), ("rk4", 4), ("rk45", 5)):
+    for integrator, order in (("semi_implicit_euler", 1), ("implicit_fast", 1), ("implicit_midpoint", 2), ("rk4", 4),
+                              ("rk45", 5)):
         errors = by_dt(smooth, integrator)
         assert math.log2(errors[1e-2] / errors[5e-3]) == pytest.approx(order, abs=0.3), integrator
     accuracies = [p for p in smooth["points"] if p["accuracy"]]
@@ -35,7 +36,8 @@ def test_the_front(smooth):
     front = [p for p in good if p["pareto"]]
     assert front
     for p in good:
-        beaten = any(x["wall_s"] <= p["wall_s"] and x["error"] <= p["error"] and (x["wall_s"], x["error"]) != (p["wall_s"], p["error"]) for x in good)
+        beaten = any(x["wall_s"] <= p["wall_s"] and x["error"] <= p["error"]
+                     and (x["wall_s"], x["error"]) != (p["wall_s"], p["error"]) for x in good)
         assert p["pareto"] != beaten
 
 
@@ -50,7 +52,8 @@ def test_the_recommendation_holds(smooth):
 
 
 def test_derivatives_make_a_v(smooth):
-    curve = {m: {d["step"]: d["error"] for d in smooth["derivatives"] if d["method"] == m} for m in ("forward", "central", "extrapolated")}
+    curve = {m: {d["step"]: d["error"] for d in smooth["derivatives"] if d["method"] == m}
+             for m in ("forward", "central", "extrapolated")}
     best = {m: min(c, key=c.get) for m, c in curve.items()}
     assert best["forward"] < best["central"] < best["extrapolated"]
     assert curve["forward"][best["forward"]] > curve["central"][best["central"]] > curve["extrapolated"][best["extrapolated"]]
@@ -111,7 +114,8 @@ def test_resuming(tmp_path):
 def test_resumed_points_are_measured_from_one_reference(tmp_path):
     """Where bodies touch, the reference is as good as its time allows: it is kept, and points follow a better one."""
     ball = tmp_path / "ball.xml"
-    ball.write_text('<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 .2"><freejoint/><geom size=".1"/></body></worldbody></mujoco>')
+    ball.write_text('<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 .2"><freejoint/><geom '
+                    'size=".1"/></body></worldbody></mujoco>')
     words = ("accuracy", ball, "--v", "0.5,0,0,0,3,0", "--duration", "0.3", "--resume", tmp_path / "points")
     first, again = answer(*words, "--budget", "2s"), answer(*words, "--budget", "2s")
     assert again["reference"] == first["reference"]
@@ -120,7 +124,8 @@ def test_resumed_points_are_measured_from_one_reference(tmp_path):
     longer = answer(*words, "--budget", "8s")
     assert longer["reference"]["uncertainty"]["m"] < first["reference"]["uncertainty"]["m"]
     moved = {(p["integrator"], p["dt"], p["accuracy"]): p["errors"] for p in longer["points"]}
-    assert all(moved[k] and abs(moved[k]["m"] - e["m"]) <= 2 * first["reference"]["uncertainty"]["m"] for k, e in errors[0].items() if e)
+    assert all(moved[k] and abs(moved[k]["m"] - e["m"]) <= 2 * first["reference"]["uncertainty"]["m"]
+               for k, e in errors[0].items() if e)
     assert any(moved[k] != e for k, e in errors[0].items())
 
 
@@ -143,9 +148,10 @@ def test_what_fails_stands_in_the_table(tmp_path):
 
 
 @pytest.mark.parametrize("words, status, message", [
-    (("--target", "1e-4"), 0, ""), (("--target", "fast"), 2, "--target"), (("--target", "-1m"), 2, "--target"), (("--target", "1km"), 2, "km"), (("--budget", "0s"), 2, "--budget"),
-    (("--budget", "1h"), 2, "1h"), (("--reference", "/none.json"), 1, "none.json"), (("--csv", "/none/a.csv"), 1, "/none/a.csv"), (("--duration", "0"), 2, "--duration"),
-    (("--integrator", "rk4"), 2, "integrator"),
+    (("--target", "1e-4"), 0, ""), (("--target", "fast"), 2, "--target"), (("--target", "-1m"), 2, "--target"),
+    (("--target", "1km"), 2, "km"), (("--budget", "0s"), 2, "--budget"), (("--budget", "1h"), 2, "1h"),
+    (("--reference", "/none.json"), 1, "none.json"), (("--csv", "/none/a.csv"), 1, "/none/a.csv"),
+    (("--duration", "0"), 2, "--duration"), (("--integrator", "rk4"), 2, "integrator"),
 ])  # fmt: skip
 def test_bad_usage(words, status, message):
     budget = () if "--budget" in words else ("--budget", "2s")

@@ -12,7 +12,8 @@ RESULT = {
     "name": "made up",
     "duration": 1.0,
     "points": [
-        {"integrator": name, "dt": dt, "accuracy": accuracy, "errors": None if error is None else {"m": error, "rad": 2 * error, "J": error, "kg m/s": error}, "wall_s": time,
+        {"integrator": name, "dt": dt, "accuracy": accuracy, "errors": None if error is None
+         else {"m": error, "rad": 2 * error, "J": error, "kg m/s": error}, "wall_s": time,
          "evaluations": int(1e6 * time), "pareto": pareto, "failed": error is None}
         for name, dt, accuracy, error, time, pareto in (
             ("rk4", 1e-3, None, 1e-8, 2e-3, False), ("rk4", 1e-2, None, 1e-4, 2e-4, True), ("rk4", 1e-1, None, None, 1e-5, False),
@@ -24,7 +25,8 @@ RESULT = {
 @pytest.mark.skipif(not CLI, reason="the command dyn is not built")
 def test_sweep_is_the_commands(monkeypatch):
     monkeypatch.setenv("DYN_CLI", CLI)
-    said = dyn.accuracy.sweep(ROBOTS / "double_pendulum.urdf", "fixed", q=[1.2, 0.4], without="limits", duration=0.1, budget="3s", target="1e-6m")
+    said = dyn.accuracy.sweep(ROBOTS / "double_pendulum.urdf", "fixed", q=[1.2, 0.4], without="limits", duration=0.1, budget="3s",
+                              target="1e-6m")
     assert said["duration"] == 0.1 and said["recommended"]["error"] <= 1e-6
     lines = dyn.accuracy.methods(said)
     assert {"rk4", "rk45", "rk45, accuracy", "reference, accuracy"} <= set(lines)

@@ -1,4 +1,5 @@
-"""What `dyn accuracy --target` recommends, run again: it meets the target, on the robots and mechanisms of models/ and the problems of bench/accuracy.
+"""What `dyn accuracy --target` recommends, run again: it meets the target, on the robots and mechanisms of models/ and the
+problems of bench/accuracy.
 All with DYN_SLOW (tools/test --slow), some otherwise."""
 
 import json
@@ -31,7 +32,8 @@ ROBOTS = {
     "bricard": ("mechanisms/bricard.urdf", ["--fixed"], "1e-6m"),
     "linkage gripper": ("mechanisms/linkage_gripper.urdf", ["--fixed", "--without", "limits,contact"], "1e-6m"),
 }
-PROBLEMS = {"pendulum": "1e-6m", "box": "1e-6m", "heavy-top": "1e-6m", "chain": "1e-9m", "slide": "1e-4m", "stack": "1e-5m", "bouncing": "1e-3m"}
+PROBLEMS = {"pendulum": "1e-6m", "box": "1e-6m", "heavy-top": "1e-6m", "chain": "1e-9m", "slide": "1e-4m", "stack": "1e-5m",
+            "bouncing": "1e-3m"}
 LONG = {"quadruped on the ground"}  # it starts beyond its limits, and steps converge late: less time leaves the reference in doubt on a busy machine
 QUICK = {"double pendulum", "arm falls", "four-bar"}
 
@@ -73,7 +75,8 @@ def distance(model, q0, q1):
 
 
 def by_other_means(model, file, words, duration, smooth, target, dt):
-    """Where it ends: order 8 where motion is smooth, otherwise steps that are halved until that moves it by a fifth of the target at most."""
+    """Where it ends: order 8 where motion is smooth, otherwise steps that are halved until that moves it by a fifth of the target
+    at most."""
 
     def end(*options):
         return answer("sim", file, *words, "--duration", duration, *options, "--no-error-estimate")["q"]
@@ -102,7 +105,8 @@ def test_the_recommendation_meets_the_target(name, tmp_path):
         target = PROBLEMS[name]
         file, words = scene_of_bench(name, tmp_path)
     duration = 0.2
-    said = answer("accuracy", file, *words, "--duration", duration, "--budget", "5s" if name in QUICK else "60s" if name in LONG else "20s", "--target", target)
+    said = answer("accuracy", file, *words, "--duration", duration, "--budget",
+                  "5s" if name in QUICK else "60s" if name in LONG else "20s", "--target", target)
     best, target = said["recommended"], float(target.rstrip("m"))
     assert best, f"nothing reached {target} m"
     again = answer(*best["command"].split()[1:], "--no-error-estimate")

@@ -47,7 +47,8 @@ def test_joint_friction_of_the_file_holds():
 
 
 def test_dynamics_of_urdf_act_in_simulations(arm):
-    """<dynamics damping friction>: energy of a swing without contacts falls; without the effects it stays to the integrator's order."""
+    """<dynamics damping friction>: energy of a swing without contacts falls; without the effects it stays to the integrator's
+    order."""
     def energy(**options):
         sim = dyn.Simulation(arm, q=[0.5, 0], integrator="rk4", dt=1e-3, **options)
         sim.run(2.0)
@@ -82,7 +83,8 @@ def test_algorithms_between_steps_change_no_step():
 
 
 def test_timestep_and_integrator():
-    assert (pendulum().data().step_options.dt, pendulum().data().step_options.integrator) == (0.002, dyn.Integrator.SEMI_IMPLICIT_EULER)
+    assert ((pendulum().data().step_options.dt, pendulum().data().step_options.integrator)
+            == (0.002, dyn.Integrator.SEMI_IMPLICIT_EULER))
     m = load(KEYED)
     options = m.data().step_options
     assert (options.dt, options.integrator) == (0.004, dyn.Integrator.IMPLICIT_FAST)
@@ -166,7 +168,8 @@ def test_position_actuator_on_a_ball_joint_keeps_its_place():
     assert m.nu == 1 and any("ball" in line.message for line in m.report)
 
 
-@pytest.mark.parametrize("flag, effect", [("damper", "DAMPING"), ("frictionloss", "FRICTION"), ("passive", "DAMPING"), ("constraint", "FRICTION")])
+@pytest.mark.parametrize("flag, effect", [("damper", "DAMPING"), ("frictionloss", "FRICTION"), ("passive", "DAMPING"),
+                                          ("constraint", "FRICTION")])
 def test_flags_switch_effects_off(flag, effect):
     m = pendulum(friction=0.1, option=f'<option><flag {flag}="disable"/></option>')
     assert not m.data().effects() & dyn.Effect[effect]

@@ -28,7 +28,8 @@ def batch(go2):
 def single(model, algorithm, x):
     """What a new data says of one state: as a batch returns it, without the axis N."""
     d, q, v, a = model.data(), x["q"], x["v"], x["a"]
-    inputs = [x[name] for name in algorithm.inputs if name not in ("q", "v", "a") or not algorithm.name.startswith(("frame", "joint_body", "subtree"))]
+    inputs = [x[name] for name in algorithm.inputs if name not in ("q", "v", "a")
+              or not algorithm.name.startswith(("frame", "joint_body", "subtree"))]
     if algorithm.name == "integrate":
         return model.integrate(q, v)
     if algorithm.name == "difference":

@@ -59,7 +59,8 @@ def test_fixed_joint_is_a_frame():
 
 def test_composite():
     parts = [{"type": "revolute", "axis": (1, 0, 0)}, {"type": "prismatic", "placement": (0, 0, 1)}, {"type": "spherical"}]
-    b = dyn.Builder().add_joint("c", "composite", parts=parts, lower=[-1] * 6, upper=[1] * 6).add_body("b", "c", 1, inertia=np.eye(3))
+    b = dyn.Builder().add_joint("c", "composite", parts=parts, lower=[-1] * 6,
+                                upper=[1] * 6).add_body("b", "c", 1, inertia=np.eye(3))
     m = b.finish()
     assert (m.nq, m.nv) == (6, 5) and m.joint("c").type == dyn.JointType.COMPOSITE
     for bad, words in (({"axis": (1, 0, 0)}, "no type"), ({"type": "revolute", "name": "x"}, "unknown")):
@@ -68,7 +69,8 @@ def test_composite():
 
 
 def test_mimic_and_rotor():
-    b = dyn.Builder().add_joint("a", "revolute", rotor_inertia=0.01, gear_ratio=10, armature=0.5).add_body("l", "a", 1, inertia=np.eye(3))
+    b = dyn.Builder().add_joint("a", "revolute", rotor_inertia=0.01, gear_ratio=10,
+                                armature=0.5).add_body("l", "a", 1, inertia=np.eye(3))
     b.add_joint("f", "prismatic", "a", mimic="a", mimic_ratio=2, mimic_offset=0.1).add_body("k", "f", 1, inertia=np.eye(3))
     m = b.finish()
     assert (m.nq, m.nv, m.njoints) == (1, 1, 3)

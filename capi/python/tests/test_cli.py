@@ -22,7 +22,8 @@ def test_help_and_version():
     [
         [], ["fly"], ["info"], ["info", "--nonsense", GO2], ["info", GO2, "--fixed", "--floating"], ["eval", GO2, "--fixed"],
         ["eval", GO2, "--fixed", "--compute", "tau,nonsense"], ["eval", GO2, "--fixed", "--compute", ","],
-        ["eval", GO2, "--fixed", "--compute", "frame_velocity"], ["eval", GO2, "--fixed", "--compute", "J", "--reference", "body"],
+        ["eval", GO2, "--fixed", "--compute", "frame_velocity"], ["eval", GO2, "--fixed", "--compute", "J", "--reference",
+                                                                  "body"],
         ["eval", GO2, "--fixed", "--compute", "g", "--q", "1", "x"], ["eval", GO2, "--fixed", "--compute", "g", "--q", "nan"],
         ["eval", GO2, "--fixed", "--compute", "g", "--q", "1", "--state", "s.json"],
         ["sim", GO2, "--fixed"], ["sim", GO2, "--fixed", "--duration", "0"], ["sim", GO2, "--fixed", "--duration", "-1"],
@@ -30,8 +31,8 @@ def test_help_and_version():
         ["sim", GO2, "--fixed", "--duration", "1", "--dt", "0"], ["sim", GO2, "--fixed", "--duration", "1", "--dt", "-0.1"],
         ["sim", GO2, "--fixed", "--duration", "1", "--dt", "inf"], ["sim", GO2, "--fixed", "--duration", "1", "--dt", "abc"],
         ["sim", GO2, "--fixed", "--duration", "1e9", "--dt", "1e-9"],
-        ["sim", GO2, "--fixed", "--duration", "1", "--integrator", "euler"], ["sim", GO2, "--fixed", "--duration", "1", "--csv", GO2],
-        ["bench", GO2, "--fixed", "--seconds", "0"],
+        ["sim", GO2, "--fixed", "--duration", "1", "--integrator", "euler"],
+        ["sim", GO2, "--fixed", "--duration", "1", "--csv", GO2], ["bench", GO2, "--fixed", "--seconds", "0"],
     ],
 )  # fmt: skip
 def test_bad_usage(words):

@@ -34,7 +34,9 @@ def test_distance_sweep(arm_file):
     assert len(rows) in (len(gjk), 2 * len(gjk))  # with libccd, and without
     total = [r for r in gjk if r["kind"] == "all"]
     for row, tolerance in zip(total, [10.0**-k for k in range(2, 13)]):
-        assert row["failed"] == 0 and row["queries"] == row["by_method"] == sum(r["queries"] for r in gjk if r["tolerance"] == row["tolerance"]) / 2
+        assert (row["failed"] == 0
+                and row["queries"] == row["by_method"] == sum(r["queries"] for r in gjk if r["tolerance"]
+                                                              == row["tolerance"]) / 2)
         assert 0 <= row["median_error"] <= row["max_error"] <= tolerance + 1e-14  # shapes are smaller than 1 m
         assert 1e-9 < row["wall_s"] < 1e-3
     assert total[0]["max_error"] > total[-1]["max_error"]

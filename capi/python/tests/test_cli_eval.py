@@ -26,8 +26,9 @@ def test_eval_everything(go2, state, state_file):
     }  # fmt: skip
     d.forward_kinematics(q, v, a)
     expected |= {
-        "J": d.frame_jacobian(frame, r), "dJ": d.frame_jacobian_time_variation(frame, r), "frame_velocity": d.frame_velocity(frame, r),
-        "frame_acceleration": d.frame_acceleration(frame, r), "frame_classical_acceleration": d.frame_classical_acceleration(frame, r),
+        "J": d.frame_jacobian(frame, r), "dJ": d.frame_jacobian_time_variation(frame, r),
+        "frame_velocity": d.frame_velocity(frame, r), "frame_acceleration": d.frame_acceleration(frame, r),
+        "frame_classical_acceleration": d.frame_classical_acceleration(frame, r),
     }  # fmt: skip
     for name, value in expected.items():
         np.testing.assert_array_equal(found[name], value, name)

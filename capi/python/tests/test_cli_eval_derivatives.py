@@ -19,7 +19,8 @@ def test_eval_centroidal_and_regressors(go2, state, state_file):
     c, pi = d.centroidal(q, v, a), go2.inertial_parameters().reshape(-1, 10)
     expected = c._asdict() | d.centroidal_derivatives(q, v, a)._asdict() | {
         "regressor": d.joint_torque_regressor(q, v, a), "static_regressor": d.compute_static_regressor(q),
-        "kinetic_energy_regressor": d.compute_kinetic_energy_regressor(q, v), "potential_energy_regressor": d.compute_potential_energy_regressor(q),
+        "kinetic_energy_regressor": d.compute_kinetic_energy_regressor(q, v),
+        "potential_energy_regressor": d.compute_potential_energy_regressor(q),
     }  # fmt: skip
     Ig = found.pop("Ig")
     np.testing.assert_allclose(Ig["inertia"], c.Ig[3:, 3:], atol=1e-14)

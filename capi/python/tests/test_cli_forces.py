@@ -14,7 +14,8 @@ def test_sim_with_forces_over_time(arm_file, arm, tmp_path):
     for k in range(50):
         d.set_state(None, None, None, rows[k // 2][1:])
         d.step(1e-3, "rk4")
-    setting = ("sim", arm_file, "--fixed", "--duration", "0.05", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5", "--effects", "armature")
+    setting = ("sim", arm_file, "--fixed", "--duration", "0.05", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5",
+               "--effects", "armature")
     found = answer(*setting, "--tau-csv", forces, "--csv", again)
     assert found["q"] == d.q.tolist() and found["v"] == d.v.tolist() and 0 < found["error_estimate"] < 1e-6
     assert answer(*setting, "--tau-csv", again)["q"] == d.q.tolist()
@@ -50,4 +51,5 @@ def test_bad_forces_over_time(arm_file, tmp_path, text, said):
 
 def test_forces_over_time_are_there_once(arm_file, tmp_path):
     assert "cannot be read" in run("sim", arm_file, "--fixed", "--duration", "0.01", "--tau-csv", tmp_path / "none.csv", status=1)
-    assert "exclude each other: keep one" in run("sim", arm_file, "--fixed", "--duration", "0.01", "--tau", "1,1", "--tau-csv", tmp_path / "none.csv", status=2)
+    assert "exclude each other: keep one" in run("sim", arm_file, "--fixed", "--duration", "0.01", "--tau", "1,1", "--tau-csv",
+                                                 tmp_path / "none.csv", status=2)

@@ -151,13 +151,15 @@ def test_devices_may_be_named_twice(arm_file):  # noqa: F811
     run("sim", arm_file, *SIM[2:], "--csv", "/dev/null", "--postmortem", "/dev/null")
 
 
-@pytest.mark.parametrize("words", [["sim", GO2, "--csv", "-", "--duration", "1"], ["view", GO2, "--html", "-"], ["stress", "--html", "-"], ["convert", GO2, "-"], ["accuracy", GO2, "--svg", "-"]])
+@pytest.mark.parametrize("words", [["sim", GO2, "--csv", "-", "--duration", "1"], ["view", GO2, "--html", "-"],
+                                   ["stress", "--html", "-"], ["convert", GO2, "-"], ["accuracy", GO2, "--svg", "-"]])
 def test_a_dash_is_no_file(words, tmp_path):
     assert "/dev/stdout" in run(*words, status=2, cwd=tmp_path) and not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("words", [["accuracy", "--budget", "100min", "--csv"], ["accuracy", "--budget", "100min", "--svg"], ["accuracy", "--budget", "100min", "--html"],
-                                   ["accuracy", "--budget", "100min", "--resume"], ["sim", "--duration", "1e5", "--postmortem"], ["stress", "--long", "--html"]])  # fmt: skip
+@pytest.mark.parametrize("words", [["accuracy", "--budget", "100min", "--csv"], ["accuracy", "--budget", "100min", "--svg"],
+                                   ["accuracy", "--budget", "100min", "--html"], ["accuracy", "--budget", "100min", "--resume"],
+                                   ["sim", "--duration", "1e5", "--postmortem"], ["stress", "--long", "--html"]])  # fmt: skip
 def test_what_cannot_be_written_is_said_first(words, arm_file, tmp_path):  # noqa: F811
     robot = [] if words[0] == "stress" else [arm_file, "--fixed"]
     for out, why in ((tmp_path / "none/x", "No such file"), (tmp_path, "Is a directory")):
@@ -167,7 +169,8 @@ def test_what_cannot_be_written_is_said_first(words, arm_file, tmp_path):  # noq
 
 
 def test_the_recommended_command_can_be_run(arm_file):  # noqa: F811
-    said = answer("accuracy", arm_file, "--fixed", "--q", "0.1,", "0.2", "--v", "[0.3, 0.4]", "--duration", "0.01", "--budget", "1s", "--target", "1m")
+    said = answer("accuracy", arm_file, "--fixed", "--q", "0.1,", "0.2", "--v", "[0.3, 0.4]", "--duration", "0.01", "--budget",
+                  "1s", "--target", "1m")
     command = said["recommended"]["command"].split()
     assert "0.1,0.2" in command and answer(*command[1:])["time"] == pytest.approx(0.01)
 

@@ -26,11 +26,13 @@ def test_info(go2):
     assert [(f["name"], f["type"], f["joint"]) for f in info["frames"]][1:] == [
         (f.name, f.type.name, f.joint) for f in go2.frames
     ][1:]
-    assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "springs", "friction", "limits", "contact", "constraints",
-                                                    "actuators", "fluid", "gravity_compensation", "mimic", "sleeping"]  # fmt: skip
+    assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "springs", "friction", "limits", "contact",
+                                                    "constraints", "actuators", "fluid", "gravity_compensation", "mimic",
+                                                    "sleeping"]  # fmt: skip
     assert all(isinstance(e["active"], bool) and e["reason"] and e["bytes"] >= 0 for e in info["effects"])
     assert all(set(e) == {"level", "message", "line"} for e in info["report"])
-    assert [e["level"] for e in info["report"] if "not applied" in e["message"] and "12 x effort limit" in e["message"]] == ["info"]
+    assert ([e["level"] for e in info["report"] if "not applied" in e["message"] and "12 x effort limit" in e["message"]]
+            == ["info"])
 
 
 def test_info_for_people(arm_file):

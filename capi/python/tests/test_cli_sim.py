@@ -11,7 +11,8 @@ from command import ROBOTS, answer, arm_file, pytestmark, run, state_file  # noq
 def test_sim(arm_file, arm, tmp_path):
     csv = tmp_path / "out.csv"
     found = answer(
-        "sim", arm_file, "--fixed", "--duration", "0.5", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5", "--csv", csv, "--effects", "armature"
+        "sim", arm_file, "--fixed", "--duration", "0.5", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5", "--csv", csv,
+        "--effects", "armature"
     )
     keys = "duration steps wall_s real_time_factor q v time energy contacts_max penetration_max residual_max integrator solver dt error_estimate effects warnings"
     assert set(keys.split()) <= set(found)
@@ -47,7 +48,8 @@ def test_sim_of_every_robot(robot, integrator, state_file):
     found = answer("sim", robot, base, "--duration", "0.2", "--dt", "1e-3", "--integrator", integrator, "--state", state)
     assert found["steps"] == 200 and all(map(math.isfinite, found["q"] + found["v"]))
     energy = found["energy"]
-    assert energy["final"] - energy["initial"] < 1e-2 * (abs(energy["initial"]) + abs(energy["final"]))  # of the first order: what Euler's steps of 1 ms make
+    assert (energy["final"] - energy["initial"]
+            < 1e-2 * (abs(energy["initial"]) + abs(energy["final"])))  # of the first order: what Euler's steps of 1 ms make
 
 
 def test_sim_last_step_is_shorter(arm_file):
@@ -61,7 +63,8 @@ def test_sim_last_step_is_shorter(arm_file):
 def test_sim_without_an_error_estimate(tmp_path):
     """The steps go well, and their distance from those at half the length is none."""
     robot, csv = tmp_path / "blow.xml", tmp_path / "blow.csv"
-    robot.write_text('<mujoco><worldbody><body><joint name="j" axis="0 1 0" stiffness="1e6"/><geom size=".01" pos=".5 0 0"/></body></worldbody></mujoco>')
+    robot.write_text('<mujoco><worldbody><body><joint name="j" axis="0 1 0" stiffness="1e6"/><geom size=".01" pos=".5 0 '
+                     '0"/></body></worldbody></mujoco>')
     words = ("sim", robot, "--integrator", "rk4", "--duration", "1", "--dt", "0.1", "--q", "1")
     found = answer(*words, "--csv", csv)
     assert found["error_estimate"] is None and found["steps"] == 10 and len(csv.read_text().splitlines()) == 12
@@ -71,7 +74,8 @@ def test_sim_without_an_error_estimate(tmp_path):
 
 def test_sim_error_estimate_is_honest(arm_file):
     def end(dt, integrator):
-        return answer("sim", arm_file, "--fixed", "--duration", "1", "--dt", dt, "--integrator", integrator, "--q", "1,0.5", "--effects", "damping")
+        return answer("sim", arm_file, "--fixed", "--duration", "1", "--dt", dt, "--integrator", integrator, "--q", "1,0.5",
+                      "--effects", "damping")
 
     exact = np.array(end("1e-4", "rk4")["q"])
     for integrator, dt in (("semi_implicit_euler", "1e-3"), ("rk4", "2e-2")):

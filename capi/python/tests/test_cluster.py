@@ -35,7 +35,8 @@ def scene():
 def falls(m, n):
     q0 = np.tile(m.neutral(), (n, 1))
     q0[:, 2] = np.linspace(0.35, 0.5, n)
-    return {"q0": q0, "tau": np.concatenate([np.zeros((20, 6)), np.random.default_rng(1).normal(size=(20, m.nv - 6))], 1), "every": 50}
+    return {"q0": q0, "tau": np.concatenate([np.zeros((20, 6)), np.random.default_rng(1).normal(size=(20, m.nv - 6))], 1),
+            "every": 50}
 
 
 def same(a, b):
@@ -78,7 +79,8 @@ def working():
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for workers in /proc")
 def test_killed_workers_lose_nothing(cluster, scene):
-    """Four workers, more than processors here or not, of which two are killed one after another; those that take their place, too, give the same bits."""
+    """Four workers, more than processors here or not, of which two are killed one after another; those that take their place,
+    too, give the same bits."""
     task, killed, seen = falls(scene, 48), [], set()
 
     def kill(made, of):
@@ -113,5 +115,6 @@ def test_failures_and_refusals(cluster, scene):
 def test_an_address_where_no_cluster_is():
     program = "import libdyn as dyn; dyn.batch.rollout(dyn.load(%r, base='fixed'), steps=1, engine='ray')" % str(MODELS / "robots" / "double_pendulum.urdf")
     for address in ("127.0.0.1:1", "127.0.0.1:99999"):
-        done = subprocess.run([sys.executable, "-c", program], env={**os.environ, "RAY_ADDRESS": address}, capture_output=True, text=True, timeout=300)
+        done = subprocess.run([sys.executable, "-c", program], env={**os.environ, "RAY_ADDRESS": address}, capture_output=True,
+                              text=True, timeout=300)
         assert done.returncode and f"ArgumentError: RAY_ADDRESS is '{address}', where no cluster answers: " in done.stderr

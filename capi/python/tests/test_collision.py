@@ -19,7 +19,8 @@ def test_shapes():
     np.testing.assert_allclose([d.normal, d.point_a, d.point_b], [[0, 0, 1], [0, 0, 1], [0, 0, 2.5]], atol=1e-12)
     d = dyn.geometry_distance(("cylinder", (0.5, 2), 0.1), at(0, 0, 0), ("capsule", (0.3, 1)), at(0.7, 0, 0))
     assert d.distance == pytest.approx(-0.2) and d.status is DistanceStatus.PENETRATING
-    assert dyn.geometry_distance(("half_space", ()), at(0, 0, 0), ("ellipsoid", (1, 2, 3)), at(0, 0, 5)).distance == pytest.approx(2)
+    assert (dyn.geometry_distance(("half_space", ()), at(0, 0, 0), ("ellipsoid", (1, 2, 3)), at(0, 0, 5)).distance
+            == pytest.approx(2))
 
 
 @pytest.mark.parametrize(
@@ -40,7 +41,8 @@ def test_shapes_that_cannot_be(shape, error):
 
 def test_shapes_of_a_builder():
     b = dyn.Builder("pair").add_joint("a", "prismatic").add_body("la", "a", 1).add_shape("la", "box", (1, 1, 1))
-    b.add_joint("b", "prismatic", axis=(1, 0, 0)).add_body("lb", "b", 1).add_shape("lb", "sphere", 0.5, (I, (0, 0, 3)), name="ball")
+    b.add_joint("b", "prismatic", axis=(1, 0, 0)).add_body("lb", "b",
+                                                           1).add_shape("lb", "sphere", 0.5, (I, (0, 0, 3)), name="ball")
     m = b.finish()
     assert [s.name for s in m.shapes] == ["", "ball"] and m.npairs == 1
     assert m.data().compute_distances([0.25, 0])[0] == pytest.approx(3 - 0.5 - 0.5 - 0.25)

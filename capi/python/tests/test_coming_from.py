@@ -1,6 +1,8 @@
-"""capi/pages/coming_from.md, row by row: both sides evaluated where the other library is installed, ours against its stored figures where it is not.
+"""capi/pages/coming_from.md, row by row: both sides evaluated where the other library is installed, ours against its stored
+figures where it is not.
 
-    python test_coming_from.py --record     stores the figures (tests/golden/coming_from/coming_from.json); needs pin, mujoco and drake
+    python test_coming_from.py --record     stores the figures (tests/golden/coming_from/coming_from.json); needs pin, mujoco and
+    drake
 """
 
 import json
@@ -159,7 +161,8 @@ def record():
     state = {name: np.asarray(names()[name]).tolist() for name in ("q", "v", "a", "tau")}
     figures = {}
     for peer in PEERS:
-        figures[peer] = {row: np.asarray(eval(theirs, with_peer(peer)), float).tolist() for row, (theirs, _) in PAGE[peer][1].items()}
+        figures[peer] = {row: np.asarray(eval(theirs, with_peer(peer)), float).tolist()
+                         for row, (theirs, _) in PAGE[peer][1].items()}
     GOLDEN.write_text(json.dumps({"state": state, "figures": figures}) + "\n")
 
 

@@ -37,7 +37,8 @@ def load(folder, text, **options):
     return dyn.load(path, **options)
 
 
-@pytest.mark.parametrize("mesh", ["../elsewhere/out.obj", "meshes/../../elsewhere/out.obj", "link.obj", "{root}/elsewhere/out.obj", "file://{root}/elsewhere/out.obj"])
+@pytest.mark.parametrize("mesh", ["../elsewhere/out.obj", "meshes/../../elsewhere/out.obj", "link.obj",
+                                  "{root}/elsewhere/out.obj", "file://{root}/elsewhere/out.obj"])
 def test_meshes_outside(folders, mesh):
     text = urdf(mesh.replace("{root}", str(folders)))
     try:
@@ -49,7 +50,8 @@ def test_meshes_outside(folders, mesh):
     load(folders, text, meshes="hull", confined=True, package_dirs=folders / "elsewhere")
 
 
-OUTSIDE = ["../elsewhere/out.obj", "link.obj", "{root}/elsewhere/out.obj", "file://{root}/elsewhere/out.obj", "package://elsewhere/out.obj"]
+OUTSIDE = ["../elsewhere/out.obj", "link.obj", "{root}/elsewhere/out.obj", "file://{root}/elsewhere/out.obj",
+           "package://elsewhere/out.obj"]
 
 
 @pytest.mark.parametrize("kind", ["collision", "visual"])
@@ -77,14 +79,17 @@ def test_meshes_of_the_working_directory(folders, monkeypatch):
 
 
 @pytest.mark.skipif(not CLI, reason="the command dyn is not built")
-@pytest.mark.parametrize("words", [["view", "--html", "page"], ["view", "--live", "--no-browser"], ["info", "--meshes"], ["info", "--html", "page"], ["sim", "--duration", ".01", "--html", "page"]])
+@pytest.mark.parametrize("words", [["view", "--html", "page"], ["view", "--live", "--no-browser"], ["info", "--meshes"],
+                                   ["info", "--html", "page"], ["sim", "--duration", ".01", "--html", "page"]])
 def test_the_command_opens_none(folders, words):
     path = folders / "robot/model.xml"
     path.write_text(urdf("../elsewhere/out.obj").replace("collision", "visual"))
-    done = subprocess.run([CLI, words[0], path, "--confined", *words[1:]], cwd=folders, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([CLI, words[0], path, "--confined", *words[1:]], cwd=folders, capture_output=True, text=True,
+                          timeout=60)
     if "no page to fill" in done.stderr:
         pytest.skip("no template of pages")
-    assert done.returncode == 1 and "is outside the folders" in done.stderr and done.stdout == "" and not (folders / "page").exists()
+    assert (done.returncode == 1 and "is outside the folders" in done.stderr and done.stdout == ""
+            and not (folders / "page").exists())
 
 
 def test_meshes_inside(folders):

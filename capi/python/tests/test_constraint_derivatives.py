@@ -61,7 +61,8 @@ def test_bounds(speed):
         b.add_joint(f"j{k}", "revolute", parent, None if k == 0 else (0.5, 0, 0), axis=(0, 1, 0.1 * k), lower=[-0.5], upper=[0.5])
         b.add_body(f"link{k}", f"j{k}", mass=1, com=(0.25, 0.02, 0), inertia=np.diag([0.01, 0.05, 0.06]))
         parent = f"j{k}"
-    b.add_constraint("limit0", dc.limit("j0", stiffness=100, damping=20)).add_constraint("limit1", dc.limit("j1", stiffness=100, damping=20))
+    b.add_constraint("limit0", dc.limit("j0", stiffness=100,
+                                        damping=20)).add_constraint("limit1", dc.limit("j1", stiffness=100, damping=20))
     b.add_constraint("sticks", dc.friction("j2", 1e3)).add_constraint("slides", dc.friction("j3", 1e-3))
     m = b.finish()
     d = m.data()

@@ -53,7 +53,8 @@ def test_planar_mechanism_in_space():
     report = d.constraint_report(state.q)
     assert (report.rank, report.redundant, report.contradictory) == (2, 3, 0)
     assert [r.row for r in report.rows if r.verdict != dyn.RowVerdict.INDEPENDENT] == [2, 3, 4]
-    assert abs(kkt(d, state.q, state.v, np.zeros(3), redundant=True)[0] - d.constrained_dynamics(state.q, state.v, np.zeros(3)).ddq).max() < 1e-9
+    assert abs(kkt(d, state.q, state.v, np.zeros(3),
+                   redundant=True)[0] - d.constrained_dynamics(state.q, state.v, np.zeros(3)).ddq).max() < 1e-9
 
 
 def test_singular_pose_of_the_parallel_four_bar():
@@ -81,12 +82,14 @@ def bricard():
         parent, placement = f"h{k}", (np.array([[1.0, 0, 0], [0, 0, -sign], [0, sign, 0]]), np.array([1.0, 0, 0]))
     b.add_frame("end", parent, placement)
     # the sixth link is the ground: its far end is where the first hinge is
-    b.add_constraint("sixth", dc.loop("revolute", "end", None, axis=(0, 0, 1), placement2=(np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), (-1, 0, 0))))
+    b.add_constraint("sixth", dc.loop("revolute", "end", None, axis=(0, 0, 1),
+                                      placement2=(np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), (-1, 0, 0))))
     return b.finish()
 
 
 def test_bricard():
-    """A closed pose exists (a cube's edges), where the sixth hinge of a 6R loop, which would make it rigid, leaves it one motion."""
+    """A closed pose exists (a cube's edges), where the sixth hinge of a 6R loop, which would make it rigid, leaves it one
+    motion."""
     m = bricard()
     d = m.data()
     best = None
@@ -99,7 +102,8 @@ def test_bricard():
     q, rank = best
     assert rank == 4, "one redundant row"
     report = d.constraint_report(q)
-    assert report.redundant == 1 and report.contradictory == 0 and {r.constraint for r in report.rows if r.verdict == dyn.RowVerdict.REDUNDANT} == {"sixth"}
+    assert (report.redundant == 1 and report.contradictory == 0
+            and {r.constraint for r in report.rows if r.verdict == dyn.RowVerdict.REDUNDANT} == {"sixth"})
     v = d.project(q, np.ones(5)).v
     tau = np.arange(5.0)
     ddq = d.constrained_dynamics(q, v, tau).ddq
@@ -112,7 +116,8 @@ def test_contradictions_by_name():
     b.add_joint("free", "free_flyer")
     b.add_body("rod", "free", mass=1, inertia=np.diag([0.01, 0.1, 0.1]))
     b.add_frame("left", "free", (-0.5, 0, 0)).add_frame("right", "free", (0.5, 0, 0))
-    b.add_constraint("here", dc.weld("left", placement2=(-0.5005, 0, 0))).add_constraint("there", dc.weld("right", placement2=(0.5005, 0, 0)))
+    b.add_constraint("here", dc.weld("left", placement2=(-0.5005, 0, 0)))
+    b.add_constraint("there", dc.weld("right", placement2=(0.5005, 0, 0)))
     m = b.finish()
     d = m.data()
     q0 = np.array([0.1, 0.2, -0.1, 0.05, 0.02, -0.1, 1])

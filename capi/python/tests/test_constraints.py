@@ -61,7 +61,8 @@ def test_pinocchio(robot):
     contacts, work = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
     for foot in feet:
         f = pm.frames[pm.getFrameId(foot)]
-        type, reference = (pin.ContactType.CONTACT_3D, pin.LOCAL_WORLD_ALIGNED) if kind == "point" else (pin.ContactType.CONTACT_6D, pin.LOCAL)
+        type, reference = (pin.ContactType.CONTACT_3D,
+                           pin.LOCAL_WORLD_ALIGNED) if kind == "point" else (pin.ContactType.CONTACT_6D, pin.LOCAL)
         contacts.append(pin.RigidConstraintModel(type, pm, f.parentJoint, f.placement, reference))
         work.append(contacts[-1].createData())
     pin.initConstraintDynamics(pm, pd, contacts, work)
@@ -71,7 +72,8 @@ def test_pinocchio(robot):
     for seed in range(1, 5):
         q, v, tau = random_state(m, seed)
         v = d.constraint_impulse(q, v).v  # so that references of accelerations do not differ
-        expected = pin.constraintDynamics(pm, pd, q[order_q], v[order_v], tau[order_v], contacts, work, pin.ProximalSettings(1e-15, 1e-15, 50))
+        expected = pin.constraintDynamics(pm, pd, q[order_q], v[order_v], tau[order_v], contacts, work,
+                                          pin.ProximalSettings(1e-15, 1e-15, 50))
         ddq = d.constrained_dynamics(q, v, tau).ddq
         np.testing.assert_allclose(ddq[order_v], expected, rtol=0, atol=1e-9 * max(1, abs(expected).max()))
         pin.computeConstraintDynamicsDerivatives(pm, pd, contacts, work, pin.ProximalSettings(1e-15, 1e-15, 50))
@@ -147,7 +149,8 @@ def test_mimic_joints():
         e = np.zeros(m.nv)
         e[k] = 1e-4
         f = lambda s: d.constrained_dynamics(m.integrate(q, s * e), v, tau).ddq
-        np.testing.assert_allclose((8 * (f(1) - f(-1)) - (f(2) - f(-2))) / 12e-4, D.ddq_dq[:, k], atol=1e-6 * max(1, abs(D.ddq_dq).max()))
+        np.testing.assert_allclose((8 * (f(1) - f(-1)) - (f(2) - f(-2))) / 12e-4, D.ddq_dq[:, k],
+                                   atol=1e-6 * max(1, abs(D.ddq_dq).max()))
 
 
 def test_limits_and_friction_are_complementary():
@@ -155,7 +158,8 @@ def test_limits_and_friction_are_complementary():
     parent = None
     for k in range(4):
         rod(b, f"j{k}", parent, None if k == 0 else (0.5, 0, 0), 0.5, axis=(0, 1, 0), lower=[-0.5], upper=[0.5])
-        b.add_constraint(f"limit{k}", dc.limit(f"j{k}", stiffness=100, damping=20)).add_constraint(f"friction{k}", dc.friction(f"j{k}", 0.7))
+        b.add_constraint(f"limit{k}", dc.limit(f"j{k}", stiffness=100,
+                                               damping=20)).add_constraint(f"friction{k}", dc.friction(f"j{k}", 0.7))
         parent = f"j{k}"
     m = b.finish()
     d = m.data()
@@ -209,7 +213,8 @@ def test_inverse_dynamics_shares_the_load():
     tau, forces = d.constrained_inverse_dynamics(q, np.zeros(6), np.zeros(6))
     assert abs(tau).max() == 0 and d.constraint_result.residual < 1e-9
     for k, (x, y) in enumerate(feet):
-        np.testing.assert_allclose(forces[3 * k : 3 * k + 3], [0, 0, W / 4 * (1 + x * c[0] / a[0] ** 2 + y * c[1] / a[1] ** 2)], atol=1e-6)
+        np.testing.assert_allclose(forces[3 * k : 3 * k + 3], [0, 0, W / 4 * (1 + x * c[0] / a[0] ** 2 + y * c[1] / a[1] ** 2)],
+                                   atol=1e-6)
     m, d = go2()
     q, v, tau = random_state(m, 2)
     tau[:6] = 0

@@ -15,7 +15,8 @@ def at(x, y, z):
 
 def scene():
     b = dyn.Builder("scene").add_shape("universe", "half_space")
-    b.add_joint("f", "free_flyer").add_body("box", "f", 1, inertia=I).add_shape("box", "box", (1, 1, 1), radius=0.1, contype=2, conaffinity=1)
+    b.add_joint("f", "free_flyer").add_body("box", "f", 1, inertia=I)
+    b.add_shape("box", "box", (1, 1, 1), radius=0.1, contype=2, conaffinity=1)
     return b.finish()
 
 
@@ -44,7 +45,8 @@ def test_a_scene():
     contacts = d.contacts(q)
     assert len(contacts) == 4 and all(c.distance == pytest.approx(-0.005) and c.pair == 0 for c in contacts)
     smooth = d.smooth_distances(0.01)
-    assert smooth.distances[0] == pytest.approx(-0.005 - 0.01 * np.log(4)) and smooth.points.tolist() == [4] and smooth.gradients.shape == (1, 6)
+    assert (smooth.distances[0] == pytest.approx(-0.005 - 0.01 * np.log(4)) and smooth.points.tolist() == [4]
+            and smooth.gradients.shape == (1, 6))
     rays = d.rays([(0, 0, 5), (9, 0, 5), (0, 0, 5)], [(0, 0, -1), (0, 0, -1), (0, 0, 1)], q)
     np.testing.assert_allclose(rays.t, [5 - 1.195, 5, np.inf], atol=1e-9)
     assert rays.shapes.tolist() == [1, 0, -1] and rays.normals.shape == (3, 3)

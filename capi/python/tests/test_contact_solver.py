@@ -81,8 +81,8 @@ def test_quadratic_program():
 def test_quadratic_program_of_all_rows():
     n = 1 + 2 + 1 + 3 + 4 + 6
     problem = dict(
-        friction=[0.7, 0.5, 0.0, 0.4], torsion=[0, 0, 0.1, 0.02], rolling=[0, 0, 0, 0.01], contact_rows=[1, 3, 4, 6], equalities=1,
-        lower=[0, -1], upper=[np.inf, 1], compliance=np.arange(n) * 0.1,
+        friction=[0.7, 0.5, 0.0, 0.4], torsion=[0, 0, 0.1, 0.02], rolling=[0, 0, 0, 0.01], contact_rows=[1, 3, 4, 6],
+        equalities=1, lower=[0, -1], upper=[np.inf, 1], compliance=np.arange(n) * 0.1,
     )  # fmt: skip
     qp = dyn.contact_problem_qp(np.eye(n), np.arange(n), facets=6, **problem)
     H, A = qp.dense()

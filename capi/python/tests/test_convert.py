@@ -14,8 +14,8 @@ TOLERANCE = 1e-12  # of numbers of size 1 to 100, relative to their largest
 
 def _joint(name, kind, parent, child, xyz="0.1 -0.2 0.3", axis="0 0.6 0.8", more=""):
     return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin xyz="{xyz}" rpy="0.3 -0.2 0.5"/>'
-        f'<axis xyz="{axis}"/><limit lower="-3" upper="3" effort="1" velocity="1"/>{more}</joint>'
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin xyz="{xyz}" rpy="0.3 -0.2 '
+        f'0.5"/><axis xyz="{axis}"/><limit lower="-3" upper="3" effort="1" velocity="1"/>{more}</joint>'
     )
 
 
@@ -146,7 +146,8 @@ def test_pinocchio_without_followers():
     assert "twin" not in layout.joints and layout.sizes(m) == (model.nq, model.nv)
     q, v, a, tau = state(m, 1)
     there, data = m.to_peer(layout, q, v, a, tau), model.createData()
-    near(m.from_peer(layout, there.q, there.v, tau=pin.rnea(model, data, there.q, there.v, there.a)).tau, m.data().rnea(q, v, a), "forces")
+    near(m.from_peer(layout, there.q, there.v, tau=pin.rnea(model, data, there.q, there.v, there.a)).tau, m.data().rnea(q, v, a),
+         "forces")
 
 
 def test_pinocchio_manifolds():
@@ -155,8 +156,8 @@ def test_pinocchio_manifolds():
     parent, above = None, 0
     kinds = {
         "planar": pin.JointModelPlanar(), "spherical": pin.JointModelSpherical(), "spherical_zyx": pin.JointModelSphericalZYX(),
-        "translation": pin.JointModelTranslation(), "continuous": pin.JointModelRUBZ(), "revolute_unbounded": pin.JointModelRUBX(),
-        "free_flyer": pin.JointModelFreeFlyer(),
+        "translation": pin.JointModelTranslation(), "continuous": pin.JointModelRUBZ(),
+        "revolute_unbounded": pin.JointModelRUBX(), "free_flyer": pin.JointModelFreeFlyer(),
     }  # fmt: skip
     for k, (kind, joint) in enumerate(kinds.items()):
         p, com, I = np.array([0.1, -0.2, 0.1 * k]), np.array([0.05, 0.02 * k, 0.01]), np.diag([0.02, 0.03, 0.025])
@@ -219,7 +220,8 @@ def test_mujoco(name, floating):
     if not any(j.mimic_leader >= 0 for j in m.joints):
         assert np.array_equal(m.to_peer("mujoco", m.random(1)).q, m.to_peer(layout, m.random(1)).q)
     for seed in range(5):
-        compare(m, layout, mujoco_peer(mujoco, model), [n for n in links(m) if n in {model.body(k).name for k in range(model.nbody)}], seed)
+        compare(m, layout, mujoco_peer(mujoco, model),
+                [n for n in links(m) if n in {model.body(k).name for k in range(model.nbody)}], seed)
 
 
 def test_mujoco_ball_and_placed_base():
@@ -231,7 +233,8 @@ def test_mujoco_ball_and_placed_base():
     turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
     b = dyn.Builder("b").add_joint("base", "free_flyer", placement=(turn, (1, 2, 3)))
     b.add_body("trunk", "base", 1.5, (0.05, 0.02, 0.01), np.diag([0.02, 0.03, 0.025]))
-    b.add_joint("ball", "spherical", "base", (0.1, -0.2, 0.3)).add_body("arm", "ball", 1.5, (0.05, 0.02, 0.01), np.diag([0.02, 0.03, 0.025]))
+    b.add_joint("ball", "spherical", "base", (0.1, -0.2, 0.3)).add_body("arm", "ball", 1.5, (0.05, 0.02, 0.01),
+                                                                        np.diag([0.02, 0.03, 0.025]))
     m = b.finish()
     for seed in range(5):
         compare(m, dyn.StateLayout.of_mujoco(model), mujoco_peer(mujoco, model), ["trunk", "arm"], seed)

@@ -20,7 +20,8 @@ def coverage():
 
 
 def test_models_are_taken_and_parts_are_not(coverage, tmp_path):
-    for name, text in {"a.xml": PENDULUM, "b.urdf": URDF, "part.xml": "<mujocoinclude/>", "c.xml": URDF, "d.txt": PENDULUM}.items():
+    for name, text in {"a.xml": PENDULUM, "b.urdf": URDF, "part.xml": "<mujocoinclude/>", "c.xml": URDF,
+                       "d.txt": PENDULUM}.items():
         (tmp_path / name).write_text(text)
     assert [(kind, path.name) for kind, path in coverage.files([tmp_path], None)] == [("MJCF", "a.xml"), ("URDF", "b.urdf")]
     assert [path.name for _, path in coverage.files([tmp_path], r"b\.")] == ["b.urdf"]
@@ -38,7 +39,8 @@ def test_a_pendulum_runs_as_in_mujoco(coverage, tmp_path):
 def test_a_file_that_becomes_worse_is_found(coverage, tmp_path):
     known = tmp_path / "known.csv"
     known.write_text("folder,file,result\nf,a.xml,as the peer\nf,b.xml,differs\nf,gone.xml,as the peer\n")
-    rows = [{"folder": "f", "file": "a.xml", "result": "as the peer, with warnings"}, {"folder": "f", "file": "b.xml", "result": "fails"}]
+    rows = [{"folder": "f", "file": "a.xml", "result": "as the peer, with warnings"},
+            {"folder": "f", "file": "b.xml", "result": "fails"}]
     assert coverage.worse(rows, known) == []
     rows[0]["result"] = "differs"
     assert coverage.worse(rows, known) == ["f/a.xml: as the peer, now differs"]

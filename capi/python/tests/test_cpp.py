@@ -171,7 +171,8 @@ int main(int argc, char** argv) {
 def test_program(tmp_path, beside):
     (tmp_path / "p.cpp").write_text(PROGRAM)
     library = Path(dyn.library_path).resolve()
-    flags = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{CAPI.parent}/include", "p.cpp", "-o", "p", str(library)]
+    flags = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{CAPI.parent}/include", "p.cpp", "-o", "p",
+             str(library)]
     subprocess.run([CXX, *(["-DBESIDE"] if beside else []), *flags, f"-Wl,-rpath,{library.parent}"], cwd=tmp_path, check=True)
     run = subprocess.run([str(tmp_path / "p"), ARM], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr

@@ -53,7 +53,8 @@ def test_every_field_has_its_shape(go2, d, state):
     d.compute_kinetic_energy_regressor(q, v)
     d.compute_potential_energy_regressor(q)
     d.compute_distances(q)
-    sizes = {"nrows": 48, "nu": 0, "na": 0, "nactuators": 0, "npairs": go2.npairs, "nparameters": 10 * (go2.njoints - 1), "nq": go2.nq, "nv": go2.nv, "nframes": go2.nframes, "njoints": go2.njoints}
+    sizes = {"nrows": 48, "nu": 0, "na": 0, "nactuators": 0, "npairs": go2.npairs, "nparameters": 10 * (go2.njoints - 1),
+             "nq": go2.nq, "nv": go2.nv, "nframes": go2.nframes, "njoints": go2.njoints}
     for name, info in dyn.FIELDS.items():
         value = d.field(name)
         shape = tuple(sizes[s] if s in sizes else int(s) for s in info.shape.split(" x "))

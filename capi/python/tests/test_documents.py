@@ -80,7 +80,8 @@ def test_files_that_are_named(path):
 
 def test_no_page_is_alone():
     """Every page is linked from another one, or from the README."""
-    linked = {Path(target.partition("#")[0]).name for p in DOCUMENTS for target in re.findall(r"\]\(([^)\s]+)\)", prose(p)) if p.name != target}
+    linked = {Path(target.partition("#")[0]).name for p in DOCUMENTS for target in re.findall(r"\]\(([^)\s]+)\)", prose(p))
+              if p.name != target}
     assert {p.name for p in (CAPI / "pages").glob("*.md")} <= linked
 
 
@@ -127,7 +128,8 @@ def test_command(line, folder):
 def scripts():
     """Commands that run a script of the project: its file, and their options."""
     for path in DOCUMENTS:
-        for line in {line for block in blocks(path) for line in block.splitlines()} | set(re.findall(r"`([^`\n]+)`", prose(path))):
+        for line in {line for block in blocks(path)
+                     for line in block.splitlines()} | set(re.findall(r"`([^`\n]+)`", prose(path))):
             for command in line.split("#")[0].split("&&"):
                 words = command.split()
                 file = next((w for w in words if re.fullmatch(r"(bench|tools|capi|tests|models)/[\w/.]+", w)), None)
@@ -155,13 +157,17 @@ TESTED = {"coming_from"}  # pages with a test of their own
 # What a block takes for granted, by page and number; $ stands for the folder that it runs in.
 GIVEN = {
     "batches 1": "q = np.array([m.random(k) for k in range(4)]); v, a = np.zeros((2, 4, m.nv))",
-    "accuracy 2": "m = dyn.load('models/robots/double_pendulum.urdf', base='fixed'); d = m.data(); q = [1.2, 0.4]; v = tau = np.zeros(2)",
+    "accuracy 2": "m = dyn.load('models/robots/double_pendulum.urdf', base='fixed'); d = m.data(); q = [1.2, 0.4]; v = tau = "
+                  "np.zeros(2)",
     "collision 1": """
 origins, directions = np.array([[0, 0, 5.0]] * 2), np.array([[0, 0, -1.0]] * 2)
 a, b, X_a, X_b, motion_a, motion_b = ("box", (1, 1, 1)), ("sphere", 0.5), (np.eye(3), (0, 0, 0)), (np.eye(3), (3, 0, 0)), np.zeros(6), np.r_[-1, np.zeros(5)]""",
-    "contact 2": "G, g = np.eye(12), np.tile([0.1, 0, -1], 4); mu, e, R, b = [0.5] * 4, [0.1] * 4, np.full(12, 1e-6), np.zeros(12)",
-    "effects 1": "m = dyn.load('models/robots/panda.urdf', base='fixed'); d = m.data(); q = m.neutral(); v = a = tau = np.zeros(m.nv)",
-    "effects 2": "b = dyn.Builder('leg').add_joint('hip_joint', 'revolute', axis=(0, 1, 0)).add_body('base', 'hip_joint', 1, (0, 0, 1))",
+    "contact 2": "G, g = np.eye(12), np.tile([0.1, 0, -1], 4); mu, e, R, b = [0.5] * 4, [0.1] * 4, np.full(12, 1e-6), "
+                 "np.zeros(12)",
+    "effects 1": "m = dyn.load('models/robots/panda.urdf', base='fixed'); d = m.data(); q = m.neutral(); v = a = tau = "
+                 "np.zeros(m.nv)",
+    "effects 2": "b = dyn.Builder('leg').add_joint('hip_joint', 'revolute', axis=(0, 1, 0)).add_body('base', 'hip_joint', 1, "
+                 "(0, 0, 1))",
     "frames 1": "arm = dyn.load('models/robots/panda.urdf', base='fixed')",
     "meshes 1": "STL('$/ws/src/arm/meshes/link1.stl')",
     "meshes 2": """
@@ -185,7 +191,8 @@ def stl(file):
     Path(file).parent.mkdir(parents=True, exist_ok=True)
     corner = "vertex {} {} {}\n".format
     facets = ["".join(corner(*x[k]) for k in t) for t in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))]
-    Path(file).write_text("solid t\n" + "".join(f"facet normal 0 0 0\nouter loop\n{f}endloop\nendfacet\n" for f in facets) + "endsolid t\n")
+    Path(file).write_text("solid t\n" + "".join(f"facet normal 0 0 0\nouter loop\n{f}endloop\nendfacet\n" for f in facets)
+                          + "endsolid t\n")
 
 
 def programs():
@@ -200,7 +207,8 @@ def test_program(name, program, folder, monkeypatch):
     monkeypatch.chdir(folder)
     m = dyn.load("models/robots/go2.urdf", base="floating")
     random = np.random.default_rng(0)
-    names = {"dyn": dyn, "np": np, "STL": stl, "m": m, "d": m.data(), "q": m.random(1), **{x: random.standard_normal(m.nv) for x in ("v", "a", "tau")}}
+    names = {"dyn": dyn, "np": np, "STL": stl, "m": m, "d": m.data(), "q": m.random(1),
+             **{x: random.standard_normal(m.nv) for x in ("v", "a", "tau")}}
     if name.startswith("meshes"):
         program = program.replace("/ws/src", f"{folder}/ws/src").replace(".dae", ".stl")
         try:
@@ -234,7 +242,8 @@ def test_the_readme_shows_the_example():
 
 def test_lists_of_joints():
     page = (CAPI / "pages" / "inside.md").read_text(encoding="utf-8")
-    listed = lambda file, name: set(re.findall(r"X\((\w+)\)", re.search(rf"define {name}\(X\)(.*?)\n\n", (ROOT / "src/joint" / file).read_text(), re.S)[1]))
+    listed = lambda file, name: set(re.findall(r"X\((\w+)\)", re.search(rf"define {name}\(X\)(.*?)\n\n",
+                                                                        (ROOT / "src/joint" / file).read_text(), re.S)[1]))
     assert set(re.findall(r"^ \|- (\w+)", page, re.M)) == listed("list.hpp", "DYN_PRIMITIVES")
     assert set(re.findall(r"^\| `(\w+)` \|", page, re.M)) == listed("kinds.hpp", "DYN_KINDS")
 
@@ -250,10 +259,12 @@ def test_modules():
 def test_exercises_are_there():
     """Tests that the page names are tests."""
     page = (CAPI / "pages" / "exercises.md").read_text(encoding="utf-8")
-    there = {name for file in (CAPI / "python" / "tests").glob("test_*.py") for name in re.findall(r"^def (test_\w+)", file.read_text(), re.M)}
+    there = {name for file in (CAPI / "python" / "tests").glob("test_*.py")
+             for name in re.findall(r"^def (test_\w+)", file.read_text(), re.M)}
     there |= {file.stem for file in (CAPI / "python" / "tests").glob("test_*.py")}
     assert set(re.findall(r"\b(test_\w+)\b", page)) <= there
-    assert {p.name for p in (CAPI / "python" / "examples").glob("*.py")} <= set(re.findall(r"(\w+\.py)\)", page)), "every example is in the table"
+    assert ({p.name for p in (CAPI / "python" / "examples").glob("*.py")}
+            <= set(re.findall(r"(\w+\.py)\)", page))), "every example is in the table"
     assert os.listdir(CAPI / "examples")
 
 
@@ -262,11 +273,13 @@ def test_recipes_name_what_is_there():
     text = (ROOT / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
     kinds = (".hpp", ".cpp", ".h", ".def", ".py", ".js")
     source = "\n".join(
-        p.read_text(encoding="utf-8", errors="replace") for d in ("include", "src", "capi", "tests", "tools", "bench") for p in (ROOT / d).rglob("*") if p.suffix in kinds
+        p.read_text(encoding="utf-8", errors="replace") for d in ("include", "src", "capi", "tests", "tools", "bench")
+        for p in (ROOT / d).rglob("*") if p.suffix in kinds
     )
     for name in set(re.findall(r"`([A-Za-z_][\w:]*)`", text)):
         assert re.search(rf"\b{name.split('::')[-1]}", source), f"CONTRIBUTING.md speaks of {name}, which is nowhere"
-    paths = [f"/{p.relative_to(ROOT)}" for d in (".github", "include", "src", "capi", "tests", "tools", "bench", "models") for p in (ROOT / d).rglob("*")]
+    paths = [f"/{p.relative_to(ROOT)}" for d in (".github", "include", "src", "capi", "tests", "tools", "bench", "models")
+             for p in (ROOT / d).rglob("*")]
     for name in set(re.findall(r"`([\w./]+\.(?:hpp|cpp|h|def|py|md|sh))`", text)):
         there = name.split("/")[-1].startswith("NAME.") or any(p.endswith(f"/{name}") for p in paths)
         assert there, f"CONTRIBUTING.md names {name}, which is not there"

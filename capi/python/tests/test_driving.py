@@ -17,8 +17,10 @@ ACTUATORS = {
     "position": '<position joint="shoulder" kp="40" kv="2"/><position joint="elbow" class="soft" ctrlrange="-0.1 0.1"/>',
     "velocity": '<velocity joint="shoulder" kv="3" gear="0.5"/><velocity joint="elbow" kv="0.2" forcerange="-0.01 0.02"/>',
     "general": '<general joint="shoulder" gainprm="3" biastype="affine" biasprm="1 -20 -1"/><general joint="elbow" gainprm="2"/>',
-    "ratio": '<position joint="shoulder" kp="40" dampratio="0.5" gear="2"/><general joint="elbow" gainprm="9" biastype="affine" biasprm="1 -9 0.3" gear="3" armature="0.002" damping="0.01"/>',
-    "integral": '<intvelocity joint="shoulder" kp="40" kv="2" actrange="-1 1"/><general joint="elbow" dyntype="integrator" gainprm="2"/>',
+    "ratio": '<position joint="shoulder" kp="40" dampratio="0.5" gear="2"/><general joint="elbow" gainprm="9" biastype="affine" '
+             'biasprm="1 -9 0.3" gear="3" armature="0.002" damping="0.01"/>',
+    "integral": '<intvelocity joint="shoulder" kp="40" kv="2" actrange="-1 1"/><general joint="elbow" dyntype="integrator" '
+                'gainprm="2"/>',
     "drag": '<motor joint="shoulder"/><motor joint="elbow"/>',
 }
 
@@ -26,7 +28,8 @@ ACTUATORS = {
 @pytest.mark.parametrize("kind", ACTUATORS)
 def test_steps_are_mujocos(kind):
     mujoco = pytest.importorskip("mujoco")
-    text = SERVOS.format(actuators=ACTUATORS[kind], option='density="1000" viscosity="2" wind="0.3 1 0"' if kind == "drag" else "")
+    text = SERVOS.format(actuators=ACTUATORS[kind], option='density="1000" viscosity="2" wind="0.3 1 0"' if kind == "drag"
+                         else "")
     theirs = mujoco.MjModel.from_xml_string(text)
     state = mujoco.MjData(theirs)
     d = dyn.load_string(text).data()
@@ -57,14 +60,18 @@ def test_what_is_read_of_actuators():
     messages = "\n".join(r.message for r in m.report)
     for part in ("neither a first-order filter", "drives no joint"):
         assert part in messages
-    for bad, message in (('<motor joint="none"/>', "no joint 'none'"), ('<motor joint="elbow" ctrlrange="1 0"/>', "lower end"), ('<position joint="elbow" kp="-1"/>', "kp is -1"),
-                         ('<position joint="elbow" dampratio="-1"/>', "dampratio"), ('<position joint="elbow" kv="1" dampratio="1"/>', "give one of them"), ('<motor joint="elbow" armature="-1"/>', "armature")):
+    for bad, message in (('<motor joint="none"/>', "no joint 'none'"), ('<motor joint="elbow" ctrlrange="1 0"/>', "lower end"),
+                         ('<position joint="elbow" kp="-1"/>', "kp is -1"),
+                         ('<position joint="elbow" dampratio="-1"/>', "dampratio"),
+                         ('<position joint="elbow" kv="1" dampratio="1"/>', "give one of them"),
+                         ('<motor joint="elbow" armature="-1"/>', "armature")):
         with pytest.raises(dyn.Error, match=message):
             dyn.load_string(SERVOS.format(option="", actuators=bad))
 
 
 def test_damping_by_ratio():
-    """kv = 2 ratio sqrt(kp / (gear^2 (M^-1)_jj)) in the drawn configuration, with the motors' own armature, which joints get by the square of the gear."""
+    """kv = 2 ratio sqrt(kp / (gear^2 (M^-1)_jj)) in the drawn configuration, with the motors' own armature, which joints get by
+    the square of the gear."""
     text = SERVOS.format(option="", actuators=ACTUATORS["ratio"])
     m = dyn.load_string(text)
     d = m.data()
@@ -122,7 +129,8 @@ def test_pairs():
 
 def test_python_calls():
     b = dyn.Builder("arm")
-    b.add_joint("hinge", "revolute", None, axis=(0, 1, 0)).add_body("arm", "hinge", 2.0, (0.5, 0, 0)).add_actuator("servo", "hinge", type="position", kp=1e4, kv=1e3)
+    b.add_joint("hinge", "revolute", None, axis=(0, 1, 0)).add_body("arm", "hinge", 2.0, (0.5, 0, 0))
+    b.add_actuator("servo", "hinge", type="position", kp=1e4, kv=1e3)
     b.set_gravity_compensation("arm").set_medium(1.2, 1e-5)
     m = b.finish()
     assert (m.nu, m.nactuators, m.actuator("servo").kp) == (1, 1, 1e4)
@@ -138,8 +146,9 @@ def test_python_calls():
     assert d.actuator_force[0] == pytest.approx(-5 * math.cos(d.q[0]), abs=1e-3)
     d.clear_wrenches()
     for call, message in (
-        (lambda: d.set_control([1, 2]), "u"), (lambda: d.set_control([math.nan]), "u"), (lambda: d.apply_wrench("none", [0] * 6), "none"),
-        (lambda: m.actuator("x"), "no actuator"), (lambda: b.add_actuator("x", "none"), "none"), (lambda: b.set_medium(-1), "density"),
+        (lambda: d.set_control([1, 2]), "u"), (lambda: d.set_control([math.nan]), "u"),
+        (lambda: d.apply_wrench("none", [0] * 6), "none"), (lambda: m.actuator("x"), "no actuator"),
+        (lambda: b.add_actuator("x", "none"), "none"), (lambda: b.set_medium(-1), "density"),
     ):
         with pytest.raises(dyn.Error, match=message):
             call()
@@ -150,10 +159,12 @@ HELD = """<mujoco><worldbody><body name="rod" pos="0 0 1"><joint name="hinge" ax
 LOWER = '<body pos="0 0 -1"><joint axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -1" mass="1"/></body>'
 
 
-@pytest.mark.parametrize("options", [{"integrator": "reference", "dt": 2e-3}, {"accuracy": 1e-3}, {"accuracy": 1e-9}, {"accuracy": 1e-6, "integrator": "rk45"}])
+@pytest.mark.parametrize("options", [{"integrator": "reference", "dt": 2e-3}, {"accuracy": 1e-3}, {"accuracy": 1e-9},
+                                     {"accuracy": 1e-6, "integrator": "rk45"}])
 @pytest.mark.parametrize("v", [[0.1, -0.1], [0.5, -0.5], [-3.0, 2.0]])
 def test_a_velocity_that_a_weld_forbids_is_gone_at_once(options, v):
-    """Redundant rows, and a state that they do not allow: the upper link stops by an impulse, the lower one swings on as a pendulum."""
+    """Redundant rows, and a state that they do not allow: the upper link stops by an impulse, the lower one swings on as a
+    pendulum."""
     m = dyn.load_string(HELD.format(LOWER))
     d = m.data()
     d.set_step_options(**options)

@@ -10,7 +10,8 @@ from libdyn import Effect
 @pytest.fixture
 def pendulum():
     b = dyn.Builder("pendulum").add_joint(
-        "hinge", "revolute", axis=(0, 1, 0), lower=-9, upper=9, armature=0.1, damping=0.2, friction=0.3, stiffness=4, spring_reference=0.5
+        "hinge", "revolute", axis=(0, 1, 0), lower=-9, upper=9, armature=0.1, damping=0.2, friction=0.3, stiffness=4,
+        spring_reference=0.5
     )
     return b.add_body("rod", "hinge", 1, (0, 0, -0.5), np.eye(3)).finish()
 

@@ -29,7 +29,8 @@ def test_each_effect_is_measured(scene):
     assert suggested["without"] == ["damping"] and suggested["options"] == "--without damping"
     assert suggested["error"] < 1e-4
     # what it says holds of the simulation with these options
-    ends = [answer("sim", scene, "--duration", "0.5", "--ctrl", "0.3", "--no-error-estimate", *more)["q"] for more in ((), suggested["options"].split())]
+    ends = [answer("sim", scene, "--duration", "0.5", "--ctrl", "0.3", "--no-error-estimate", *more)["q"]
+            for more in ((), suggested["options"].split())]
     assert 0 < np.abs(np.subtract(*ends)).max() <= suggested["error"] * (1 + 1e-9)
 
 
@@ -46,16 +47,19 @@ def test_sim_profile(scene):
 
 
 def test_without(scene):
-    q = {w: answer("sim", scene, "--duration", "0.2", "--without", w, "--no-error-estimate")["q"][0] for w in ("gravity", "springs", "contact")}
+    q = {w: answer("sim", scene, "--duration", "0.2", "--without", w, "--no-error-estimate")["q"][0]
+         for w in ("gravity", "springs", "contact")}
     assert q["gravity"] == 0 and abs(q["springs"]) > abs(q["contact"]) > 0.01
-    go2 = {e["name"]: e["active"] for e in answer("sim", GO2, "--floating", "--duration", "0.01", "--without", "contact,limits")["effects"]}
+    go2 = {e["name"]: e["active"] for e in answer("sim", GO2, "--floating", "--duration", "0.01", "--without",
+                                                  "contact,limits")["effects"]}
     assert not go2["contact"] and not go2["limits"] and go2["gravity"]
 
 
 @pytest.mark.parametrize("words, message", [
-    (("--suggest", "0"), "--suggest"), (("--suggest", "nan"), "--suggest"), (("--duration", "-1"), "--duration"), (("--dt", "0"), "--dt"),
-    (("--without", "wind"), "wind"), (("--effects", "wind"), "wind"), (("--ctrl", "1,2"), "--ctrl has 2"), (("--ctrl", "x"), "--ctrl"),
-    (("--integrator", "leapfrog"), "leapfrog"), (("--configuration", "standing"), "standing"), (("--q", "0", "--configuration", "qpos0"), "keep one"),
+    (("--suggest", "0"), "--suggest"), (("--suggest", "nan"), "--suggest"), (("--duration", "-1"), "--duration"),
+    (("--dt", "0"), "--dt"), (("--without", "wind"), "wind"), (("--effects", "wind"), "wind"),
+    (("--ctrl", "1,2"), "--ctrl has 2"), (("--ctrl", "x"), "--ctrl"), (("--integrator", "leapfrog"), "leapfrog"),
+    (("--configuration", "standing"), "standing"), (("--q", "0", "--configuration", "qpos0"), "keep one"),
 ])  # fmt: skip
 def test_bad_usage(scene, words, message):
     for status in (2, 1):
@@ -79,7 +83,8 @@ def test_postmortem(tmp_path):
     state = tmp_path / "state.json"
     last = kept["states"][-1]
     state.write_text(json.dumps({k: last[k] for k in ("q", "v", "tau", "ctrl")}))
-    run("sim", file, "--duration", "0.02", "--dt", "1e-2", "--integrator", "rk4", "--state", state, "--no-error-estimate", status=1)
+    run("sim", file, "--duration", "0.02", "--dt", "1e-2", "--integrator", "rk4", "--state", state, "--no-error-estimate",
+        status=1)
     run("sim", file, "--duration", "0.02", "--dt", "1e-2", "--integrator", "implicit_fast", "--q", "0.1", "--no-error-estimate")
 
 
@@ -88,4 +93,5 @@ def test_an_mjcf_file_starts_where_it_is_drawn(tmp_path):
     file.write_text("""<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="1 2 3"><freejoint/><geom size=".1"/></body></worldbody></mujoco>""")
     said = answer("sim", file, "--duration", "0.001", "--no-error-estimate")
     assert said["q"][:3] == pytest.approx([1, 2, 3], abs=1e-4)
-    assert answer("sim", file, "--duration", "0.001", "--no-error-estimate", "--configuration", "neutral")["q"][:2] == pytest.approx([0, 0], abs=1e-4)
+    assert (answer("sim", file, "--duration", "0.001", "--no-error-estimate", "--configuration", "neutral")["q"][:2]
+            == pytest.approx([0, 0], abs=1e-4))

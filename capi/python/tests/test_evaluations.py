@@ -1,5 +1,5 @@
-"""Steps for an accuracy on problems that have references: whether it is met, and what an error costs in evaluations of forward dynamics, beside scipy's
-DOP853 on the same problems (tests/golden/evaluations). Counts depend on no clock."""
+"""Steps for an accuracy on problems that have references: whether it is met, and what an error costs in evaluations of forward
+dynamics, beside scipy's DOP853 on the same problems (tests/golden/evaluations). Counts depend on no clock."""
 
 import json
 import math
@@ -15,9 +15,11 @@ LEVEL = {"double-pendulum, 20 s": 1e-6}  # m: chaos has made rounding 1e-8 by th
 
 
 def cost(points, level):
-    """Evaluations at an error of level: by a line through log evaluations over log error of those within two decades (single ones may be lucky)."""
+    """Evaluations at an error of level: by a line through log evaluations over log error of those within two decades (single ones
+    may be lucky)."""
     points = sorted(points)
-    points = [p for k, p in enumerate(points) if all(p[1] < e for _, e in points[:k])]  # more evaluations for no less error: where rounding ends it
+    points = [p for k, p in enumerate(points)
+              if all(p[1] < e for _, e in points[:k])]  # more evaluations for no less error: where rounding ends it
     near = [(math.log(e / level), math.log(n)) for n, e in points if level / 100 < e < level * 100]
     assert len(near) >= 5
     slope, at_level = np.polyfit(*zip(*near), 1)
@@ -31,7 +33,8 @@ class Problem:
         self.model = m = dyn.load_string(golden["mjcf"])
         self.data = m.data()
         self.data.set_effects(dyn.Effect.ALL)
-        self.q, self.v, self.tau = m.configurations.get("qpos0", m.configuration("neutral")).copy(), np.zeros(m.nv), np.zeros(m.nv)
+        self.q, self.v, self.tau = m.configurations.get("qpos0",
+                                                        m.configuration("neutral")).copy(), np.zeros(m.nv), np.zeros(m.nv)
         for name, x in golden["q"].items():
             self.q[m.joint(name).idx_q] = x
         for values, out in ((golden["v"], self.v), (golden["tau"], self.tau)):
@@ -76,7 +79,8 @@ def test_accuracy_is_met(golden):
 @pytest.mark.parametrize("name", ["slide", "drag", "stack", "rolling", "bouncing"])
 def test_accuracy_is_met_in_contact(name):
     p = bench_problem(name)
-    problem = Problem({"mjcf": p.mjcf, "duration": p.duration, "q": p.q, "v": p.v, "tau": p.tau, "markers": p.markers, "reference": p.exact(p.duration)})
+    problem = Problem({"mjcf": p.mjcf, "duration": p.duration, "q": p.q, "v": p.v, "tau": p.tau, "markers": p.markers,
+                       "reference": p.exact(p.duration)})
     if p.restitution:
         problem.data.set_shape_material(None, dyn.Material(restitution=p.restitution))
     if p.ctrl:

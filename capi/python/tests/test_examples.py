@@ -33,7 +33,8 @@ RUNS = {
 
 
 def run(script, *arguments):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(dyn.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(dyn.__file__).parents[1]),
+                                                                os.environ.get("PYTHONPATH", "")])}
     return subprocess.run([sys.executable, str(script), *arguments], capture_output=True, text=True, timeout=300, env=environment)
 
 
@@ -58,7 +59,8 @@ def test_what_stood_is_simulated_again(tmp_path):
     done = run(EXAMPLES / "quadruped_stands.py", "2", "--record", str(tmp_path))
     assert done.returncode == 0, done.stdout + done.stderr
     setting = "--floating --ground --effects armature,limits --duration 2 --dt 1e-3 --no-error-estimate --json".split()
-    command = [CLI, "sim", str(CAPI.parent / "models/robots/go2.urdf"), *setting, "--state", str(tmp_path / "stands.json"), "--tau-csv", str(tmp_path / "stands.csv")]
+    command = [CLI, "sim", str(CAPI.parent / "models/robots/go2.urdf"), *setting, "--state", str(tmp_path / "stands.json"),
+               "--tau-csv", str(tmp_path / "stands.csv")]
     again = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     away = [x - y for x, y in zip(again["q"][:3], json.loads((tmp_path / "stands.json").read_text())["q"][:3])]
     assert f"at the end {1e3 * math.hypot(*away):.3g} mm from home, speed {max(map(abs, again['v'])):.2g}" in done.stdout

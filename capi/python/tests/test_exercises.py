@@ -77,7 +77,8 @@ def test_a_twist_in_three_references(go2, state, frame):
 
 
 def test_cross_is_the_matrix_ad(go2, state):
-    """Columns of J that a joint carries turn with it: dJ_k/dt = v_parent x J_k in the world's reference, ad in the order [linear; angular]."""
+    """Columns of J that a joint carries turn with it: dJ_k/dt = v_parent x J_k in the world's reference, ad in the order [linear;
+    angular]."""
     q, v, *_ = state
     d = go2.data()
     J, dJ = d.joint_jacobians(q), d.joint_jacobians_time_variation(q, v)
@@ -109,7 +110,8 @@ def test_a_frame_of_ones_own(reference):
 
 @pytest.mark.parametrize("frame", ["base", "FL_foot"])
 def test_two_accelerations(go2, state, frame):
-    """classical = spatial + [omega x v; 0] where the reference's origin is the frame's; and it is the second derivative of the position."""
+    """classical = spatial + [omega x v; 0] where the reference's origin is the frame's; and it is the second derivative of the
+    position."""
     q, v, a, _ = state
     d = go2.data()
     d.forward_kinematics(q, v, a)
@@ -145,7 +147,8 @@ def test_free_fall(name, base):
 
 @pytest.mark.parametrize("name, base", ROBOTS[:2])
 def test_the_base_in_the_momentum_matrix(name, base):
-    """The first six columns of Ag are the whole's inertia times what takes the base's twist to the centre of mass; and rows of M say the same."""
+    """The first six columns of Ag are the whole's inertia times what takes the base's twist to the centre of mass; and rows of M
+    say the same."""
     m = load(name, base)
     d, (q, v, _) = m.data(), motion(m)
     Ag = d.centroidal_map(q, v)
@@ -177,7 +180,8 @@ def test_one_rigid_body_carries_the_momentum(go2):
     close(rate[3:], moment, atol=1e-11 * size)
 
 
-# ------------------------------------------------------------------------------------------------- what textbooks and code get wrong
+# ------------------------------------------------------------------------------------------------- what textbooks and code get
+# wrong
 
 
 def test_m_is_full(go2, state):
@@ -196,7 +200,8 @@ def test_random_configurations_are_finite(go2):
 
 
 def test_gradient_of_a_distance_apart_touching_and_overlapping():
-    """By the witness points: n'(J_b p_b - J_a p_a), with the normal of the result, which does not turn round where shapes overlap."""
+    """By the witness points: n'(J_b p_b - J_a p_a), with the normal of the result, which does not turn round where shapes
+    overlap."""
     b = dyn.Builder("balls").add_joint("slide", "prismatic", axis=(1, 0, 0)).add_body("moving", "slide", 1, inertia=np.eye(3))
     b.add_shape("universe", "sphere", 0.5, name="still").add_shape("moving", "sphere", 0.5, (np.eye(3), (0, 0.3, 0)), name="ball")
     b.add_pair("still", "ball")  # a body and its parent are no pair until they are asked to be

@@ -64,12 +64,14 @@ def test_falls_ends_and_masks():
     begun = envs.reset(seed=1)[0]
     moved = envs.step(quiet)[0]
     again, _ = envs.reset(options={"reset_mask": np.array([True, False, False, True])})
-    assert np.array_equal(again[1:3], moved[1:3]) and not np.array_equal(again[0], moved[0]) and not np.array_equal(again[0], begun[0])
+    assert (np.array_equal(again[1:3], moved[1:3]) and not np.array_equal(again[0], moved[0])
+            and not np.array_equal(again[0], begun[0]))
     envs = dyn.gym.WalkVectorEnv("humanoid", 2)
     envs.reset(seed=1)
     actions = np.zeros(envs.action_space.shape)
     names = [j.name for j in envs.task.model.joints if j.idx_q in envs.task.joints]
-    actions[0, [names.index(f"{side}_{joint}") for side in ("left", "right") for joint in ("ankle_pitch", "hip_pitch")]] = 1  # it leans forward
+    actions[0, [names.index(f"{side}_{joint}") for side in ("left", "right")
+                for joint in ("ankle_pitch", "hip_pitch")]] = 1  # it leans forward
     for step in range(150):
         observation, _, fallen, _, _ = envs.step(actions)
         assert not fallen[1]

@@ -60,4 +60,6 @@ def test_version():
 
 def test_pages_draw_every_primitive():
     drawn = re.findall(r'case "(\w+)":', (CAPI.parent / "tools" / "viewer" / "src" / "shapes.js").read_text())
-    assert sorted(drawn) == sorted(t.name.lower() for t in dyn.ShapeType if t.name not in ("MESH", "CONVEX", "TRIANGLES", "HEIGHT_FIELD", "HALF_SPACE"))
+    assert (sorted(drawn)
+            == sorted(t.name.lower() for t in dyn.ShapeType if t.name not in ("MESH", "CONVEX", "TRIANGLES", "HEIGHT_FIELD",
+                                                                              "HALF_SPACE")))

@@ -99,11 +99,13 @@ def test_command(go2):
     e.forward_kinematics(q)
     close(e.frame_placement("FL_foot").translation, d.frame_placement("FL_foot").translation, atol=2e-6)
     assert run(*words).startswith("converged after")
-    assert answer("ik", GO2, "--floating", "--com", "0.1,0,0.2", "--frame", "base", "--target", "0,0,0,1", "--stay")["tasks"][2]["name"] == "start"
+    assert answer("ik", GO2, "--floating", "--com", "0.1,0,0.2", "--frame", "base", "--target", "0,0,0,1",
+                  "--stay")["tasks"][2]["name"] == "start"
     far = ["ik", GO2, "--fixed", "--frame", "FL_foot", "--target", "9,0,0"]
     assert "not reached" in run(*far, status=1) and "--best" in run(*far, status=1)
     assert answer(*far, "--best")["converged"] is False
-    for extra, message in ((["--target", "1,2"], "2 numbers"), (["--target", "0,0,0,0"], "zero"), ([], "one target for each frame")):
+    for extra, message in ((["--target", "1,2"], "2 numbers"), (["--target", "0,0,0,0"], "zero"),
+                           ([], "one target for each frame")):
         assert message in run("ik", GO2, "--fixed", "--frame", "FL_foot", *extra, status=2)
     assert "nothing to reach" in run("ik", GO2, "--fixed", status=2)
     assert "no_such" in run("ik", GO2, "--fixed", "--frame", "no_such", "--target", "0,0,0", status=1)

@@ -9,7 +9,8 @@ PACKAGE = Path(dyn.__file__).parent
 
 
 def imports(file):
-    """Modules of the package that a module imports when it runs, at its top or in a function; not those for type checkers alone."""
+    """Modules of the package that a module imports when it runs, at its top or in a function; not those for type checkers
+    alone."""
     found, nodes = set(), [ast.parse(file.read_text(encoding="utf-8"))]
     while nodes:
         node = nodes.pop()

@@ -34,7 +34,8 @@ def test_the_man_page_is_well_formed(tmp_path):
         pytest.skip("man is not installed")
     page = tmp_path / "dyn.1"
     page.write_text(run("manual", "man"))
-    done = subprocess.run(["man", "--warnings", "-l", str(page)], capture_output=True, text=True, env={"PATH": "/usr/bin:/bin", "MANWIDTH": "120", "LC_ALL": "C.UTF-8"})
+    done = subprocess.run(["man", "--warnings", "-l", str(page)], capture_output=True, text=True,
+                          env={"PATH": "/usr/bin:/bin", "MANWIDTH": "120", "LC_ALL": "C.UTF-8"})
     assert done.returncode == 0 and done.stderr == ""
     assert "--contact-capacity INT" in done.stdout and "EXIT STATUS" in done.stdout
 

@@ -43,7 +43,8 @@ def test_check(name):
     ddq, forces = d.constrained_dynamics(p.q, p.v, tau)
     assert d.constraint_result.solved and d.constraint_result.rank == rank
     t = d.constraint_terms(p.q, p.v)
-    np.testing.assert_allclose(d.crba(p.q) @ ddq + d.compute_nle(p.q, p.v), tau + t.J.T @ forces, atol=1e-8 * max(1, abs(ddq).max()))
+    np.testing.assert_allclose(d.crba(p.q) @ ddq + d.compute_nle(p.q, p.v), tau + t.J.T @ forces,
+                               atol=1e-8 * max(1, abs(ddq).max()))
     np.testing.assert_allclose(t.J @ ddq + t.drift, 0, atol=1e-8 * max(1, abs(ddq).max()))
 
 
@@ -81,7 +82,8 @@ def tree(seed, joints=9):
     """Hinges, sliders and balls on a moving base; frame f0, f1, ... on each body."""
     g = np.random.default_rng(seed)
     b = dyn.Builder("tree")
-    b.add_joint("base", "free_flyer").add_body("trunk", "base", mass=3, inertia=np.diag([0.2, 0.3, 0.4])).add_frame("f0", "base", (0.1, 0, 0))
+    b.add_joint("base", "free_flyer").add_body("trunk", "base", mass=3,
+                                               inertia=np.diag([0.2, 0.3, 0.4])).add_frame("f0", "base", (0.1, 0, 0))
     names = ["base"]
     for k in range(1, joints):
         parent, type = names[g.integers(len(names))], str(g.choice(["revolute", "prismatic", "spherical", "revolute"]))
@@ -106,7 +108,8 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_planted_redundancy_and_contradiction_are_named(kind):
-    """What there is twice is redundant, and named; 1 mm apart it contradicts itself, and is named; what is independent beside it never is."""
+    """What there is twice is redundant, and named; 1 mm apart it contradicts itself, and is named; what is independent beside it
+    never is."""
     cases = 0
     for seed in range(1, 61):
         m = tree(seed)
@@ -152,8 +155,10 @@ def test_planted_redundancy_and_contradiction_are_named(kind):
 
 # of hinges a and b at q, pairs that are the same row; and by how much each pair is off (m or rad), where it contradicts itself
 JOINT_ROWS = {
-    "coupling": (lambda a, b, qa, qb, off: (dc.coupling(a, b, (qa - 0.7 * qb, 0.7)), dc.coupling(a, b, (qa - 0.7 * qb - off, 0.7))), True),
-    "curved coupling": (lambda a, b, qa, qb, off: (dc.coupling(a, b, (qa - 0.3 * qb**2, 0, 0.3)), dc.coupling(a, b, (qa - 0.3 * qb**2 - off, 0, 0.3))), True),
+    "coupling": (lambda a, b, qa, qb, off: (dc.coupling(a, b, (qa - 0.7 * qb, 0.7)),
+                                            dc.coupling(a, b, (qa - 0.7 * qb - off, 0.7))), True),
+    "curved coupling": (lambda a, b, qa, qb, off: (dc.coupling(a, b, (qa - 0.3 * qb**2, 0, 0.3)),
+                                                   dc.coupling(a, b, (qa - 0.3 * qb**2 - off, 0, 0.3))), True),
     "limit": (lambda a, b, qa, qb, off: (dc.limit(a), dc.limit(a)), False),
     "limit and coupling": (lambda a, b, qa, qb, off: (dc.limit(a), dc.coupling(a, b, (qa - off,))), True),
     "friction": (lambda a, b, qa, qb, off: (dc.friction(b, 1.0), dc.friction(b, 2.0)), False),
@@ -172,7 +177,8 @@ def test_planted_rows_of_joints_are_named(kind):
         limited, other, third = g.permutation(6)[:3]
         for k in range(6):
             bounds = {"lower": [at[k]], "upper": [at[k] + 1]} if k == limited else {}
-            b.add_joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, tuple(0.3 * g.normal(size=3)), axis=tuple(g.normal(size=3)), **bounds)
+            b.add_joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, tuple(0.3 * g.normal(size=3)),
+                        axis=tuple(g.normal(size=3)), **bounds)
             b.add_body(f"link{k}", f"j{k}", mass=1, com=tuple(0.1 * g.normal(size=3)), inertia=np.diag([0.1, 0.12, 0.15]))
         m = b.finish()
 
@@ -188,22 +194,27 @@ def test_planted_rows_of_joints_are_named(kind):
 
         r = report(0)
         assert (r.rank, r.redundant, r.contradictory) == (2, 1, 0) and r.error < 1e-12, (seed, r)
-        assert named(r, dyn.RowVerdict.REDUNDANT) == {"planted 0", "planted 1"} and named(r, dyn.RowVerdict.INDEPENDENT) == {"beside"}
+        assert (named(r, dyn.RowVerdict.REDUNDANT) == {"planted 0", "planted 1"}
+                and named(r, dyn.RowVerdict.INDEPENDENT) == {"beside"})
         r = report(1e-3)
         if not contradicts:  # friction asks for no position
             assert r.contradictory == 0 and r.contradiction < 1e-12
         else:
-            assert named(r, dyn.RowVerdict.CONTRADICTORY) == {"planted 0", "planted 1"} and named(r, dyn.RowVerdict.INDEPENDENT) == {"beside"}
+            assert (named(r, dyn.RowVerdict.CONTRADICTORY) == {"planted 0", "planted 1"}
+                    and named(r, dyn.RowVerdict.INDEPENDENT) == {"beside"})
             assert 1e-4 < r.contradiction < 1e-3
 
 
 def test_branch_without_mass():
-    """The builder refuses it; where only an armature resisted, and is switched off, each call names the joint and leaves q, v as they were."""
+    """The builder refuses it; where only an armature resisted, and is switched off, each call names the joint and leaves q, v as
+    they were."""
 
     def tool(armature):
         b = dyn.Builder("tool")
-        b.add_joint("arm", "revolute", axis=(0, 1, 0)).add_body("arm_link", "arm", mass=1, com=(0.2, 0, 0), inertia=np.diag([0.01, 0.1, 0.1]))
-        b.add_joint("pointer", "revolute", "arm", (0.5, 0, 0), axis=(0, 1, 0), armature=armature).add_frame("tip", "pointer", (0.3, 0, 0))
+        b.add_joint("arm", "revolute", axis=(0, 1, 0)).add_body("arm_link", "arm", mass=1, com=(0.2, 0, 0),
+                                                                inertia=np.diag([0.01, 0.1, 0.1]))
+        b.add_joint("pointer", "revolute", "arm", (0.5, 0, 0), axis=(0, 1, 0),
+                    armature=armature).add_frame("tip", "pointer", (0.3, 0, 0))
         return b.add_constraint("on_the_wall", dc.point("tip", placement2=(0.7, 0, 0))).finish()
 
     with pytest.raises(dyn.InvalidRobotError, match="pointer.*no mass"):

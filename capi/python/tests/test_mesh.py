@@ -9,7 +9,8 @@ import libdyn as dyn
 
 CUBE = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], float)
 TRIANGLES = [
-    [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+    [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7],
+    [1, 7, 5],
 ]  # fmt: skip
 
 
@@ -90,7 +91,8 @@ def test_command(tmp_path):
     mesh = '<collision><geometry><mesh filename="cube.obj" scale="1 2 3"/></geometry></collision><visual><geometry><mesh filename="none.obj"/></geometry></visual>'
     path.write_text(ARM.replace('<link name="base"/>', f'<link name="base">{mesh}</link>'))
     srdf = tmp_path / "arm.srdf"
-    srdf.write_text('<robot name="arm"><group_state name="up" group="g"/><disable_collisions link1="base" link2="tool" reason="Never"/></robot>')
+    srdf.write_text('<robot name="arm"><group_state name="up" group="g"/><disable_collisions link1="base" link2="tool" '
+                    'reason="Never"/></robot>')
     info = answer("info", path, "--fixed", "--srdf", srdf, "--meshes")
     assert info["configurations"] == ["neutral", "up"]
     assert info["disabled_pairs"] == [{"frame1": "base", "frame2": "tool", "reason": "Never"}]
@@ -122,8 +124,10 @@ def test_shapes_of_meshes(tmp_path):
         dyn.Mesh.height_field(np.zeros(4), 1, -1)
     with pytest.raises(dyn.InvalidRobotError, match="not above the bottom"):
         dyn.Mesh.height_field(np.zeros((2, 2)), 1, 0)
-    b = dyn.Builder("scene").add_body("ground", None, 0, [0, 0, 0], np.zeros((3, 3))).add_joint("slide", "prismatic").add_joint("turn", "revolute", "slide")
-    b.add_body("cube", "turn", 1, [0, 0, 0], np.eye(3)).add_shape("ground", "height_field", surface=field).add_shape("cube", "triangles", surface=cube)
+    b = dyn.Builder("scene").add_body("ground", None, 0, [0, 0, 0],
+                                      np.zeros((3, 3))).add_joint("slide", "prismatic").add_joint("turn", "revolute", "slide")
+    b.add_body("cube", "turn", 1, [0, 0, 0], np.eye(3)).add_shape("ground", "height_field",
+                                                                  surface=field).add_shape("cube", "triangles", surface=cube)
     m = b.finish()
     d = m.data()
     d.set_pair(None, True)
@@ -171,8 +175,9 @@ def test_cli_collision_meshes(tmp_path):
     part = "<collision><geometry><mesh filename='a.obj'/></geometry></collision>"
     path = tmp_path / "r.urdf"
     path.write_text(
-        f"<robot name='r'><link name='w'/><link name='a'>{part}</link><link name='b'>{part}</link><joint name='x' type='floating'><parent link='w'/>"
-        "<child link='a'/></joint><joint name='y' type='floating'><parent link='w'/><child link='b'/></joint></robot>".replace(
+        f"<robot name='r'><link name='w'/><link name='a'>{part}</link><link name='b'>{part}</link><joint name='x' "
+        "type='floating'><parent link='w'/><child link='a'/></joint><joint name='y' type='floating'><parent link='w'/><child "
+        "link='b'/></joint></robot>".replace(
             part, part + "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
         )
     )
@@ -188,7 +193,8 @@ def test_colours(tmp_path):
         pytest.skip("built without assimp and qhull")
     (tmp_path / "m.mtl").write_text("newmtl paint\nKd 0.2 0.4 1\nnewmtl bare\n")
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
-    (tmp_path / "m.obj").write_text("mtllib m.mtl\n" + corners + "usemtl bare\nf 1 3 2\nusemtl paint\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    (tmp_path / "m.obj").write_text("mtllib m.mtl\n" + corners
+                                    + "usemtl bare\nf 1 3 2\nusemtl paint\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     m = dyn.load_mesh(tmp_path / "m.obj")
     assert m.colours.shape == (4, 3)
     np.testing.assert_array_equal(np.sort(m.colours, axis=0)[:3], [[0.2, 0.4, 1]] * 3)

@@ -83,7 +83,8 @@ def test_every_primitive(kind):
 def test_meshes(tmp_path):
     (tmp_path / "corner.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     (tmp_path / "r.urdf").write_text(
-        '<robot name="r"><link name="l"><visual><geometry><mesh filename="corner.obj" scale="2 2 2"/></geometry></visual></link></robot>'
+        '<robot name="r"><link name="l"><visual><geometry><mesh filename="corner.obj" scale="2 2 '
+        '2"/></geometry></visual></link></robot>'
     )
     m = dyn.load(tmp_path / "r.urdf", base="fixed")
     try:
@@ -96,11 +97,13 @@ def test_meshes(tmp_path):
 def test_colours_of_the_files(tmp_path):
     """A material's colour and opacity; without one those of the mesh's own triangles; else what is asked for."""
     (tmp_path / "corner.mtl").write_text("newmtl a\nKd 0.2 0.4 1\n")
-    (tmp_path / "corner.obj").write_text("mtllib corner.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    (tmp_path / "corner.obj").write_text("mtllib corner.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 3 2\nf 1 2 4\nf "
+                                         "1 4 3\nf 2 3 4\n")
     mesh, paint = '<geometry><mesh filename="corner.obj"/></geometry>', '<material name=""><color rgba="1 0.2 0 0.4"/></material>'
     box = '<geometry><box size="1 1 1"/></geometry>'
     (tmp_path / "r.urdf").write_text(
-        '<robot name="r"><link name="l">' + "".join(f"<visual>{x}</visual>" for x in (box + paint, box, mesh, mesh + paint)) + "</link></robot>"
+        '<robot name="r"><link name="l">' + "".join(f"<visual>{x}</visual>" for x in (box + paint, box, mesh, mesh + paint))
+        + "</link></robot>"
     )
     m, paper = dyn.load(tmp_path / "r.urdf", base="fixed"), Paper()
     try:
@@ -109,12 +112,14 @@ def test_colours_of_the_files(tmp_path):
         pytest.skip(str(error))
     red, plain, own, painted = (paper.told[f"/robot/{k}/0", "material"] for k in range(4))
     for x in (red, painted):
-        assert x["color"] == 0xFF3300 and x["opacity"] == pytest.approx(0.4, abs=1 / 255) and x["transparent"] and not x["vertexColors"]
+        assert (x["color"] == 0xFF3300 and x["opacity"] == pytest.approx(0.4, abs=1 / 255) and x["transparent"]
+                and not x["vertexColors"])
     assert plain["color"] == 0x123456 and plain["opacity"] == 1 and not plain["transparent"]
     assert own["color"] == 0xFFFFFF and own["vertexColors"]
     (drawn, _), = pieces(m, m.shapes[2])
     np.testing.assert_allclose(drawn.color, np.tile([0.2, 0.4, 1], (12, 1)), atol=1e-6)
-    assert drawn.vertices.shape == (12, 3) and sorted(map(tuple, drawn.vertices.tolist())) == sorted([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)] * 3)
+    assert (drawn.vertices.shape == (12, 3)
+            and sorted(map(tuple, drawn.vertices.tolist())) == sorted([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)] * 3))
 
 
 def test_a_server():

@@ -14,7 +14,8 @@ C_WORDS = r"DYN_|dyn_|\bNULL\b|--\w|struct_size"
 @pytest.mark.parametrize(
     ("said", "expected"),
     [
-        ("load with base = DYN_BASE_FIXED or DYN_BASE_FLOATING; on the command line --fixed or --floating", 'load with base="fixed" or base="floating"'),
+        ("load with base = DYN_BASE_FIXED or DYN_BASE_FLOATING; on the command line --fixed or --floating",
+         'load with base="fixed" or base="floating"'),
         ("for a robot that floats say base = DYN_BASE_FLOATING (--floating)", 'for a robot that floats say base="floating"'),
         ("call dyn_crba first", "call Data.crba first"),
         ("com was not computed: call dyn_com first", "com was not computed: call Data.compute_com first"),

@@ -43,7 +43,8 @@ def exact():
 @pytest.mark.parametrize("kind", ("loop", "connect"))
 @pytest.mark.parametrize("tilt", TILTS)
 def test_tilted_four_bar_moves_as_the_exact_one(exact, tilt, kind, integrator):
-    """In default steps of 1 ms it ends within the method's own error and ten times the tilt; the loop opens by no more than twice the tilt."""
+    """In default steps of 1 ms it ends within the method's own error and ten times the tilt; the loop opens by no more than twice
+    the tilt."""
     start, end = exact
     d = tilted_four_bar(tilt, kind).data()
     d.q = start
@@ -125,7 +126,8 @@ def bricard(six_rows):
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("six_rows", (False, True))
 def test_bricard_in_steps_of_1_ms(six_rows, integrator, solver):
-    """Within 3 mrad of the exact motion after a second by the methods of order 1, 2e-6 by the midpoint rule, 1e-11 by the others."""
+    """Within 3 mrad of the exact motion after a second by the methods of order 1, 2e-6 by the midpoint rule, 1e-11 by the
+    others."""
     m = bricard(six_rows)
     exact, d = m.data(), m.data()
     exact.set_step_options("reference", 0.1)

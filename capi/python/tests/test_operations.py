@@ -14,7 +14,8 @@ def test_lock_attach_subtree(arm):
     assert np.allclose(full.crba([0.1, 0.4])[0, 0], less.crba([0.1])[0, 0], rtol=1e-14)
     less.forward_kinematics([0.1]), full.forward_kinematics([0.1, 0.4])
     assert np.allclose(less.frame_placement("elbow").matrix, full.frame_placement("elbow").matrix, atol=1e-15)
-    pair = dyn.Builder.from_model(arm).attach(arm, "right_", "rail", "prismatic", parent="tool", axis=(1, 0, 0), lower=-1, upper=1).finish()
+    pair = dyn.Builder.from_model(arm).attach(arm, "right_", "rail", "prismatic", parent="tool", axis=(1, 0, 0), lower=-1,
+                                              upper=1).finish()
     assert [pair.joint_name(j) for j in range(1, 6)] == ["shoulder", "elbow", "rail", "right_shoulder", "right_elbow"]
     assert dyn.Builder.from_model(pair).keep_subtree("right_shoulder").finish().nv == 2
     assert dyn.Builder.from_model(pair).remove_subtree("rail").finish().nv == 2

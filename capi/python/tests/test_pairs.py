@@ -22,12 +22,13 @@ def mjcf(option="", contact=""):
 <body name="cart"><joint type="slide"/><geom size=".1"/></body></worldbody><contact>{contact}</contact></mujoco>"""
 
 
-PAIRS = {("arm", "universe"), ("hand", "universe"), ("lid", "universe"), ("cart", "universe"), ("arm", "base"), ("base", "lid"), ("base", "hand"), ("base", "cart"),
-         ("arm", "cart"), ("cart", "lid"), ("cart", "hand")}
+PAIRS = {("arm", "universe"), ("hand", "universe"), ("lid", "universe"), ("cart", "universe"), ("arm", "base"), ("base", "lid"),
+         ("base", "hand"), ("base", "cart"), ("arm", "cart"), ("cart", "lid"), ("cart", "hand")}
 
 
 def test_mjcf_has_the_pairs_of_mujoco():
-    """The world and what is fixed to it are nobody's parent, bodies without joints are one with their parent, and overlaps count."""
+    """The world and what is fixed to it are nobody's parent, bodies without joints are one with their parent, and overlaps
+    count."""
     assert set(pairs_of(dyn.load_string(mjcf()))) == PAIRS
     assert set(pairs_of(dyn.load_string(mjcf(contact='<exclude body1="base" body2="hand"/>')))) == PAIRS - {("base", "hand")}
     parents = dyn.load_string(mjcf('<option><flag filterparent="disable"/></option>'))
@@ -37,11 +38,13 @@ def test_mjcf_has_the_pairs_of_mujoco():
 
 def test_pairs_are_saved(tmp_path):
     """As MJCF, where pairs that MuJoCo would test are excluded, and as .dynb."""
-    for model in [dyn.load_string(mjcf(option)) for option in ("", '<option><flag filterparent="disable"/></option>')] + [dyn.load_string(chain(0.05), base="fixed")]:
+    models = [dyn.load_string(mjcf(option)) for option in ("", '<option><flag filterparent="disable"/></option>')]
+    for model in models + [dyn.load_string(chain(0.05), base="fixed")]:
         model.save(tmp_path / "m.xml"), model.save(tmp_path / "m.dynb")
         for file in ("m.xml", "m.dynb"):
             assert sorted(pairs_of(dyn.load(tmp_path / file))) == sorted(pairs_of(model))
-        assert pairs_of(dyn.Model.from_image(model.image())) == pairs_of(dyn.Builder.from_model(model).finish()) == pairs_of(model)
+        assert (pairs_of(dyn.Model.from_image(model.image())) == pairs_of(dyn.Builder.from_model(model).finish())
+                == pairs_of(model))
 
 
 def test_a_body_that_begins_in_the_floor_is_pushed_out():
@@ -59,7 +62,8 @@ def chain(length, limits="", shape='<sphere radius="0.1"/>'):
     """Links on hinges about y, at a distance along z."""
     links = "".join(f'<link name="l{k}">{INERTIAL}<collision><geometry>{shape}</geometry></collision></link>' for k in range(3))
     kind = "revolute" if limits else "continuous"
-    joints = "".join(f'<joint name="j{k}" type="{kind}"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="0 0 {length}"/><axis xyz="0 1 0"/>{limits}</joint>' for k in range(2))
+    joints = "".join(f'<joint name="j{k}" type="{kind}"><parent link="l{k}"/><child link="l{k + 1}"/><origin xyz="0 0 '
+                     f'{length}"/><axis xyz="0 1 0"/>{limits}</joint>' for k in range(2))
     return f'<robot name="chain">{links}{joints}</robot>'
 
 
@@ -70,13 +74,16 @@ def overlaps(model):
 def test_urdf_pairs_that_always_overlap_are_named():
     model = dyn.load_string(chain(0.05), base="fixed")
     assert pairs_of(model) == []
-    assert overlaps(model) == ["not tested for collision, because they overlap in nearly every configuration: links 'l0' and 'l2', 1 pair of shapes"]
+    assert (overlaps(model)
+            == ["not tested for collision, because they overlap in nearly every configuration: links 'l0' and 'l2', 1 pair of "
+                "shapes"])
     assert overlaps(dyn.Model.from_image(model.image())) == overlaps(dyn.Builder.from_model(model).finish()) == overlaps(model)
 
 
 def test_urdf_pairs_that_overlap_in_the_neutral_configuration_alone_are_pairs_of():
     """Links of 15 cm under 0 rad lie on one another where the elbow is bent by half a turn: not in most configurations."""
-    folded = chain(0.15).replace('<origin xyz="0 0 0.15"/><axis xyz="0 1 0"/></joint></robot>', '<origin xyz="0 0 -0.15"/><axis xyz="0 1 0"/></joint></robot>')
+    folded = chain(0.15).replace('<origin xyz="0 0 0.15"/><axis xyz="0 1 0"/></joint></robot>',
+                                 '<origin xyz="0 0 -0.15"/><axis xyz="0 1 0"/></joint></robot>')
     model = dyn.load_string(folded, base="fixed")
     assert pairs_of(model) == [("l0", "l2")] and overlaps(model) == []
     assert dyn.load_string(chain(0.15), base="fixed").pairs[0].reason is dyn.PairReason.TESTED
@@ -84,7 +91,9 @@ def test_urdf_pairs_that_overlap_in_the_neutral_configuration_alone_are_pairs_of
 
 def test_an_srdf_decides(tmp_path):
     """It disables another pair; l0 and l2 overlap everywhere, and are tested."""
-    text = chain(0.05).replace("</robot>", f'<link name="far">{INERTIAL}</link><joint name="f" type="continuous"><parent link="l2"/><child link="far"/></joint></robot>')
+    text = chain(0.05).replace("</robot>",
+                               f'<link name="far">{INERTIAL}</link><joint name="f" type="continuous"><parent link="l2"/><child '
+                               'link="far"/></joint></robot>')
     for pairs, expected in (('<disable_collisions link1="l0" link2="far"/>', [("l0", "l2")]), ("", [])):
         (tmp_path / "r.srdf").write_text(f'<robot name="chain">{pairs}</robot>')
         model = dyn.load_string(text, base="fixed", srdf=tmp_path / "r.srdf")
@@ -92,7 +101,8 @@ def test_an_srdf_decides(tmp_path):
 
 
 CUBE = "".join(f"v {x} {y} {z}\n" for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)) + "".join(
-    f"f {a} {b} {c}\n" for a, b, c in ((1, 2, 4), (1, 4, 3), (5, 8, 6), (5, 7, 8), (1, 6, 2), (1, 5, 6), (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5), (2, 6, 8), (2, 8, 4)))
+    f"f {a} {b} {c}\n" for a, b, c in ((1, 2, 4), (1, 4, 3), (5, 8, 6), (5, 7, 8), (1, 6, 2), (1, 5, 6), (3, 4, 8), (3, 8, 7),
+                                       (1, 3, 7), (1, 7, 5), (2, 6, 8), (2, 8, 4)))
 
 
 @pytest.fixture
@@ -114,7 +124,8 @@ def test_hulls_of_meshes_by_default(cube):
     (cube / "r.urdf").write_text(chain(1, shape='<mesh filename="cube.obj"/>'))
     model = quiet(dyn.load, cube / "r.urdf", base="fixed")
     assert [s.type.name for s in model.shapes] == ["CONVEX"] * 3 and len(pairs_of(model)) == 1
-    (cube / "m.xml").write_text('<mujoco><asset><mesh file="cube.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" mesh="cube"/></body></worldbody></mujoco>')
+    (cube / "m.xml").write_text('<mujoco><asset><mesh file="cube.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" '
+                                'mesh="cube"/></body></worldbody></mujoco>')
     assert [s.type.name for s in quiet(dyn.load, cube / "m.xml").shapes] == ["CONVEX"]
     assert [s.type.name for s in quiet(dyn.load, cube / "m.xml", meshes="none").shapes] == ["MESH"]
 
@@ -130,7 +141,8 @@ def test_a_missing_mesh_is_a_warning_and_an_error_when_strict(cube):
     with pytest.raises(dyn.FileError, match="none.obj"):
         dyn.load(cube / "r.urdf", base="fixed", meshes="hull")
     body = '<inertial mass="1" diaginertia="1 1 1" pos="0 0 0"/>'
-    (cube / "m.xml").write_text(f'<mujoco><asset><mesh file="none.obj"/></asset><worldbody><body><freejoint/>{body}<geom type="mesh" mesh="none"/></body></worldbody></mujoco>')
+    (cube / "m.xml").write_text(f'<mujoco><asset><mesh file="none.obj"/></asset><worldbody><body><freejoint/>{body}<geom '
+                                'type="mesh" mesh="none"/></body></worldbody></mujoco>')
     with pytest.warns(dyn.LoadWarning, match="none.obj"):
         assert [s.type.name for s in dyn.load(cube / "m.xml").shapes] == ["MESH"]
     with pytest.raises(dyn.StrictError, match="none.obj"):
@@ -143,7 +155,8 @@ def test_flat_meshes_and_points(cube):
         (cube / "r.urdf").write_text(chain(1, shape='<mesh filename="flat.obj"/>'))
         with pytest.warns(dyn.LoadWarning, match="flat"):
             assert [s.type.name for s in dyn.load(cube / "r.urdf", base="fixed", meshes=use).shapes] == ["TRIANGLES"] * 3
-        (cube / "m.xml").write_text('<mujoco><asset><mesh file="points.obj"/></asset><worldbody><body><freejoint/><geom type="mesh" mesh="points"/></body></worldbody></mujoco>')
+        (cube / "m.xml").write_text('<mujoco><asset><mesh file="points.obj"/></asset><worldbody><body><freejoint/><geom '
+                                    'type="mesh" mesh="points"/></body></worldbody></mujoco>')
         model = quiet(dyn.load, cube / "m.xml", meshes=use)
         assert [s.type.name for s in model.shapes] == ["CONVEX"]
         assert model.total_mass == pytest.approx(8, rel=1e-12)
@@ -151,12 +164,15 @@ def test_flat_meshes_and_points(cube):
 
 @pytest.mark.parametrize("builtin, vertices, volume", [
     ('"sphere" params="0"', 12, 2.53615071), ('"sphere" params="2"', 162, None), ('"sphere" params="4"', 2562, None),
-    ('"hemisphere" params="0"', 5, 2 / 3), ('"hemisphere" params="2"', 25, None), ('"cone" params="4 0.5"', 8, 7 / 3), ('"cone" params="4 0"', 5, 4 / 3)])
+    ('"hemisphere" params="0"', 5, 2 / 3), ('"hemisphere" params="2"', 25, None), ('"cone" params="4 0.5"', 8, 7 / 3),
+    ('"cone" params="4 0"', 5, 4 / 3)])
 def test_builtin_meshes(builtin, vertices, volume):
-    """Those of MuJoCo 4 that are convex: as many corners on their hull (without the middle of a base), the volume of Platonic solids, prisms and pyramids."""
+    """Those of MuJoCo 4 that are convex: as many corners on their hull (without the middle of a base), the volume of Platonic
+    solids, prisms and pyramids."""
     model = quiet(dyn.load_string, f"""<mujoco><asset><mesh name="m" builtin={builtin}/></asset><worldbody><body><freejoint/>
         <geom type="mesh" mesh="m" density="1"/></body></worldbody></mujoco>""")
-    assert model.shapes[0].type is dyn.ShapeType.CONVEX and f"a hull of {vertices} vertices" in " ".join(r.message for r in model.report)
+    assert (model.shapes[0].type is dyn.ShapeType.CONVEX
+            and f"a hull of {vertices} vertices" in " ".join(r.message for r in model.report))
     if volume:
         assert model.total_mass == pytest.approx(volume, rel=1e-8)
     elif "sphere" in builtin:
@@ -178,7 +194,8 @@ BRICK = "".join(f"{x} {y} {z} " for x in (0, 0.2) for y in (0, 0.4) for z in (0,
 def test_primitives_fitted_to_a_mesh(bounds):
     """A brick of 0.2 x 0.4 x 0.6 m in a corner: its box is the brick, other primitives follow MuJoCo's formulas."""
     sizes = {"box": (0.1, 0.2, 0.3), "ellipsoid": (0.1, 0.2, 0.3), "sphere": (0.3,) if bounds else (0.2,),
-             "cylinder": (0.05**0.5 if bounds else 0.15, 0.3), "capsule": (0.05**0.5, 0.3 - 0.05**0.5) if bounds else (0.15, 0.225)}
+             "cylinder": (0.05**0.5 if bounds else 0.15, 0.3), "capsule": (0.05**0.5, 0.3 - 0.05**0.5) if bounds
+             else (0.15, 0.225)}
     for kind, expected in sizes.items():
         model = dyn.load_string(f"""<mujoco><compiler fitaabb="{"true" if bounds else "false"}"/><asset><mesh name="m" vertex="{BRICK}"/></asset><worldbody><body><freejoint/>
             <geom type="{kind}" mesh="m" pos="1 0 0" fitscale="2"/></body></worldbody></mujoco>""")
@@ -200,7 +217,9 @@ def test_small_things_do_not_refuse_a_model():
 
 
 def test_joints_without_mass_load_and_forward_dynamics_names_them(tmp_path):
-    text = chain(1).replace("</robot>", '<link name="tip"/><joint name="massless" type="continuous"><parent link="l2"/><child link="tip"/><axis xyz="1 0 0"/></joint></robot>')
+    text = chain(1).replace("</robot>",
+                            '<link name="tip"/><joint name="massless" type="continuous"><parent link="l2"/><child '
+                            'link="tip"/><axis xyz="1 0 0"/></joint></robot>')
     with pytest.warns(dyn.LoadWarning, match="forward dynamics may be undefined: joint 'massless'"):
         model = dyn.load_string(text, base="fixed")
     plain = dyn.load_string(chain(1), base="fixed")
@@ -232,7 +251,8 @@ def test_bodies_nested_ten_thousand_deep():
 
 def test_negative_moments_of_inertia_are_kept_with_a_warning(tmp_path):
     """As Pinocchio loads them: inverse dynamics takes the numbers of the file, tau = I a about the axis."""
-    text = chain(1).replace('<link name="l2"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"', '<link name="l2"><inertial><mass value="1"/><inertia ixx="-0.1" iyy="0.2" izz="0.2"')
+    text = chain(1).replace('<link name="l2"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"',
+                            '<link name="l2"><inertial><mass value="1"/><inertia ixx="-0.1" iyy="0.2" izz="0.2"')
     with pytest.warns(dyn.LoadWarning, match="no negative one"):
         model = dyn.load_string(text, base="fixed")
     assert model.data().rnea([0, 0], [0, 0], [0, 1])[1] == pytest.approx(0.2, abs=1e-12)

@@ -37,18 +37,21 @@ def arm(lengths, target, **more):
 
 @pytest.mark.parametrize("weigh", [True, False])
 def test_projection_onto_linkages_stretched_flat(weigh):
-    """J loses rank at the solution: an arm that just reaches the wall, from many starts; and one that cannot quite ends stretched towards it."""
+    """J loses rank at the solution: an arm that just reaches the wall, from many starts; and one that cannot quite ends stretched
+    towards it."""
     far = 1.5 * np.array([np.cos(0.4), np.sin(0.4)])
     for lengths in ((1.0, 0.5), (0.5, 1.0), (0.6, 0.5, 0.4)):
         d = arm(lengths, far).data()
         for seed in range(10):
             p = d.project(np.random.default_rng(seed).uniform(-1, 1, len(lengths)), weigh=weigh)
             assert p.result.solved and p.result.residual <= 1e-12, (lengths, seed, p.result)
-            np.testing.assert_allclose(np.exp(1j * p.q), np.exp([0.4j] + [0] * (len(lengths) - 1)), atol=1e-5)  # errors of q are roots of those of C
+            np.testing.assert_allclose(np.exp(1j * p.q), np.exp([0.4j] + [0] * (len(lengths) - 1)),
+                                       atol=1e-5)  # errors of q are roots of those of C
         d = arm(lengths, 1.01 * far).data()
         p = d.project(np.random.default_rng(1).uniform(-1, 1, len(lengths)), weigh=weigh)
         near = 1e-6 if len(lengths) == 2 else 1e-2  # of three it gets there more slowly, and says so
-        assert p.result.reason == dyn.ConstraintReason.CONTRADICTORY or (len(lengths) == 3 and p.result.reason == dyn.ConstraintReason.MAX_ITERATIONS)
+        assert (p.result.reason == dyn.ConstraintReason.CONTRADICTORY
+                or (len(lengths) == 3 and p.result.reason == dyn.ConstraintReason.MAX_ITERATIONS))
         np.testing.assert_allclose(p.result.residual, 0.015 * np.cos(0.4), rtol=near)
         np.testing.assert_allclose(np.exp(1j * p.q), np.exp([0.4j] + [0] * (len(lengths) - 1)), atol=10 * near)
 

@@ -96,7 +96,8 @@ def test_sensors_and_contacts(scene, task):
         link = scene.frame_id(foot, "body")
         for k, i in np.ndindex(r.contact_count.shape):
             c = r.contacts[k, i, : r.contact_count[k, i]]
-            force = sum(((frames[c["shape_b"]] == link) * 1.0 - (frames[c["shape_a"]] == link))[:, None] * c["force_on_b"], np.zeros(3))
+            force = sum(((frames[c["shape_b"]] == link) * 1.0 - (frames[c["shape_a"]] == link))[:, None] * c["force_on_b"],
+                        np.zeros(3))
             np.testing.assert_allclose(r.sensors[foot][k, i, :3], force, atol=1e-9)
             pressed += force[2] > 1
     assert pressed > 10
@@ -104,7 +105,8 @@ def test_sensors_and_contacts(scene, task):
 
 def test_actuators_take_controls():
     b = dyn.Builder("pendulum")
-    b.add_joint("hinge", "revolute", axis=(0, 1, 0)).add_body("rod", "hinge", mass=1, com=(0, 0, -0.5), inertia=np.diag([0.1, 0.1, 0.01]))
+    b.add_joint("hinge", "revolute", axis=(0, 1, 0)).add_body("rod", "hinge", mass=1, com=(0, 0, -0.5),
+                                                              inertia=np.diag([0.1, 0.1, 0.01]))
     m = b.add_actuator("motor", "hinge", type="motor", gear=2.0).finish()
     u = np.random.default_rng(1).normal(size=(3, 5, 1))
     driven = rollout(m, control=u, every=4)
@@ -153,7 +155,9 @@ def test_refusals(scene, task):
         ("nobody", dyn.UnknownNameError, lambda: rollout(m, steps=1, sensors={"x": ("imu", "nobody")})),
         ("contacts is -1", dyn.ArgumentError, lambda: rollout(m, steps=1, contacts=-1)),
         ("states must be", dyn.SizeError, lambda: rollout(m, steps=1, states=np.zeros((1, 3), np.uint8))),
-        ("holds no state", dyn.ArgumentError, lambda: rollout(m, steps=1, states=np.zeros((1, dyn.library.lib.dyn_model_state_size(m._m)), np.uint8))),
+        ("holds no state", dyn.ArgumentError, lambda: rollout(m, steps=1,
+                                                              states=np.zeros((1, dyn.library.lib.dyn_model_state_size(m._m)),
+                                                                              np.uint8))),
         ("engine is 'gpu'", dyn.ArgumentError, lambda: rollout(m, steps=1, engine="gpu")),
         ("dt", dyn.ArgumentError, lambda: rollout(m, steps=1, dt=-1)),
         ("tolerance is 'x'", dyn.ArgumentError, lambda: rollout(m, steps=1, tolerance="x")),

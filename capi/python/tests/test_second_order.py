@@ -44,7 +44,8 @@ def test_at_rest_and_center_of_mass(go2, state):
     d, u = go2.data(), np.cos(np.arange(go2.nv))
     fext = np.sin(np.arange(6 * go2.njoints)).reshape((6, -1), order="F")
     close(d.gravity_torque_derivatives(q) @ u, rate(lambda t: d.gravity_torque(go2.integrate(q, t * u))), atol=1e-6)
-    close(d.static_torque_derivatives(q, fext) @ u, rate(lambda t: d.compute_static_torque(go2.integrate(q, t * u), fext)), atol=1e-6)
+    close(d.static_torque_derivatives(q, fext) @ u, rate(lambda t: d.compute_static_torque(go2.integrate(q, t * u), fext)),
+          atol=1e-6)
     np.testing.assert_array_equal(d.static_torque_derivatives(q, 0 * fext), d.static_torque_derivatives(q))
 
     def vcom(t):

@@ -37,7 +37,8 @@ def test_it_is_the_loop_over_steps(arm):
 
 def test_it_begins_as_the_file_draws_it():
     box = '<geom type="box" size=".1 .1 .1" mass="1"/>'
-    robot = dyn.load_string(f'<mujoco><worldbody><body pos="0 0 2"><freejoint/>{box}</body></worldbody><keyframe><key name="low" qpos="0 0 1 1 0 0 0"/></keyframe></mujoco>')
+    robot = dyn.load_string(f'<mujoco><worldbody><body pos="0 0 2"><freejoint/>{box}</body></worldbody><keyframe><key '
+                            'name="low" qpos="0 0 1 1 0 0 0"/></keyframe></mujoco>')
     assert dyn.Simulation(robot).q[2] == 2 and dyn.Simulation(robot, robot.neutral()).q[2] == 0
     low = dyn.Simulation(robot, "low")
     low.step()

@@ -39,7 +39,8 @@ def test_a_box_rests():
 @pytest.mark.parametrize("mu", [0.5, 1.0])
 @pytest.mark.parametrize("hand", [False, True])
 def test_two_fingers_hold_a_box(hand, mu, share):
-    """Squeezed by a little more than friction needs, it stays. That it turns about an edge of the pads, which would press there alone, solves Coulomb's law as well."""
+    """Squeezed by a little more than friction needs, it stays. That it turns about an edge of the pads, which would press there
+    alone, solves Coulomb's law as well."""
     mass, size = 0.2, np.array([0.02, 0.03, 0.03])
     b = dyn.Builder("gripper")
     if hand:
@@ -47,9 +48,11 @@ def test_two_fingers_hold_a_box(hand, mu, share):
     for name, side in (("left", 1), ("right", -1)):
         placement = np.eye(4)
         placement[1, 3] = side * (size[1] / 2 + 0.005)
-        b.add_joint(name, "prismatic", "lift" if hand else None, placement, axis=[0, 1, 0]).add_body(name, name, 0.05, inertia=1e-4 * np.eye(3))
+        b.add_joint(name, "prismatic", "lift" if hand else None, placement,
+                    axis=[0, 1, 0]).add_body(name, name, 0.05, inertia=1e-4 * np.eye(3))
         b.add_shape(name, "box", [0.02, 0.01, 0.03], name=f"{name}_pad")
-    b.add_joint("box_joint", "free_flyer").add_body("box", "box_joint", mass, inertia=np.diag(mass / 12 * (np.sum(size**2) - size**2)))
+    b.add_joint("box_joint", "free_flyer").add_body("box", "box_joint", mass,
+                                                    inertia=np.diag(mass / 12 * (np.sum(size**2) - size**2)))
     m = b.add_shape("box", "box", size, name="box").finish()
     data = m.data()
     data.set_shape_material(None, dyn.Material(friction=mu))
@@ -66,7 +69,8 @@ def test_two_fingers_hold_a_box(hand, mu, share):
 
 def test_materials():
     m = box_on_ground(dyn.Material(0.3, torsion=0.01, surface_velocity=(1, 2, 3)))
-    assert m.shape(1).material == dyn.Material(0.3, torsion=0.01, surface_velocity=(1, 2, 3)) and m.shape(0).material.friction == 0
+    assert (m.shape(1).material == dyn.Material(0.3, torsion=0.01, surface_velocity=(1, 2, 3))
+            and m.shape(0).material.friction == 0)
     d = m.data()
     d.set_shape_material(1, dyn.Material(restitution=0.5))
     assert d.shape_material(1).restitution == 0.5 and d.shape_material(0).friction == 0
@@ -89,7 +93,8 @@ def test_a_pair_that_is_off_does_not_touch():
 
 def test_the_command_on_the_ground():
     found = answer("sim", GO2, "--floating", "--ground", "--duration", "0.6", "--no-error-estimate")
-    assert found["contacts_max"] >= 4 and found["residual_max"] < 1e-2 and found["penetration_max"] < 1e-4 and found["solver"] == "admm"
+    assert (found["contacts_max"] >= 4 and found["residual_max"] < 1e-2 and found["penetration_max"] < 1e-4
+            and found["solver"] == "admm")
     assert any("starts on the ground" in w for w in found["warnings"])
     assert {e["name"] for e in found["effects"] if e["active"]} >= {"gravity", "contact", "limits"}
     assert "contact " in run("sim", GO2, "--floating", "--ground", "--duration", "0.1", "--solver", "pgs", "--no-error-estimate")
@@ -146,13 +151,15 @@ def test_the_ledger():
 
 def test_sim_ledger():
     x = answer("sim", GO2, "--floating", "--ground", "--duration", "0.05", "--ledger", "--no-error-estimate")["ledger"]
-    sources = sum(v for k, v in x.items() if isinstance(v, float) and not k.startswith(("energy", "constraint_drift", "cone", "complementarity")))
+    sources = sum(v for k, v in x.items()
+                  if isinstance(v, float) and not k.startswith(("energy", "constraint_drift", "cone", "complementarity")))
     assert x["energy_change"] == pytest.approx(sources + x["energy_defect"], abs=1e-9)
     assert x["damping"] < 0 and x["friction"] < 0
     assert "energy_defect" in run("sim", GO2, "--floating", "--ground", "--duration", "0.05", "--ledger", "--no-error-estimate")
 
 
 def test_steps_for_an_accuracy_while_a_robot_lies_on_the_ground():
-    said = answer("sim", GO2, "--floating", "--ground", "--duration", "0.3", "--accuracy", "1e-2", "--q", "0,0,0.33331,0,0,0,1" + ",0,0.8,-1.5" * 4)
+    said = answer("sim", GO2, "--floating", "--ground", "--duration", "0.3", "--accuracy", "1e-2", "--q",
+                  "0,0,0.33331,0,0,0,1" + ",0,0.8,-1.5" * 4)
     assert said["steps"] < 20000 and said["penetration_max"] < 1e-3  # a tenth of the accuracy counts as touching
     assert (said["error_estimate"] > 3e-2) == any("was not reached" in w for w in said["warnings"])

@@ -47,7 +47,8 @@ def test_page_and_status(answers):
 def test_table():
     done = run("cradle", "rotations-values")
     assert done.returncode == 0 and "2 of 2 passed" in done.stdout and done.stderr == ""
-    assert done.stdout.splitlines()[0].split() == ["case", "metric", "reference", "result", "error", "tolerance", "verdict", "time,", "s"]
+    assert (done.stdout.splitlines()[0].split()
+            == ["case", "metric", "reference", "result", "error", "tolerance", "verdict", "time,", "s"])
 
 
 def test_unknown_names_are_told_the_known():

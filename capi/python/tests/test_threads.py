@@ -52,7 +52,8 @@ def test_calls_release_the_gil():
     b = dyn.Builder("chain")
     parent = None
     for i in range(400):
-        b.add_joint(f"j{i}", "revolute", parent, (0.1, 0, 0), axis=(0, i % 2, 1 - i % 2)).add_body(f"b{i}", f"j{i}", 1, inertia=np.eye(3))
+        b.add_joint(f"j{i}", "revolute", parent, (0.1, 0, 0),
+                    axis=(0, i % 2, 1 - i % 2)).add_body(f"b{i}", f"j{i}", 1, inertia=np.eye(3))
         parent = f"j{i}"
     m = b.finish()
     d = m.data(dyn.Part.CHOLESKY)

@@ -57,7 +57,8 @@ def test_inverse_kinematics_does_not_converge():
     m = dyn.load_string(ARM, base="fixed")
     d = m.data()
     far = d.ik([ik.position("tool", (5, 0, 0))], [0.1, 0.1], restarts=0)
-    assert not far.converged and far.reason in (dyn.IkReason.SINGULAR, dyn.IkReason.LOCAL_MINIMUM, dyn.IkReason.LIMITS) and far.residuals[0, 0] > 2.9
+    assert (not far.converged and far.reason in (dyn.IkReason.SINGULAR, dyn.IkReason.LOCAL_MINIMUM, dyn.IkReason.LIMITS)
+            and far.residuals[0, 0] > 2.9)
     # the error and its Jacobian come from one hand: a pose is met however the reference is turned
     d.forward_kinematics([1.0, -0.5])
     X = d.frame_placement("tool")
@@ -69,7 +70,8 @@ def test_inverse_kinematics_does_not_converge():
 
 
 def test_results_vary_with_threads(go2, state):
-    """Each thread with a data of its own: the same bits. (One data in two threads is DYN_ERROR_BUSY in checked builds: tests/rt/threads_test.cpp.)"""
+    """Each thread with a data of its own: the same bits. (One data in two threads is DYN_ERROR_BUSY in checked builds:
+    tests/rt/threads_test.cpp.)"""
     q, v, a, _ = state
     alone = [go2.data().rnea(go2.integrate(q, 1e-3 * k * v), v, a) for k in range(200)]
     results = {}
@@ -118,7 +120,8 @@ def test_frames_are_old_after_all_terms(go2, state):
 
 
 def test_collisions_are_missed(tmp_path):
-    """Pairs are there from the beginning; a mesh that is not is an error, or stands in the report; queries with q need nothing before."""
+    """Pairs are there from the beginning; a mesh that is not is an error, or stands in the report; queries with q need nothing
+    before."""
     go2 = dyn.load(MODELS / "robots" / "go2.urdf", base="floating")
     d = go2.data()
     assert go2.npairs > 0 and sum(p.reason == dyn.PairReason.TESTED for p in go2.pairs) > 100
@@ -134,6 +137,7 @@ def test_collisions_are_missed(tmp_path):
     urdf = tmp_path / "meshes.urdf"
     urdf.write_text(f'<robot name="r">{link.format("a", "a")}{link.format("b", "b")}{link.format("c", "c")}{joint.format("b", "a")}{joint.format("c", "b")}</robot>')
     m = dyn.load(urdf, base="fixed")
-    assert any(line.level == dyn.ReportLevel.WARNING and "pair" in line.message for line in m.report), [line.message for line in m.report]
+    assert any(line.level == dyn.ReportLevel.WARNING and "pair" in line.message
+               for line in m.report), [line.message for line in m.report]
     with pytest.raises(dyn.FileError, match="a.stl"):
         dyn.load(urdf, base="fixed", meshes="hull")

@@ -70,7 +70,8 @@ def site(wheel, tmp_path_factory):
 def test_stubs_are_those_of_the_library(site, tmp_path):
     stubs.write(tmp_path)
     for name in stubs.STUBS:
-        assert (site / "libdyn" / f"{name}.pyi").read_text(encoding="utf-8") == (tmp_path / f"{name}.pyi").read_text(encoding="utf-8")
+        assert ((site / "libdyn" / f"{name}.pyi").read_text(encoding="utf-8")
+                == (tmp_path / f"{name}.pyi").read_text(encoding="utf-8"))
         compile((tmp_path / f"{name}.pyi").read_text(encoding="utf-8"), name, "exec")
     assert (site / "libdyn" / "py.typed").exists()
 
@@ -94,7 +95,8 @@ def programs(tmp_path):
 
 @pytest.mark.skipif(not importlib.util.find_spec("mypy"), reason="mypy is not installed")
 def test_mypy(programs, site):
-    command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--strict", "--allow-any-generics", "--cache-dir", str(programs / "cache"), "right.py", "wrong.py"]
+    command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--strict", "--allow-any-generics", "--cache-dir",
+               str(programs / "cache"), "right.py", "wrong.py"]
     out = subprocess.run(command, cwd=programs, capture_output=True, text=True, env=os.environ | {"MYPYPATH": str(site)}).stdout
     errors = judged(out, RIGHT.count("\n") + 1)
     for k, (line, words) in enumerate(WRONG.items()):

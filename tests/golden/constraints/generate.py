@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes figures.json: Pinocchio's constrained dynamics and its derivatives, of a quadruped on four points and a humanoid on two faces.
+"""Writes figures.json: Pinocchio's constrained dynamics and its derivatives, of a quadruped on four points and a humanoid on two
+faces.
 
 Usage:  python tests/golden/constraints/generate.py     (needs pin 4.1.0 and numpy)
 
@@ -31,7 +32,8 @@ class Robot:
         self.contacts, self.work = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
         for f in self.frames:
             frame = self.model.frames[f]
-            type, axes = (pin.ContactType.CONTACT_3D, pin.LOCAL_WORLD_ALIGNED) if self.point else (pin.ContactType.CONTACT_6D, pin.LOCAL)
+            type, axes = (pin.ContactType.CONTACT_3D,
+                          pin.LOCAL_WORLD_ALIGNED) if self.point else (pin.ContactType.CONTACT_6D, pin.LOCAL)
             self.contacts.append(pin.RigidConstraintModel(type, self.model, frame.parentJoint, frame.placement, axes))
             self.work.append(self.contacts[-1].createData())
         pin.initConstraintDynamics(self.model, self.data, self.contacts, self.work)
@@ -81,7 +83,8 @@ class Robot:
         return np.concatenate([x[:n], -x[n:]])
 
     def forces(self, q):
-        """lambda and its derivatives by q, v, tau, along the world's axes; Pinocchio's are in the frames' where these are faces."""
+        """lambda and its derivatives by q, v, tau, along the world's axes; Pinocchio's are in the frames' where these are
+        faces."""
         d, value, by = self.data, [], [[], [], []]
         pin.computeJointJacobians(self.model, d, q)
         pin.updateFramePlacements(self.model, d)
@@ -115,7 +118,8 @@ class Robot:
         assert abs(force - dense[n:]).max() < 1e-9 * abs(force).max()
         by |= dict(zip(("lambda_dq", "lambda_dv", "lambda_dtau"), parts))
         push = pin.rnea(self.model, self.data, q, v, ddq) - tau
-        moves = {"ddq_dq": lambda e: (pin.integrate(self.model, q, e), v, tau), "ddq_dv": lambda e: (q, v + e, tau), "ddq_dtau": lambda e: (q, v, tau + e)}
+        moves = {"ddq_dq": lambda e: (pin.integrate(self.model, q, e), v, tau), "ddq_dv": lambda e: (q, v + e, tau),
+                 "ddq_dtau": lambda e: (q, v, tau + e)}
         for name, move in moves.items():
             for k in range(0, self.model.nv, 5):
                 e = np.zeros(self.model.nv)

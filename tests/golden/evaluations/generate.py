@@ -4,7 +4,8 @@ capi/python/tests/test_evaluations.py.
 
     pip install mujoco scipy mpmath && python tests/golden/evaluations/generate.py
 
-Accelerations are MuJoCo's (of the four-bars: of their one angle; of the squeezer: MuJoCo's M, forces and Jacobians, with multipliers by numpy).
+Accelerations are MuJoCo's (of the four-bars: of their one angle; of the squeezer: MuJoCo's M, forces and Jacobians, with
+multipliers by numpy).
 The reference is DOP853 at its tightest, or the closed form. Errors are the largest distance of a marker at the end.
 """
 
@@ -83,8 +84,8 @@ def figures(problem, motion, reference=None):
     for tolerance in TOLERANCES:
         n, places = at_end(motion, problem.duration, tolerance)
         counts.append([n, float(np.max(np.linalg.norm(places - reference, axis=1)))])
-    return {"name": f"{problem.name}, {problem.duration:g} s", "mjcf": problem.mjcf, "duration": problem.duration, "q": problem.q, "v": problem.v, "tau": problem.tau,
-            "markers": problem.markers, "reference": reference.tolist(), "dop853": counts}
+    return {"name": f"{problem.name}, {problem.duration:g} s", "mjcf": problem.mjcf, "duration": problem.duration, "q": problem.q,
+            "v": problem.v, "tau": problem.tau, "markers": problem.markers, "reference": reference.tolist(), "dop853": counts}
 
 
 def lasting(problem, duration):
@@ -94,8 +95,8 @@ def lasting(problem, duration):
 
 def main():
     out = []
-    for problem in (problems.pendulum(), lasting(problems.pendulum(), 100), problems.double_pendulum(), lasting(problems.double_pendulum(), 20), problems.box(), problems.heavy_top(),
-                    problems.planar_chain()):
+    for problem in (problems.pendulum(), lasting(problems.pendulum(), 100), problems.double_pendulum(),
+                    lasting(problems.double_pendulum(), 20), problems.box(), problems.heavy_top(), problems.planar_chain()):
         out.append(figures(problem, run_mujoco.Motion(problem), problem.exact(problem.duration) if problem.exact else None))
     bars, n = lasting(problems.four_bars(4), 5), 4
     out.append(figures(bars, OneAngle(n), bars.exact(5)))
