@@ -24,7 +24,8 @@ long steps(const std::function<void()>& f) {
   long n = -1;
   if (waitpid(child, &status, 0) == child && WIFSTOPPED(status))
     do ++n;
-    while (ptrace(PTRACE_SINGLESTEP, child, nullptr, nullptr) == 0 && waitpid(child, &status, 0) == child && WIFSTOPPED(status) && WSTOPSIG(status) == SIGTRAP);
+    while (ptrace(PTRACE_SINGLESTEP, child, nullptr, nullptr) == 0 && waitpid(child, &status, 0) == child && WIFSTOPPED(status) &&
+           WSTOPSIG(status) == SIGTRAP);
   kill(child, SIGKILL);
   waitpid(child, &status, 0);
   return n;

@@ -60,7 +60,9 @@ long instructions(const Row& row) {
 }
 
 [[noreturn]] void usage() {
-  std::fprintf(stderr, "usage: dyn_bench MODEL.urdf --fixed|--floating [--seconds S] [--rounds R] [--only a,b,c] [--joint NAME] [--count] [--json]\n");
+  std::fprintf(stderr,
+               "usage: dyn_bench MODEL.urdf --fixed|--floating [--seconds S] [--rounds R] [--only a,b,c] [--joint NAME] "
+               "[--count] [--json]\n");
   std::exit(2);
 }
 
@@ -93,13 +95,16 @@ int main(int argc, char** argv) {
   require(dyn_model_load(path.c_str(), &options, &m));
   {
     bench::Robot robot(m, joint);
-    if (!only.empty()) std::erase_if(robot.rows, [&](const Row& r) { return only.find("," + r.name + ",") == std::string::npos; });
+    if (!only.empty())
+      std::erase_if(robot.rows, [&](const Row& r) { return only.find("," + r.name + ",") == std::string::npos; });
     if (robot.rows.empty()) std::fprintf(stderr, "dyn_bench: --only names no known row\n"), std::exit(1);
     for (int r = 0; r < rounds && !counting; ++r)
       for (Row& row : robot.rows) time_round(row, seconds / rounds);
 
-    std::printf("{\"library\":\"libdyn\",\"version\":\"%s\",\"compiler\":\"%s\",\"flags\":\"as shipped\",\"model\":\"%s\",\"nq\":%d,\"nv\":%d,\"rows\":[", dyn_version(),
-                dyn_build_info(), dyn_model_name(m), robot.nq, robot.nv);
+    std::printf(
+        "{\"library\":\"libdyn\",\"version\":\"%s\",\"compiler\":\"%s\",\"flags\":\"as "
+        "shipped\",\"model\":\"%s\",\"nq\":%d,\"nv\":%d,\"rows\":[",
+        dyn_version(), dyn_build_info(), dyn_model_name(m), robot.nq, robot.nv);
     const char* separator = "\n";
     for (Row& row : robot.rows) {
       std::printf("%s{\"name\":\"%s\",", separator, row.name.c_str());

@@ -23,7 +23,8 @@ Robot::Robot(const dynModel* model, const std::string& name) : nq(dyn_model_nq(m
 
   q.resize(std::size_t(states) * std::size_t(nq));
   const std::vector<double> low(std::size_t(nq), -1), high(std::size_t(nq), 1);
-  for (int k = 0; k < states; ++k) require(dyn_configuration_random(m, std::uint64_t(k + 1), low.data(), high.data(), q.data() + std::ptrdiff_t(k) * nq));
+  for (int k = 0; k < states; ++k)
+    require(dyn_configuration_random(m, std::uint64_t(k + 1), low.data(), high.data(), q.data() + std::ptrdiff_t(k) * nq));
   std::srand(1);
   for (auto* w : {&v, &a, &tau})
     for (int k = 0; k < states * nv; ++k) w->push_back(2.0 * std::rand() / RAND_MAX - 1);
@@ -66,10 +67,13 @@ void Robot::add_dynamics() {
   add("coriolis_matrix", [this](int k) { dyn_coriolis_matrix(m, d, Q(k), V(k), nullptr); });
   add("crba", [this](int k) { dyn_crba(m, d, Q(k), nullptr); });
   add("cholesky", [this](int) { dyn_cholesky(m, d); }, [this] { dyn_crba(m, d, Q(0), nullptr); });
-  add("cholesky_solve", [this](int k) { dyn_cholesky_solve(m, d, U(k), 1, x.data()); }, [this] { dyn_crba(m, d, Q(0), nullptr), dyn_cholesky(m, d); });
+  add(
+      "cholesky_solve", [this](int k) { dyn_cholesky_solve(m, d, U(k), 1, x.data()); },
+      [this] { dyn_crba(m, d, Q(0), nullptr), dyn_cholesky(m, d); });
   add("minv", [this](int k) { dyn_minv(m, d, Q(k), nullptr); });
   add("all_terms", [this](int k) {
-    dyn_all_terms(m, d, DYN_TERM_ALL & ~unsigned(DYN_TERM_CHOLESKY | DYN_TERM_MINV | DYN_TERM_CORIOLIS | DYN_TERM_FRAMES), Q(k), V(k), nullptr);
+    dyn_all_terms(m, d, DYN_TERM_ALL & ~unsigned(DYN_TERM_CHOLESKY | DYN_TERM_MINV | DYN_TERM_CORIOLIS | DYN_TERM_FRAMES), Q(k),
+                  V(k), nullptr);
   });
 }
 
@@ -110,7 +114,8 @@ void Robot::add_constraints() {
   int slot = 0;
   for (int f = 0; f < dyn_model_nframes(m) && slot < dyn_model_nconstraint_slots(m); ++f) {
     const std::string name = dyn_model_frame_name(m, f);
-    const bool foot = name.size() > 5 && name.compare(name.size() - 5, 5, "_foot") == 0, sole = name.size() > 5 && name.compare(name.size() - 5, 5, "_sole") == 0;
+    const bool foot = name.size() > 5 && name.compare(name.size() - 5, 5, "_foot") == 0,
+               sole = name.size() > 5 && name.compare(name.size() - 5, 5, "_sole") == 0;
     dynFrameInfo info{};
     info.struct_size = sizeof info;
     require(dyn_model_frame_info(m, f, &info));
@@ -144,7 +149,8 @@ void Robot::add_centroidal() {
   add("centroidal_map", [this](int k) { dyn_centroidal_map(m, d, Q(k), V(k), nullptr, nullptr, nullptr); });
   add("centroidal_map_time_variation", [this](int k) { dyn_centroidal_map_time_variation(m, d, Q(k), V(k), nullptr); });
   add("centroidal_momentum", [this](int k) { dyn_centroidal_momentum(m, d, Q(k), V(k), nullptr); });
-  add("centroidal_momentum_time_variation", [this](int k) { dyn_centroidal_momentum_time_variation(m, d, Q(k), V(k), A(k), nullptr); });
+  add("centroidal_momentum_time_variation",
+      [this](int k) { dyn_centroidal_momentum_time_variation(m, d, Q(k), V(k), A(k), nullptr); });
   add("centroidal_derivatives", [this](int k) { dyn_centroidal_derivatives(m, d, Q(k), V(k), A(k), nullptr); });
 }
 
@@ -166,8 +172,10 @@ void Robot::add_configurations() {
   add("interpolate", [this](int k) { dyn_interpolate(m, Q(k), Q(k + 1), 0.3, x.data()); });
   add("configuration_distance", [this](int k) { dyn_configuration_distance(m, Q(k), Q(k + 1), x.data()); });
   if (nv > dense) return;
-  add("integrate_jacobians", [this](int k) { dyn_integrate_jacobians(m, Q(k), V(k), x.data(), x.data() + std::ptrdiff_t(nv) * nv); });
-  add("difference_jacobians", [this](int k) { dyn_difference_jacobians(m, Q(k), Q(k + 1), x.data(), x.data() + std::ptrdiff_t(nv) * nv); });
+  add("integrate_jacobians",
+      [this](int k) { dyn_integrate_jacobians(m, Q(k), V(k), x.data(), x.data() + std::ptrdiff_t(nv) * nv); });
+  add("difference_jacobians",
+      [this](int k) { dyn_difference_jacobians(m, Q(k), Q(k + 1), x.data(), x.data() + std::ptrdiff_t(nv) * nv); });
 }
 
 }  // namespace bench

@@ -38,7 +38,9 @@ dynActuator capi::defaults() {
 
 extern "C" {
 
-void(dyn_actuator_init)(dynActuator* actuator, uint32_t size, dynActuatorType type) { initialize(actuator, size, default_actuator(type)); }
+void(dyn_actuator_init)(dynActuator* actuator, uint32_t size, dynActuatorType type) {
+  initialize(actuator, size, default_actuator(type));
+}
 
 dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint) {
   if (const dynStatus s = check(builder)) return s;
@@ -54,7 +56,8 @@ dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* 
 
 dynStatus dyn_builder_set_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]) {
   const std::array<double, 3> still{};
-  return with(builder, [&](Builder& b) { b.medium(density, viscosity, wind ? std::array<double, 3>{wind[0], wind[1], wind[2]} : still); });
+  return with(builder,
+              [&](Builder& b) { b.medium(density, viscosity, wind ? std::array<double, 3>{wind[0], wind[1], wind[2]} : still); });
 }
 
 dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material) {
@@ -74,7 +77,8 @@ int dyn_model_actuator_id(const dynModel* model, const char* name) {
   const Model& m = *model->m;
   for (Index k = 0; name && k < m.n.actuators; ++k)
     if (std::strcmp(m.string(m.actuators()[k].name), name) == 0) return int(k);
-  fail(DYN_ERROR_NAME, "there is no actuator '%.200s': the model has %d, see dyn_model_actuator_name", name ? name : "(NULL)", int(m.n.actuators));
+  fail(DYN_ERROR_NAME, "there is no actuator '%.200s': the model has %d, see dyn_model_actuator_name", name ? name : "(NULL)",
+       int(m.n.actuators));
   return -1;
 }
 
@@ -93,15 +97,21 @@ dynStatus dyn_data_set_control(const dynModel* model, dynData* data, const doubl
   return DYN_OK;
 }
 
-dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point, const double wrench[6], dynReference reference) {
+dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point, const double wrench[6],
+                                dynReference reference) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_apply_wrench");
-  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("wrench", wrench) || !call.finite("wrench", wrench, 6) ||
-      !call.finite("point", point, 3))
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("wrench", wrench) ||
+      !call.finite("wrench", wrench, 6) || !call.finite("point", point, 3))
     return call.status;
   const FrameRecord& f = call.m().frames()[frame];
-  if (f.joint == 0) return fail(DYN_ERROR_ARGUMENT, "%s: frame '%s' does not move: name one that a joint carries", call.function, call.m().string(f.name));
+  if (f.joint == 0)
+    return fail(DYN_ERROR_ARGUMENT, "%s: frame '%s' does not move: name one that a joint carries", call.function,
+                call.m().string(f.name));
   if (reference == DYN_REFERENCE_WORLD && point)
-    return fail(DYN_ERROR_ARGUMENT, "%s: a moment about the world's origin has no point on the body: pass NULL, or use DYN_REFERENCE_LOCAL_WORLD_ALIGNED", call.function);
+    return fail(
+        DYN_ERROR_ARGUMENT,
+        "%s: a moment about the world's origin has no point on the body: pass NULL, or use DYN_REFERENCE_LOCAL_WORLD_ALIGNED",
+        call.function);
   Data<double>& d = call.d();
   AppliedWrench<double>& held = d.wrenches[f.joint];
   const Force<double> w = load_force(wrench);

@@ -50,8 +50,8 @@ bool dyn::capi::no_overflow(Call& call, int level, double bound) {
     d.invalidate(Stage::Position), d.invalidate(Stage::Velocity), d.invalidate(Stage::Acceleration);
     call.drop_results();
     call.rollback();
-    call.status = fail(DYN_ERROR_NUMERIC, "%s: the %s of joint '%s' overflows: the inputs are too large for double precision", call.function, r.what,
-                       m.string(m.joints()[m.bodies()[i].joint].name));
+    call.status = fail(DYN_ERROR_NUMERIC, "%s: the %s of joint '%s' overflows: the inputs are too large for double precision",
+                       call.function, r.what, m.string(m.joints()[m.bodies()[i].joint].name));
     return false;
   }
   return true;
@@ -66,8 +66,8 @@ bool dyn::capi::no_overflow_frame(Call& call, int frame, int level, double bound
     if (level >= 1) good = good && beyond(d.omega + i, 1, bound) == 1 && beyond(d.vel + i, 1, bound) == 1;
     if (level >= 2) good = good && beyond(d.alpha + i, 1, bound * bound) == 1 && beyond(d.acc + i, 1, bound * bound) == 1;
     if (!good) {
-      call.status = fail(DYN_ERROR_NUMERIC, "%s: the motion of joint '%s' overflows: the state is too large for double precision", call.function,
-                         m.string(m.joints()[m.bodies()[i].joint].name));
+      call.status = fail(DYN_ERROR_NUMERIC, "%s: the motion of joint '%s' overflows: the state is too large for double precision",
+                         call.function, m.string(m.joints()[m.bodies()[i].joint].name));
       return false;
     }
   }
@@ -80,14 +80,17 @@ dynStatus dyn::capi::singular(Call& call, Index joint, Stage stage) {
   call.d().invalidate(Stage::Factor);  // it may have been half written
   call.rollback();
   const Model& m = call.m();
-  return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
+  return fail(DYN_ERROR_NUMERIC,
+              "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave "
+              "this configuration",
               m.string(m.joints()[joint].name));
 }
 
 namespace {
 
 // Inverse dynamics into a field; v and a may be the zeros of data.
-dynStatus inverse(Call& call, const double* v, const double* a, const double* fext, double* field, Stage stage, const char* name, double* out) {
+dynStatus inverse(Call& call, const double* v, const double* a, const double* fext, double* field, Stage stage, const char* name,
+                  double* out) {
   const Model& m = call.m();
   if (stage == Stage::Gravity) rigid_inverse_dynamics(m, call.d(), v, a, fext, field);
   else inverse_dynamics(m, call.d(), v, a, fext, field);
@@ -112,7 +115,8 @@ dynStatus dyn::capi::factor(Call& call) {
     for (Index j = 1; j < m.n.joints; ++j)
       if (m.joints()[j].idx_v <= failed - 1) name = m.joints()[j].nv ? m.string(m.joints()[j].name) : name;
     call.rollback();
-    return call.status = fail(DYN_ERROR_NUMERIC, "M is not positive at joint '%s': this configuration is singular; add armature or leave it", name);
+    return call.status = fail(DYN_ERROR_NUMERIC,
+                              "M is not positive at joint '%s': this configuration is singular; add armature or leave it", name);
   }
   return DYN_OK;
 }
@@ -139,7 +143,8 @@ dynStatus dyn_frame_placement(const dynModel* model, dynData* data, int frame, d
 
 dynStatus dyn_frame_placements(const dynModel* model, dynData* data, double* placements) {
   Call call(model, data, DYN_PART_FRAMES, "dyn_frame_placements");
-  if (!call || !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics") || !no_overflow(call, 0)) return call.status;
+  if (!call || !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics") || !no_overflow(call, 0))
+    return call.status;
   const Model& m = call.m();
   for (Index k = 0; k < m.n.frames; ++k) frame_placement(m, call.d(), k, call.d().placements + 12 * std::ptrdiff_t(k));
   call.d().mark_fresh(Stage::Frames);
@@ -156,7 +161,8 @@ dynStatus dyn_frame_velocity(const dynModel* model, dynData* data, int frame, dy
   return call.status;
 }
 
-static dynStatus acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double* out, bool classical, const char* function) {
+static dynStatus acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double* out,
+                              bool classical, const char* function) {
   Call call(model, data, DYN_PART_KINEMATICS, function);
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("acceleration", out) ||
       !call.fresh(Stage::Acceleration, "the acceleration", "dyn_forward_kinematics with q, v and a"))
@@ -216,7 +222,8 @@ dynStatus dyn_com(const dynModel* model, dynData* data, const double* q, const d
   Data<double>& d = call.d();
   const int level = acom ? 2 : vcom ? (a ? 2 : 1) : level_of(call.m(), v, a);
   center_of_mass(call.m(), d, level);
-  if (!no_overflow(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com) || (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
+  if (!no_overflow(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com) ||
+      (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
       (level >= 2 && !call.numeric(d.acom, 3, "acom", Stage::Acom)))
     return call.status;
   copy_out(d.com, 3, com), copy_out(d.vcom, 3, vcom), copy_out(d.acom, 3, acom);
@@ -239,8 +246,8 @@ dynStatus dyn_jcom(const dynModel* model, dynData* data, const double* q, double
 static bool weighable(Call& call, int joint) {
   const double mass = call.d().msub[call.m().joints()[joint].first_body];
   if (mass > 0 && !std::isfinite(1 / mass))
-    call.status = fail(DYN_ERROR_NUMERIC, "%s: the subtree of joint '%s' has a mass of %g kg: too small for double precision", call.function,
-                       call.m().string(call.m().joints()[joint].name), mass);
+    call.status = fail(DYN_ERROR_NUMERIC, "%s: the subtree of joint '%s' has a mass of %g kg: too small for double precision",
+                       call.function, call.m().string(call.m().joints()[joint].name), mass);
   return call.status == DYN_OK;
 }
 
@@ -258,13 +265,15 @@ dynStatus dyn_subtree_com(const dynModel* model, dynData* data, int joint, doubl
 
 dynStatus dyn_subtree_jcom(const dynModel* model, dynData* data, int joint, double* J) {
   Call call(model, data, DYN_PART_COM, "dyn_subtree_jcom");
-  if (!call || !call.joint(joint) || !call.required("J", J, call.m().n.nv) || !call.fresh(Stage::Com, "the centre of mass", "dyn_com"))
+  if (!call || !call.joint(joint) || !call.required("J", J, call.m().n.nv) ||
+      !call.fresh(Stage::Com, "the centre of mass", "dyn_com"))
     return call.status;
   if (weighable(call, joint)) center_of_mass_jacobian(call.m(), call.d(), call.m().joints()[joint].first_body, J);
   return call.status;
 }
 
-dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext, double* tau) {
+dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
+                   double* tau) {
   Call call(model, data, DYN_PART_INVERSE, "dyn_rnea");
   if (!call || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
   Data<double>& d = call.d();
@@ -303,14 +312,17 @@ dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double
   return DYN_OK;
 }
 
-dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext, double* ddq) {
+dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
+                  double* ddq) {
   Call call(model, data, DYN_PART_FORWARD, "dyn_aba");
   if (!call || !check_fext(call, fext)) return call.status;
   if (call.m().has_mimic && !call.d().has(DYN_PART_CHOLESKY))
-    return fail(DYN_ERROR_PART, "dyn_aba: the model has mimic joints, so that it needs part DYN_PART_CHOLESKY as well: name it in dyn_data_new");
+    return fail(DYN_ERROR_PART,
+                "dyn_aba: the model has mimic joints, so that it needs part DYN_PART_CHOLESKY as well: name it in dyn_data_new");
   if (!call.inputs(q, v, nullptr, tau)) return call.status;
   Data<double>& d = call.d();
-  if (const Index joint = forward_dynamics(call.m(), d, d.v, d.tau_applied, fext, d.ddq)) return singular(call, joint, Stage::Ddq);
+  if (const Index joint = forward_dynamics(call.m(), d, d.v, d.tau_applied, fext, d.ddq))
+    return singular(call, joint, Stage::Ddq);
   if (!call.numeric(d.ddq, call.m().n.nv, "ddq", Stage::Ddq)) return call.status;
   d.mark_fresh(Stage::Ddq);
   copy_out(d.ddq, call.m().n.nv, ddq);
@@ -349,7 +361,9 @@ dynStatus dyn_cholesky_solve(const dynModel* model, dynData* data, const double*
     const Index bad = finite_count(x, Index(nv));
     if (bad == nv) continue;
     copy_out(before, nv, x);
-    return fail(DYN_ERROR_NUMERIC, "dyn_cholesky_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written before this one",
+    return fail(DYN_ERROR_NUMERIC,
+                "dyn_cholesky_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written "
+                "before this one",
                 int(bad), k);
   }
   return DYN_OK;
@@ -403,22 +417,32 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     uint32_t term;
     dynParts part;
     Stage stage;
-  } needs[] = {{DYN_TERM_KINEMATICS, DYN_PART_KINEMATICS, Stage::Velocity}, {DYN_TERM_FRAMES, DYN_PART_FRAMES, Stage::Frames}, {DYN_TERM_JACOBIANS, DYN_PART_JACOBIANS, Stage::Jacobians},
-               {DYN_TERM_JACOBIANS_TIME_VARIATION, DYN_PART_JACOBIANS, Stage::DJacobians}, {DYN_TERM_COM, DYN_PART_COM, Stage::Vcom}, {DYN_TERM_JCOM, DYN_PART_COM, Stage::Jcom},
-               {DYN_TERM_NLE, DYN_PART_INVERSE, Stage::Nle}, {DYN_TERM_GRAVITY_TORQUE, DYN_PART_INVERSE, Stage::Gravity}, {DYN_TERM_MASS, DYN_PART_MASS, Stage::Mass},
-               {DYN_TERM_CHOLESKY, DYN_PART_CHOLESKY, Stage::Factor}, {DYN_TERM_MINV, DYN_PART_MINV, Stage::Minv}, {DYN_TERM_CORIOLIS, DYN_PART_CORIOLIS, Stage::Coriolis},
+  } needs[] = {{DYN_TERM_KINEMATICS, DYN_PART_KINEMATICS, Stage::Velocity},
+               {DYN_TERM_FRAMES, DYN_PART_FRAMES, Stage::Frames},
+               {DYN_TERM_JACOBIANS, DYN_PART_JACOBIANS, Stage::Jacobians},
+               {DYN_TERM_JACOBIANS_TIME_VARIATION, DYN_PART_JACOBIANS, Stage::DJacobians},
+               {DYN_TERM_COM, DYN_PART_COM, Stage::Vcom},
+               {DYN_TERM_JCOM, DYN_PART_COM, Stage::Jcom},
+               {DYN_TERM_NLE, DYN_PART_INVERSE, Stage::Nle},
+               {DYN_TERM_GRAVITY_TORQUE, DYN_PART_INVERSE, Stage::Gravity},
+               {DYN_TERM_MASS, DYN_PART_MASS, Stage::Mass},
+               {DYN_TERM_CHOLESKY, DYN_PART_CHOLESKY, Stage::Factor},
+               {DYN_TERM_MINV, DYN_PART_MINV, Stage::Minv},
+               {DYN_TERM_CORIOLIS, DYN_PART_CORIOLIS, Stage::Coriolis},
                {DYN_TERM_ENERGY, DYN_PART_ENERGY, Stage::Mechanical}};
   dynParts parts = 0;
   for (const auto& n : needs)
     if (mask & n.term) parts |= n.part;
   Call call(model, data, parts, "dyn_all_terms");
   if (!call) return call.status;
-  if (mask & ~uint32_t(DYN_TERM_ALL)) return fail(DYN_ERROR_ARGUMENT, "dyn_all_terms: mask 0x%x has unknown bits: use DYN_TERM_... values", unsigned(mask));
+  if (mask & ~uint32_t(DYN_TERM_ALL))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_all_terms: mask 0x%x has unknown bits: use DYN_TERM_... values", unsigned(mask));
   if (!call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   const std::ptrdiff_t nv = m.n.nv;
-  const bool velocities = mask & (DYN_TERM_KINEMATICS | DYN_TERM_JACOBIANS_TIME_VARIATION | DYN_TERM_COM | DYN_TERM_CORIOLIS | DYN_TERM_ENERGY);
+  const bool velocities =
+      mask & (DYN_TERM_KINEMATICS | DYN_TERM_JACOBIANS_TIME_VARIATION | DYN_TERM_COM | DYN_TERM_CORIOLIS | DYN_TERM_ENERGY);
   kinematics(m, d, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0);
   if (!no_overflow(call, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0)) return call.status;
   if (mask & DYN_TERM_JACOBIANS && !(mask & DYN_TERM_JACOBIANS_TIME_VARIATION)) joint_jacobians(m, d);
@@ -428,7 +452,8 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   }
   if (mask & (DYN_TERM_COM | DYN_TERM_JCOM)) {
     center_of_mass(m, d, mask & DYN_TERM_COM ? 1 : 0);
-    if (!call.numeric(d.com, 3, "com", Stage::Com) || (mask & DYN_TERM_COM && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom))) return call.status;
+    if (!call.numeric(d.com, 3, "com", Stage::Com) || (mask & DYN_TERM_COM && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)))
+      return call.status;
   }
   if (mask & DYN_TERM_JCOM) center_of_mass_jacobian(m, d, 0, d.Jcom), d.mark_fresh(Stage::Jcom);
   if (mask & DYN_TERM_NLE) {

@@ -32,7 +32,9 @@ const char* sentence(const char* error) {
 void forget(dynData* data) { data->body->d.version[input_q] = ++data->body->counter; }
 
 // Whether it is the numbers of one state that are at fault, rather than what all states share.
-bool of_one_state(dynStatus status) { return status == DYN_ERROR_NONFINITE || status == DYN_ERROR_QUATERNION || status == DYN_ERROR_NUMERIC; }
+bool of_one_state(dynStatus status) {
+  return status == DYN_ERROR_NONFINITE || status == DYN_ERROR_QUATERNION || status == DYN_ERROR_NUMERIC;
+}
 
 }  // namespace
 
@@ -41,7 +43,8 @@ void Batch::Worker::failed(std::int64_t k, dynStatus s) {
   first = k, status = s;
   std::snprintf(message, sizeof message, "%s", sentence(dyn_last_error()));
   constexpr std::string_view maker = "dyn_data_new";  // at the end: of the error that asks for a part
-  if (const std::string_view said = message; s == DYN_ERROR_PART && said.ends_with(maker)) std::snprintf(message + said.size() - maker.size(), 14, "dyn_batch_new");
+  if (const std::string_view said = message; s == DYN_ERROR_PART && said.ends_with(maker))
+    std::snprintf(message + said.size() - maker.size(), 14, "dyn_batch_new");
 }
 
 struct Batch::Job {
@@ -68,7 +71,8 @@ struct Batch::Job {
 
   dynBatchArrays row(std::int64_t k) const {
     dynBatchArrays x = first;
-    advance(x.q, k, batch.sizes.nq), advance(x.q1, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a), advance(x.tau, k, tau), advance(x.b, k, b);
+    advance(x.q, k, batch.sizes.nq), advance(x.q1, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a),
+        advance(x.tau, k, tau), advance(x.b, k, b);
     advance(x.fext, k, 6 * std::ptrdiff_t(batch.sizes.njoints));
     for (int o = 0; o < 4; ++o) advance(x.out[o], k, out[o]);
     return x;
@@ -90,14 +94,22 @@ struct Batch::Job {
 
 dynStatus Batch::Turn::take(const char* function) {
   if (const dynStatus s = check(batch.handle)) return s;
-  if (batch.handle->m->id != batch.model_id) return fail(DYN_ERROR_MODEL, "%s: the batch's model was freed: it must live as long as the batch", function);
+  if (batch.handle->m->id != batch.model_id)
+    return fail(DYN_ERROR_MODEL, "%s: the batch's model was freed: it must live as long as the batch", function);
   if (batch.busy.exchange(true, std::memory_order_acquire))
     return fail(DYN_ERROR_BUSY, "%s: another thread is using this batch: give each thread its own", function);
   return DYN_OK;
 }
 
 Batch::Batch(const dynModel* model, dynParts parts, int count)
-    : handle(model), model_id(model->m->id), sizes(*model->m), threads(count), zeros(std::size_t(sizes.nv)), accelerations(new double[std::size_t(count) * std::size_t(sizes.nv)]), workers(new Worker[std::size_t(count)]), pool(count) {
+    : handle(model),
+      model_id(model->m->id),
+      sizes(*model->m),
+      threads(count),
+      zeros(std::size_t(sizes.nv)),
+      accelerations(new double[std::size_t(count) * std::size_t(sizes.nv)]),
+      workers(new Worker[std::size_t(count)]),
+      pool(count) {
   for (int k = 0; k < count; ++k) {
     dynData* data = nullptr;
     if (const dynStatus s = dyn_data_new(model, parts, &data)) throw Error(s, dyn_last_error());
@@ -105,7 +117,8 @@ Batch::Batch(const dynModel* model, dynParts parts, int count)
   }
   if (parts == 0 || (parts & DYN_PART_SIMULATION)) {
     fresh.resize(dyn_model_state_size(model));
-    if (const dynStatus s = dyn_data_save_state(model, datas[0].get(), fresh.data(), fresh.size())) throw Error(s, dyn_last_error());
+    if (const dynStatus s = dyn_data_save_state(model, datas[0].get(), fresh.data(), fresh.size()))
+      throw Error(s, dyn_last_error());
   }
 }
 
@@ -136,8 +149,8 @@ dynStatus Batch::first_failure(std::int64_t n, const char* where, const char* wh
   }
   if (!bad) return DYN_OK;
   if (!of_one_state(bad->status)) return fail(bad->status, "%s%s", where, bad->message);
-  return fail(bad->status, "%s%s %lld: %s (%lld of %lld %ss failed)", where, what, static_cast<long long>(bad->first), bad->message,
-              static_cast<long long>(failures), static_cast<long long>(n), what);
+  return fail(bad->status, "%s%s %lld: %s (%lld of %lld %ss failed)", where, what, static_cast<long long>(bad->first),
+              bad->message, static_cast<long long>(failures), static_cast<long long>(n), what);
 }
 
 template <>
@@ -186,14 +199,18 @@ dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, cons
   if (!given) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: arrays is NULL: it is required");
   const Given<dynBatchArrays> arrays("dyn_batch_run", given);
   if (arrays.status != DYN_OK) return arrays.status;
-  if (n < 0 || n > max_records) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n), static_cast<long long>(max_records));
+  if (n < 0 || n > max_records)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n),
+                static_cast<long long>(max_records));
   if (n == 0) return DYN_OK;
   if (!arrays->q) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q is NULL: it is required", row.name);
   if (!arrays->b && row.reads("b")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: b is NULL: it is required", row.name);
   if (!arrays->q1 && row.reads("q1")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q1 is NULL: it is required", row.name);
   bool wanted = false;
   for (int k = 0; k < row.output_count(); ++k) wanted |= arrays->out[k] != nullptr;
-  if (!wanted) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: out[0] to out[%d] are NULL: one at least is required", row.name, row.output_count() - 1);
+  if (!wanted)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: out[0] to out[%d] are NULL: one at least is required", row.name,
+                row.output_count() - 1);
   return batch->b->run(row, n, *arrays);
 }
 
@@ -201,7 +218,8 @@ dynStatus dyn_algorithm_run(const dynModel* model, dynData* data, dynAlgorithm a
   if (const dynStatus s = check_value(algorithm, "dyn_algorithm_run", "algorithm")) return s;
   if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_algorithm_run: arrays is NULL: it is required");
   if (arrays->struct_size < sizeof(dynBatchArrays))
-    return fail(DYN_ERROR_SIZE, "dyn_algorithm_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init", arrays->struct_size, sizeof(dynBatchArrays));
+    return fail(DYN_ERROR_SIZE, "dyn_algorithm_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init",
+                arrays->struct_size, sizeof(dynBatchArrays));
   return batch_algorithms[raw(algorithm)].call(model, data, *arrays);
 }
 
@@ -212,7 +230,8 @@ dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynA
   if (const dynStatus s = check_struct("dyn_algorithm_info", "info", info)) return s;
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
   dynAlgorithmInfo out{};
-  out.name = row.name, out.inputs = row.inputs, out.outputs = row.output_count(), out.part = row.part, out.precondition = row.precondition;
+  out.name = row.name, out.inputs = row.inputs, out.outputs = row.output_count(), out.part = row.part,
+  out.precondition = row.precondition;
   for (int k = 0; k < out.outputs; ++k) {
     const Extent extent = row.outputs[k].extent(model ? Sizes(*model->m) : Sizes());
     out.output[k] = row.outputs[k].name, out.rows[k] = extent.rows, out.cols[k] = extent.cols, out.pages[k] = extent.pages;

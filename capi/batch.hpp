@@ -13,8 +13,8 @@
 namespace dyn::capi {
 
 // Largest number of states or records: the address of the last one must exist. 64-bit: 4 GiB each. 32-bit: one number each.
-constexpr std::int64_t max_records =
-    std::min<std::int64_t>(std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::ptrdiff_t>::max() / std::int64_t(sizeof(double)));
+constexpr std::int64_t max_records = std::min<std::int64_t>(
+    std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::ptrdiff_t>::max() / std::int64_t(sizeof(double)));
 
 struct Sizes {
   int nq = 0, nv = 0, njoints = 0, nframes = 0, nparameters = 0;
@@ -69,7 +69,8 @@ class Batch {
   struct Job;
   struct Rollout;
   struct Turn;
-  // With several threads where n rows are worth waking them; then the first failure. Rows are called `what`, the message begins with `where`.
+  // With several threads where n rows are worth waking them; then the first failure. Rows are called `what`, the message begins
+  // with `where`.
   template <class J>
   dynStatus work(J& job, std::int64_t n, const char* where, const char* what);
   dynStatus first_failure(std::int64_t n, const char* where, const char* what) const;

@@ -1,4 +1,5 @@
-// Algorithms of batches: one row for each value of dynAlgorithm, made of its comment and its function's prototype (src/table/algorithms.py).
+// Algorithms of batches: one row for each value of dynAlgorithm, made of its comment and its function's prototype
+// (src/table/algorithms.py).
 #include <cstring>
 
 #include "batch.hpp"

@@ -38,8 +38,9 @@ JointSpec read_spec(const char* function, const dynJointSpec& s, int depth) {
   for (size_t k = 0; k < s.parts_count; ++k) {
     const auto* part = reinterpret_cast<const dynJointSpec*>(reinterpret_cast<const char*>(s.parts) + k * s.parts->struct_size);
     if (part->struct_size != s.parts->struct_size)
-      throw Error(DYN_ERROR_SIZE, "dynJointSpec: struct_size is " + std::to_string(part->struct_size) + " of part " + std::to_string(k) + " and " +
-                                      std::to_string(s.parts->struct_size) + " of the first: call dyn_joint_spec_init for each");
+      throw Error(DYN_ERROR_SIZE, "dynJointSpec: struct_size is " + std::to_string(part->struct_size) + " of part " +
+                                      std::to_string(k) + " and " + std::to_string(s.parts->struct_size) +
+                                      " of the first: call dyn_joint_spec_init for each");
     out.parts.push_back(read_spec(function, sound(Given<dynJointSpec>(function, part)), depth + 1));
   }
   return out;
@@ -84,7 +85,9 @@ const char* text(const char* s) { return s ? s : ""; }
 // No robot has more.
 dynStatus check_array(const char* function, const char* name, const void* x, std::size_t n) {
   if (!x && n) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, name);
-  return n <= std::size_t(INT32_MAX) ? DYN_OK : fail(DYN_ERROR_SIZE, "%s: %s has %zu elements: give at most %d", function, name, n, INT32_MAX);
+  return n <= std::size_t(INT32_MAX)
+             ? DYN_OK
+             : fail(DYN_ERROR_SIZE, "%s: %s has %zu elements: give at most %d", function, name, n, INT32_MAX);
 }
 
 dynStatus make_handle(std::unique_ptr<Builder> b, dynBuilder** out) {
@@ -159,7 +162,8 @@ dynStatus dyn_builder_add_body(dynBuilder* builder, const char* name, const char
   });
 }
 
-dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type) {
+dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement,
+                                dynFrameType type) {
   return with(builder, [&](Builder& b) { b.frame(text(name), {text(parent), 0}, read_placement(placement), type); });
 }
 
@@ -182,7 +186,8 @@ dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* spec) {
 
 dynStatus dyn_builder_set_shape_rgba(dynBuilder* builder, const double rgba[4]) {
   for (int i = 0; i < 4; ++i)
-    if (!rgba || !(rgba[i] >= 0 && rgba[i] <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_set_shape_rgba: rgba is not four numbers from 0 to 1");
+    if (!rgba || !(rgba[i] >= 0 && rgba[i] <= 1))
+      return fail(DYN_ERROR_ARGUMENT, "dyn_builder_set_shape_rgba: rgba is not four numbers from 0 to 1");
   return with(builder, [&](Builder& b) { b.colour(packed_colour(rgba)); });
 }
 

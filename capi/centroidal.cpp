@@ -9,8 +9,8 @@ namespace {
 // A_g, I_g, h_g are computed: finite, or the inputs of this call are taken back.
 bool finite_map(Call& call) {
   const Data<double>& d = call.d();
-  return call.numeric(d.Ag, 6 * call.m().n.nv, "Ag", Stage::CentroidalMap) && call.numeric(d.Ig, 36, "Ig", Stage::CentroidalMap) &&
-         call.numeric(d.hg, 6, "hg", Stage::CentroidalMomentum);
+  return call.numeric(d.Ag, 6 * call.m().n.nv, "Ag", Stage::CentroidalMap) &&
+         call.numeric(d.Ig, 36, "Ig", Stage::CentroidalMap) && call.numeric(d.hg, 6, "hg", Stage::CentroidalMomentum);
 }
 
 }  // namespace
@@ -22,7 +22,8 @@ dynCentroidalDerivatives capi::defaults() {
 
 extern "C" {
 
-dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v, double* Ag, double Ig[36], double hg[6]) {
+dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v, double* Ag, double Ig[36],
+                             double hg[6]) {
   Call call(model, data, DYN_PART_CENTROIDAL, "dyn_centroidal_map");
   if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   centroidal_map<false>(call.m(), call.d());
@@ -48,17 +49,20 @@ dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const do
   return call.status;
 }
 
-dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]) {
+dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, dynData* data, const double* q, const double* v,
+                                                 const double* a, double dhg[6]) {
   Call call(model, data, DYN_PART_CENTROIDAL, "dyn_centroidal_momentum_time_variation");
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
   centroidal_momentum<true>(call.m(), call.d());
-  if (!call.numeric(call.d().hg, 6, "hg", Stage::CentroidalMomentum) || !call.numeric(call.d().dhg, 6, "dhg", Stage::CentroidalMomentumRate))
+  if (!call.numeric(call.d().hg, 6, "hg", Stage::CentroidalMomentum) ||
+      !call.numeric(call.d().dhg, 6, "dhg", Stage::CentroidalMomentumRate))
     return call.status;
   copy_out(call.d().dhg, 6, dhg);
   return DYN_OK;
 }
 
-dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const dynCentroidalDerivatives* out) {
+dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                     const dynCentroidalDerivatives* out) {
   Call call(model, data, DYN_PART_CENTROIDAL, "dyn_centroidal_derivatives");
   const Given<dynCentroidalDerivatives> wanted(call.function, out);
   if (!call || (call.status = wanted.status) || !call.inputs(q, v, a, nullptr)) return call.status;
@@ -66,7 +70,8 @@ dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const
   const Index n = 6 * call.m().n.nv;
   centroidal_derivatives(call.m(), d);
   if (!finite_map(call) || !call.numeric(d.dhg, 6, "dhg", Stage::CentroidalMomentumRate)) return call.status;
-  if (!call.numeric(d.dh_dq, n, "dh_dq", Stage::CentroidalDerivatives) || !call.numeric(d.dhdot_dv, n, "dhdot_dv", Stage::CentroidalDerivatives) ||
+  if (!call.numeric(d.dh_dq, n, "dh_dq", Stage::CentroidalDerivatives) ||
+      !call.numeric(d.dhdot_dv, n, "dhdot_dv", Stage::CentroidalDerivatives) ||
       !call.numeric(d.dhdot_dq, n, "dhdot_dq", Stage::CentroidalRateDerivative))
     return call.status;
   copy_out(d.dh_dq, n, wanted->dh_dq), copy_out(d.dhdot_dq, n, wanted->dhdot_dq);

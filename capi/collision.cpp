@@ -28,22 +28,28 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
   if (!geometry) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   const Given<dynGeometry> g(function, geometry);
   if (g.status != DYN_OK) return g.status;
-  if (g->type == DYN_SHAPE_TYPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_TYPE_CONVEX or DYN_SHAPE_TYPE_TRIANGLES with a dynMesh", function, name);
+  if (g->type == DYN_SHAPE_TYPE_MESH)
+    return fail(DYN_ERROR_UNSUPPORTED,
+                "%s: %s is a mesh, a name alone: use DYN_SHAPE_TYPE_CONVEX or DYN_SHAPE_TYPE_TRIANGLES with a dynMesh", function,
+                name);
   char what[40];
   std::snprintf(what, sizeof what, "%s: type", name);
   if (const dynStatus s = check_value(g->type, function, what)) return s;
   collision::geometry_of(g->type, g->size, g->radius, out);
   for (int k = 0; k < collision::size_count(g->type); ++k)
     if (!(g->size[k] >= shape::min_length && g->size[k] <= shape::max_length))
-      return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: size[%d] is %g: give metres from %g to %g", function, name, k,
-                  g->size[k], shape::min_length, shape::max_length);
+      return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE,
+                  "%s: %s: size[%d] is %g: give metres from %g to %g", function, name, k, g->size[k], shape::min_length,
+                  shape::max_length);
   if (!(g->radius >= 0 && g->radius <= shape::max_length))
-    return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: radius is %g: give metres from 0 to %g", function, name, g->radius, shape::max_length);
+    return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE,
+                "%s: %s: radius is %g: give metres from 0 to %g", function, name, g->radius, shape::max_length);
   SurfacePtr surface;
   if (const dynStatus s = surface_argument(function, name, g->type, g->surface, surface)) return s;
   if (!surface) return DYN_OK;
   if (const auto* hull = std::get_if<Held<shape::Hull>>(&surface->held)) read.hull = hull->view(), out.hull = &read.hull;
-  if (const auto* tree = std::get_if<Held<shape::TriangleTree>>(&surface->held)) read.tree = tree->view(), out.triangles = &read.tree;
+  if (const auto* tree = std::get_if<Held<shape::TriangleTree>>(&surface->held))
+    read.tree = tree->view(), out.triangles = &read.tree;
   if (const auto* grid = std::get_if<Held<shape::Grid>>(&surface->held)) read.grid = grid->view(), out.grid = &read.grid;
   return DYN_OK;
 }
@@ -52,7 +58,8 @@ dynStatus read_placement(const char* function, const char* name, const double* x
   if (!x) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   for (int k = 0; k < 12; ++k)
     if (!(std::abs(x[k]) <= shape::max_length))
-      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%d] is %g: give numbers within %g", function, name, k, x[k], shape::max_length);
+      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%d] is %g: give numbers within %g",
+                  function, name, k, x[k], shape::max_length);
   out = load_se3(x);
   const Mat3<double> E = transpose(out.R) * out.R;
   for (int i = 0; i < 3; ++i)
@@ -75,13 +82,15 @@ Index geom_of_shape(Call& call, int shape, int first) {
   if (shape >= 0 && shape < m.n.shapes)
     call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d is no collision shape", call.function, shape);
   else if (shape < first || shape >= m.n.shapes)
-    call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d does not exist: the model has %d", call.function, shape, int(m.n.shapes));
+    call.status =
+        fail(DYN_ERROR_ARGUMENT, "%s: shape %d does not exist: the model has %d", call.function, shape, int(m.n.shapes));
   return -1;
 }
 
 bool listed(Call& call) {
   if (lists_pairs(call.m())) return true;
-  call.status = fail(DYN_ERROR_LIMIT, "%s: the model has %d collision shapes: pairs are listed up to %d", call.function, int(call.m().n.geoms), int(max_geoms));
+  call.status = fail(DYN_ERROR_LIMIT, "%s: the model has %d collision shapes: pairs are listed up to %d", call.function,
+                     int(call.m().n.geoms), int(max_geoms));
   return false;
 }
 
@@ -92,7 +101,8 @@ bool placed(Call& call) {
 
 dynStatus check_margin(const char* function, double margin) {
   if (margin >= 0 && margin <= shape::max_length) return DYN_OK;
-  return fail(std::isfinite(margin) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: margin is %g: give metres from 0 to %g", function, margin, shape::max_length);
+  return fail(std::isfinite(margin) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: margin is %g: give metres from 0 to %g",
+              function, margin, shape::max_length);
 }
 
 dynStatus check_capacity(const char* function, int capacity) {
@@ -102,7 +112,8 @@ dynStatus check_capacity(const char* function, int capacity) {
 dynStatus read_tolerance(const char* function, double tolerance, collision::Options& options) {
   if (tolerance != 0) options.tolerance = tolerance;
   if (options.tolerance > 0 && options.tolerance < 1) return DYN_OK;
-  return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: tolerance is %g: give a number between 0 and 1, or 0 for the default", function, tolerance);
+  return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE,
+              "%s: tolerance is %g: give a number between 0 and 1, or 0 for the default", function, tolerance);
 }
 
 dynStatus read_options(const char* function, const dynDistanceOptions* options, collision::Options& out) {
@@ -111,7 +122,8 @@ dynStatus read_options(const char* function, const dynDistanceOptions* options, 
   const dynDistanceOptions& given = *read;
   if (const dynStatus s = check_value(given.method, function, "method")) return s;
   if (given.method == DYN_DISTANCE_METHOD_CCD && !collision::ccd_available())
-    return fail(DYN_ERROR_UNSUPPORTED, "%s: method CCD needs libccd.so.2, which cannot be opened: install it (Debian: libccd2)", function);
+    return fail(DYN_ERROR_UNSUPPORTED, "%s: method CCD needs libccd.so.2, which cannot be opened: install it (Debian: libccd2)",
+                function);
   out.fallback_first = given.method == DYN_DISTANCE_METHOD_CCD;
   return read_tolerance(function, given.tolerance, out);
 }
@@ -181,7 +193,8 @@ dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int 
   if (pair < 0 && !listed(call)) return call.status;
   for (Index k = pair < 0 ? 0 : pair, end = pair < 0 ? m.n.pairs : pair + 1; k < end; ++k) {
     const auto before = dynPairReason(m.pairs()[k].reason);
-    if (before != DYN_PAIR_REASON_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_REASON_TESTED : before == DYN_PAIR_REASON_TESTED ? DYN_PAIR_REASON_OFF : before;
+    if (before != DYN_PAIR_REASON_MESH)
+      call.d().pair_states[k] = tested ? DYN_PAIR_REASON_TESTED : before == DYN_PAIR_REASON_TESTED ? DYN_PAIR_REASON_OFF : before;
   }
   call.d().invalidate(Stage::Distances);
   simulation::invalidate_sleep(call.d());
@@ -214,7 +227,8 @@ dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynD
   if (const dynStatus s = check_struct(call.function, "out", out)) return s;
   if (!call.fresh(Stage::Distances, "the distance", "dyn_distances")) return call.status;
   if (call.d().pair_states[pair] != DYN_PAIR_REASON_TESTED)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_pair_distance: pair %d is not tested: dyn_data_pair says why, dyn_data_set_pair switches it on", pair);
+    return fail(DYN_ERROR_ARGUMENT,
+                "dyn_pair_distance: pair %d is not tested: dyn_data_pair says why, dyn_data_set_pair switches it on", pair);
   write(call.d().results[pair], out);
   return DYN_OK;
 }
@@ -222,17 +236,21 @@ dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynD
 dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, double* gradients) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_distance_gradients");
   const std::ptrdiff_t pairs = call ? call.m().n.pairs : 0;
-  if (!call || !call.required("gradients", gradients, pairs * call.m().n.nv) || !call.fresh(Stage::Distances, "the distance", "dyn_distances")) return call.status;
+  if (!call || !call.required("gradients", gradients, pairs * call.m().n.nv) ||
+      !call.fresh(Stage::Distances, "the distance", "dyn_distances"))
+    return call.status;
   for (std::ptrdiff_t k = 0; k < pairs; ++k) collision::distance_gradient(call.m(), call.d(), Index(k), gradients + k, pairs);
   return DYN_OK;
 }
 
-dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count) {
+dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity,
+                         int* count) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_collisions");
   if (!call || !listed(call)) return call.status;
   if (const dynStatus s = check_margin(call.function, margin)) return s;
   if (const dynStatus s = check_capacity(call.function, capacity)) return s;
-  if (!call.required("pairs", pairs, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  if (!call.required("pairs", pairs, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr))
+    return call.status;
   if (!placed(call)) return call.status;
   *count = int(collision::collisions(call.m(), call.d(), margin, pairs, capacity));
   return DYN_OK;

@@ -25,7 +25,8 @@ struct Check {
     else if (any_beyond(x, n, 166)) {  // 1e50
       large = true;
       if (const Index k = finite_count(x, n); k < n)
-        status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
+        status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k),
+                      x[k] != x[k] ? "NaN" : "infinite");
     }
     return *this;
   }
@@ -34,13 +35,13 @@ struct Check {
     vector(name, x, m->n.nq);
     if (status == DYN_OK)
       if (const Index j = zero_norm_joint(*m, x))
-        status = fail(DYN_ERROR_QUATERNION, "%s: the quaternion or (cos, sin) of joint '%s' in %s is zero: give one of norm 1", function,
-                      m->string(m->joints()[j].name), name);
+        status = fail(DYN_ERROR_QUATERNION, "%s: the quaternion or (cos, sin) of joint '%s' in %s is zero: give one of norm 1",
+                      function, m->string(m->joints()[j].name), name);
     return *this;
   }
   Check& v(const char* name, const double* x) { return status == DYN_OK ? vector(name, x, m->n.nv) : *this; }
-  // Runs f<J>(body, result) for each joint, result being room for what it writes, when something may overflow: so that an output is
-  // written whole or not at all.
+  // Runs f<J>(body, result) for each joint, result being room for what it writes, when something may overflow: so that an output
+  // is written whole or not at all.
   template <class F>
   Check& fits(F f) {
     if (status != DYN_OK || !large) return *this;
@@ -48,8 +49,8 @@ struct Check {
       double result[72] = {};
       f.template operator()<J>(b, result);
       if (status == DYN_OK && finite_count(result, 72) < 72)
-        status = fail(DYN_ERROR_NUMERIC, "%s: the result of joint '%s' overflows: the inputs are too large for double precision", function,
-                      m->string(m->joints()[b.joint].name));
+        status = fail(DYN_ERROR_NUMERIC, "%s: the result of joint '%s' overflows: the inputs are too large for double precision",
+                      function, m->string(m->joints()[b.joint].name));
     });
     return *this;
   }
@@ -100,7 +101,9 @@ dynStatus dyn_configuration_distance(const dynModel* model, const double* q0, co
   Check c(model, "dyn_configuration_distance");
   if (!c.q("q0", q0).q("q1", q1).output(result)) return c.status;
   const double d = distance(*c.m, q0, q1);
-  if (!std::isfinite(d)) return fail(DYN_ERROR_NUMERIC, "dyn_configuration_distance: the distance overflows: the inputs are too large for double precision");
+  if (!std::isfinite(d))
+    return fail(DYN_ERROR_NUMERIC,
+                "dyn_configuration_distance: the distance overflows: the inputs are too large for double precision");
   *result = d;
   return DYN_OK;
 }
@@ -118,11 +121,16 @@ dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const d
   const double* high = upper ? upper : c.m->upper_limit();
   for (Index k = 0; k < c.m->n.nq; ++k) {
     if (std::isnan(low[k]) || std::isnan(high[k]))
-      return fail(DYN_ERROR_NONFINITE, "dyn_configuration_random: %s[%d] is NaN: give a number, or an infinity for no bound", std::isnan(low[k]) ? "lower" : "upper", int(k));
+      return fail(DYN_ERROR_NONFINITE, "dyn_configuration_random: %s[%d] is NaN: give a number, or an infinity for no bound",
+                  std::isnan(low[k]) ? "lower" : "upper", int(k));
     if (low[k] > std::numeric_limits<double>::max() || high[k] < std::numeric_limits<double>::lowest())
-      return fail(DYN_ERROR_INVALID, "dyn_configuration_random: nothing lies between lower[%d] = %g and upper[%d] = %g: give a bound that numbers can meet", int(k),
+      return fail(
+          DYN_ERROR_INVALID,
+          "dyn_configuration_random: nothing lies between lower[%d] = %g and upper[%d] = %g: give a bound that numbers can meet",
+          int(k), low[k], int(k), high[k]);
+    if (low[k] > high[k])
+      return fail(DYN_ERROR_INVALID, "dyn_configuration_random: lower[%d] = %g exceeds upper[%d] = %g: exchange them", int(k),
                   low[k], int(k), high[k]);
-    if (low[k] > high[k]) return fail(DYN_ERROR_INVALID, "dyn_configuration_random: lower[%d] = %g exceeds upper[%d] = %g: exchange them", int(k), low[k], int(k), high[k]);
   }
   random_configuration(*c.m, seed, low, high, q);
   return DYN_OK;
@@ -137,7 +145,8 @@ dynStatus dyn_configuration_normalize(const dynModel* model, double* q) {
 dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized) {
   Check c(model, "dyn_configuration_is_normalized");
   if (!c.vector("q", q, c.m ? c.m->n.nq : 0).output(normalized)) return c.status;
-  if (!(tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_configuration_is_normalized: tolerance is %g: it can't be negative or NaN", tolerance);
+  if (!(tolerance >= 0))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_configuration_is_normalized: tolerance is %g: it can't be negative or NaN", tolerance);
   *normalized = norm_error(*c.m, q) <= tolerance;
   return DYN_OK;
 }

@@ -31,12 +31,14 @@ dynConstrainedOutput capi::defaults() {
 
 extern "C" {
 
-dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
-                                   const dynConstraintOptions* options, const dynConstrainedOutput* output) {
+dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
+                                   const double* fext, const dynConstraintOptions* options, const dynConstrainedOutput* output) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constrained_dynamics");
   const Given<dynConstrainedOutput> out(call.function, output);
   ProximalOptions given;
-  if (!call || !good_output(call, out) || !read_options(call, options, given) || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
+  if (!call || !good_output(call, out) || !read_options(call, options, given) || !check_fext(call, fext) ||
+      !call.inputs(q, v, nullptr, tau))
+    return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   d.invalidate(Stage::ConstrainedDdq);  // being written
@@ -55,11 +57,13 @@ dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const d
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const double* q, const double* v, const dynConstraintOptions* options, double* v_plus,
-                                 double* lambda, dynConstraintResult* result) {
+dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const double* q, const double* v,
+                                 const dynConstraintOptions* options, double* v_plus, double* lambda,
+                                 dynConstraintResult* result) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_impulse");
   ProximalOptions given;
-  if (!call || !good_result(call, result) || !read_options(call, options, given) || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  if (!call || !good_result(call, result) || !read_options(call, options, given) || !call.inputs(q, v, nullptr, nullptr))
+    return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   d.invalidate(Stage::ConstrainedDdq);  // lambda is this call's
@@ -74,7 +78,8 @@ dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const dou
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const double* q, const double* v, double* C, double* J, double* Jv, double* drift) {
+dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const double* q, const double* v, double* C, double* J,
+                               double* Jv, double* drift) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_terms");
   if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
@@ -87,7 +92,8 @@ dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const doubl
   evaluate_rows(m, d, d.expand(m, static_cast<const double*>(d.v), d.vx), static_cast<const double*>(nullptr));
   bool good = true;
   for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) {
-    good = good && finite_count(s.error, s.rows) == s.rows && finite_count(s.rate, s.rows) == s.rows && finite_count(s.acceleration, s.rows) == s.rows;
+    good = good && finite_count(s.error, s.rows) == s.rows && finite_count(s.rate, s.rows) == s.rows &&
+           finite_count(s.acceleration, s.rows) == s.rows;
   });
   if (!good) return not_finite(call, "a row");
   for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) {

@@ -15,9 +15,12 @@ dynConstraint capi::defaults() {
 
 extern "C" {
 
-void(dyn_constraint_init)(dynConstraint* constraint, uint32_t size, dynConstraintType type) { initialize(constraint, size, default_constraint(type)); }
+void(dyn_constraint_init)(dynConstraint* constraint, uint32_t size, dynConstraintType type) {
+  initialize(constraint, size, default_constraint(type));
+}
 
-dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second) {
+dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first,
+                                     const char* second) {
   if (const dynStatus s = check(builder)) return s;
   if (!constraint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_constraint: constraint is NULL");
   const Given<dynConstraint> given("dyn_builder_add_constraint", constraint);
@@ -52,7 +55,8 @@ const char* dyn_model_constraint_name(const dynModel* model, int constraint) {
   if (check(model) != DYN_OK) return nullptr;
   const Model& m = *model->m;
   if (constraint >= 0 && constraint < m.n.constraints) return m.string(m.constraints()[constraint].name);
-  fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_name: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
+  fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_name: constraint %d does not exist: the model has %d", constraint,
+       int(m.n.constraints));
   return nullptr;
 }
 
@@ -61,7 +65,8 @@ int dyn_model_constraint_id(const dynModel* model, const char* name) {
   const Model& m = *model->m;
   for (Index k = 0; name && k < m.n.constraints; ++k)
     if (std::strcmp(m.string(m.constraints()[k].name), name) == 0) return int(k);
-  fail(DYN_ERROR_NAME, "there is no constraint '%.200s': the model has %d, see dyn_model_constraint_name", name ? name : "(NULL)", int(m.n.constraints));
+  fail(DYN_ERROR_NAME, "there is no constraint '%.200s': the model has %d, see dyn_model_constraint_name", name ? name : "(NULL)",
+       int(m.n.constraints));
   return -1;
 }
 
@@ -70,7 +75,8 @@ dynStatus dyn_model_constraint_info(const dynModel* model, int constraint, dynCo
   if (const dynStatus s = check_struct("dyn_model_constraint_info", "out", out)) return s;
   const Model& m = *model->m;
   if (constraint < 0 || constraint >= m.n.constraints)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_info: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_info: constraint %d does not exist: the model has %d", constraint,
+                int(m.n.constraints));
   write_struct(m.constraints()[constraint].spec, out);
   return DYN_OK;
 }
@@ -84,13 +90,17 @@ dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot
   Data<double>& d = call.d();
   const dynConstraint spec = constraint ? *given : dynConstraint{};
   char message[256];
-  if (const dynStatus s = check_constraint(m, spec, message, sizeof message)) return fail(s, "dyn_data_set_constraint: slot %d: %s", slot, message);
+  if (const dynStatus s = check_constraint(m, spec, message, sizeof message))
+    return fail(s, "dyn_data_set_constraint: slot %d: %s", slot, message);
   Index rows = constraint_rows(resolve_constraint(m, spec));
   for (Index s = 0; s < m.n.slots; ++s)
     if (s != slot) rows += constraint_rows(d.slots[s].c);
   if (rows > m.n.constraint_rows)
-    return fail(DYN_ERROR_LIMIT, "dyn_data_set_constraint: slot %d: all slots together would have %d rows, and there is room for %d: give the model more "
-                                 "constraint_slots", slot, int(rows), int(m.n.constraint_rows));
+    return fail(
+        DYN_ERROR_LIMIT,
+        "dyn_data_set_constraint: slot %d: all slots together would have %d rows, and there is room for %d: give the model more "
+        "constraint_slots",
+        slot, int(rows), int(m.n.constraint_rows));
   set_constraint(m, d, slot, spec);
   number_rows(m, d);
   drop_constraints(d);

@@ -9,7 +9,9 @@ namespace dyn::capi {
 
 inline bool valid_slot(Call& call, int slot) {
   if (slot >= 0 && slot < call.m().n.slots) return true;
-  call.status = fail(DYN_ERROR_ARGUMENT, "%s: slot %d does not exist: the model has slots 0 to %d; see dyn_model_nconstraint_slots", call.function, slot, int(call.m().n.slots) - 1);
+  call.status =
+      fail(DYN_ERROR_ARGUMENT, "%s: slot %d does not exist: the model has slots 0 to %d; see dyn_model_nconstraint_slots",
+           call.function, slot, int(call.m().n.slots) - 1);
   return false;
 }
 

@@ -35,7 +35,9 @@ dynStatus write(Call& call, const dynConstraintDerivatives& out, Index rows, boo
 }
 
 void drop_written(Data<double>& d) {
-  for (Stage s : {Stage::ConstrainedDdq, Stage::Ddq, Stage::ForwardDerivatives, Stage::Tau, Stage::InverseDerivatives, Stage::Minv, Stage::Mass, Stage::Factor}) d.invalidate(s);
+  for (Stage s : {Stage::ConstrainedDdq, Stage::Ddq, Stage::ForwardDerivatives, Stage::Tau, Stage::InverseDerivatives,
+                  Stage::Minv, Stage::Mass, Stage::Factor})
+    d.invalidate(s);
 }
 
 }  // namespace
@@ -47,13 +49,14 @@ dynConstraintDerivatives capi::defaults() {
 
 extern "C" {
 
-dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
-                                               const dynConstraintOptions* options, const dynConstraintDerivatives* output) {
+dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
+                                               const double* tau, const double* fext, const dynConstraintOptions* options,
+                                               const dynConstraintDerivatives* output) {
   Call call(model, data, DYN_PART_CONSTRAINT_DERIVATIVES, "dyn_constrained_dynamics_derivatives");
   const Given<dynConstraintDerivatives> out(call.function, output);
   ProximalOptions given;
-  if (!call || !call.required("out", output) || !good_output(call, out) || !read_options(call, options, given) || !check_fext(call, fext) ||
-      !call.inputs(q, v, nullptr, tau))
+  if (!call || !call.required("out", output) || !good_output(call, out) || !read_options(call, options, given) ||
+      !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau))
     return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -67,17 +70,20 @@ dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* d
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const dynConstraintOptions* options,
-                                             const dynConstraintDerivatives* output) {
+dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
+                                             const dynConstraintOptions* options, const dynConstraintDerivatives* output) {
   Call call(model, data, DYN_PART_CONSTRAINT_DERIVATIVES, "dyn_constraint_impulse_derivatives");
   const Given<dynConstraintDerivatives> out(call.function, output);
   ProximalOptions given;
-  if (!call || !call.required("out", output) || !good_output(call, out) || !read_options(call, options, given) || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  if (!call || !call.required("out", output) || !good_output(call, out) || !read_options(call, options, given) ||
+      !call.inputs(q, v, nullptr, nullptr))
+    return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   drop_written(d);
   dynConstraintResult found{};
-  if (const Index failed = constraint_impulse_derivatives(m, d, d.v, given, found)) return singular(call, failed, Stage::ConstrainedDdq);
+  if (const Index failed = constraint_impulse_derivatives(m, d, d.v, given, found))
+    return singular(call, failed, Stage::ConstrainedDdq);
   if (const dynStatus s = write(call, *out, found.rows, false)) return s;
   d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv);
   write_struct(found, out->result);

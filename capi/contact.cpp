@@ -21,7 +21,8 @@ dynStatus dyn_geometry_contacts(const dynGeometryPair* pair, double margin, doub
   if (s == DYN_OK) s = check_margin(function, margin);
   if (s == DYN_OK) s = read_tolerance(function, tolerance, options);
   if (s != DYN_OK) return s;
-  if (!contacts || !count) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, contacts ? "count" : "contacts");
+  if (!contacts || !count)
+    return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, contacts ? "count" : "contacts");
   collision::Workspace workspace;
   collision::Manifold found;
   collision::contacts(A.shape, A.X, B.shape, B.X, margin, workspace, found, options);
@@ -30,23 +31,28 @@ dynStatus dyn_geometry_contacts(const dynGeometryPair* pair, double margin, doub
   return DYN_OK;
 }
 
-dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count) {
+dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity,
+                       int* count) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_contacts");
   if (!call) return call.status;
   if (const dynStatus s = check_margin(call.function, margin)) return s;
   if (const dynStatus s = check_capacity(call.function, capacity)) return s;
-  if (!call.required("contacts", contacts, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  if (!call.required("contacts", contacts, capacity) || !call.required("count", count) ||
+      !call.inputs(q, nullptr, nullptr, nullptr))
+    return call.status;
   if (!placed(call)) return call.status;
   *count = int(collision::contacts(call.m(), call.d(), margin, contacts, capacity));
   return DYN_OK;
 }
 
-dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q, double smoothing, double* distances, double* gradients, int* points) {
+dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q, double smoothing, double* distances,
+                               double* gradients, int* points) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_smooth_distances");
   if (!call || !listed(call)) return call.status;
   if (!(smoothing >= shape::min_length && smoothing <= shape::max_length))
-    return fail(std::isfinite(smoothing) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_smooth_distances: smoothing is %g: give metres from %g to %g", smoothing,
-                shape::min_length, shape::max_length);
+    return fail(std::isfinite(smoothing) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE,
+                "dyn_smooth_distances: smoothing is %g: give metres from %g to %g", smoothing, shape::min_length,
+                shape::max_length);
   if (!call.inputs(q, nullptr, nullptr, nullptr) || !placed(call)) return call.status;
   const Model& m = call.m();
   collision::place_geoms(m, call.d());
@@ -54,7 +60,8 @@ dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const doubl
   for (Index k = 0; k < m.n.pairs; ++k) {
     double distance = shape::infinity;
     int count = 0;
-    if (call.d().pair_states[k] == DYN_PAIR_REASON_TESTED) count = collision::smooth_distance(m, call.d(), k, smoothing, distance, gradients ? gradients + k : nullptr, m.n.pairs);
+    if (call.d().pair_states[k] == DYN_PAIR_REASON_TESTED)
+      count = collision::smooth_distance(m, call.d(), k, smoothing, distance, gradients ? gradients + k : nullptr, m.n.pairs);
     if (distances) distances[k] = distance;
     if (points) points[k] = count;
   }

@@ -30,7 +30,8 @@ class Conversion {
   dynStatus run(dynDirection direction) {
     for (const bool write : {false, true}) {
       if (write && direction == DYN_DIRECTION_FROM_PEER && out.tau) std::fill_n(out.tau, m.n.nv, 0.0);
-      const dynStatus s = l.each([&](const Item& item) { return direction == DYN_DIRECTION_TO_PEER ? to_peer(item, write) : from_peer(item, write); });
+      const dynStatus s = l.each(
+          [&](const Item& item) { return direction == DYN_DIRECTION_TO_PEER ? to_peer(item, write) : from_peer(item, write); });
       if (s != DYN_OK) return s;
     }
     return DYN_OK;
@@ -51,7 +52,8 @@ class Conversion {
   dynStatus bounded(const char* what, const double* x, int n, Index joint) const {
     for (int k = 0; k < n; ++k)
       if (!(std::abs(x[k]) <= most))
-        return fail(DYN_ERROR_NUMERIC, "%s: the %s of joint '%.200s' overflows: the inputs are too large for double precision", function, what, l.name(joint));
+        return fail(DYN_ERROR_NUMERIC, "%s: the %s of joint '%.200s' overflows: the inputs are too large for double precision",
+                    function, what, l.name(joint));
     return DYN_OK;
   }
   dynStatus bounded(const peer::Coordinates& x, peer::Size n, Index joint) const {
@@ -111,7 +113,8 @@ class Conversion {
     return status;
   }
 
-  dynStatus readable(peer::Form form, peer::Size ours, Index joint, const peer::Coordinates& y, std::int64_t at_q, std::int64_t at_v, bool follower) const {
+  dynStatus readable(peer::Form form, peer::Size ours, Index joint, const peer::Coordinates& y, std::int64_t at_q,
+                     std::int64_t at_v, bool follower) const {
     const peer::Size n = peer::size(form, ours);
     const struct {
       const char* name;
@@ -126,14 +129,16 @@ class Conversion {
                     static_cast<long long>(row.at + k), l.name(joint), row.x[k] != row.x[k] ? "NaN" : "infinite");
     }
     if (!follower && peer::zero_norm(form, ours, y.q))
-      return fail(DYN_ERROR_QUATERNION, "%s: the quaternion or (cos, sin) of joint '%.200s' in q is zero: give one of norm 1", function, l.name(joint));
+      return fail(DYN_ERROR_QUATERNION, "%s: the quaternion or (cos, sin) of joint '%.200s' in q is zero: give one of norm 1",
+                  function, l.name(joint));
     return DYN_OK;
   }
 };
 
 dynStatus check_arrays(const Arrays& in, const Outputs& out) {
   if (!in.q) return fail(DYN_ERROR_ARGUMENT, "%s: q is NULL: it is required", function);
-  if (in.a && !in.v) return fail(DYN_ERROR_ARGUMENT, "%s: a is given without v, on which the peer's acceleration depends: give v", function);
+  if (in.a && !in.v)
+    return fail(DYN_ERROR_ARGUMENT, "%s: a is given without v, on which the peer's acceleration depends: give v", function);
   const struct {
     const char* name;
     const double *in, *out;
@@ -153,11 +158,12 @@ dynStatus check_ours(const Model& m, const Arrays& in) {
   for (const auto& r : rows) {
     if (!r.x) continue;
     if (const Index k = finite_count(r.x, r.n); k < r.n)
-      return fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, r.name, int(k), r.x[k] != r.x[k] ? "NaN" : "infinite");
+      return fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, r.name, int(k),
+                  r.x[k] != r.x[k] ? "NaN" : "infinite");
   }
   if (const Index j = zero_norm_joint(m, in.q))
-    return fail(DYN_ERROR_QUATERNION, "%s: the quaternion or (cos, sin) of joint '%.200s' in q is zero: give one of norm 1", function,
-                m.string(m.joints()[j].name));
+    return fail(DYN_ERROR_QUATERNION, "%s: the quaternion or (cos, sin) of joint '%.200s' in q is zero: give one of norm 1",
+                function, m.string(m.joints()[j].name));
   return DYN_OK;
 }
 
@@ -183,8 +189,8 @@ dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* la
   return DYN_OK;
 }
 
-dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q, const double* v,
-                            const double* a, const double* tau, const dynStateOutput* output) {
+dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q,
+                                   const double* v, const double* a, const double* tau, const dynStateOutput* output) {
   const Layout l(model, layout);
   if (l.status != DYN_OK) return l.status;
   if (const dynStatus s = check_value(direction, function, "direction")) return s;

@@ -18,7 +18,8 @@ constexpr std::size_t handle_bytes = 64, body_bytes = (sizeof(DataBody) + 63) / 
 static_assert(sizeof(dynData) <= handle_bytes);
 
 dynStatus check_parts(const char* function, dynParts parts) {
-  if (parts & ~dynParts(DYN_PART_ALL)) return fail(DYN_ERROR_ARGUMENT, "%s: parts 0x%x has unknown bits: use DYN_PART_... values", function, unsigned(parts));
+  if (parts & ~dynParts(DYN_PART_ALL))
+    return fail(DYN_ERROR_ARGUMENT, "%s: parts 0x%x has unknown bits: use DYN_PART_... values", function, unsigned(parts));
   return DYN_OK;
 }
 
@@ -57,7 +58,10 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
     const std::size_t bytes = body_bytes + data_bytes<double>(*model->m, parts);
     void* memory = allocate_block(bytes);
     if (!memory)
-      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, CHOLESKY, MINV, CORIOLIS; nv x 10 njoints is REGRESSOR)", bytes);
+      return fail(DYN_ERROR_MEMORY,
+                  "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, CHOLESKY, MINV, "
+                  "CORIOLIS; nv x 10 njoints is REGRESSOR)",
+                  bytes);
     dynData* handle = new_handle<dynData>();
     if (!handle) {
       std::free(memory);
@@ -79,7 +83,8 @@ dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, siz
   if (!memory || !data) return fail(DYN_ERROR_ARGUMENT, "dyn_data_init: %s is NULL", memory ? "data" : "memory");
   if (const dynStatus s = check_parts("dyn_data_init", parts)) return s;
   if (size < dyn_data_size(model, parts))
-    return fail(DYN_ERROR_SIZE, "dyn_data_init: memory has %zu bytes, needs %zu: ask dyn_data_size", size, dyn_data_size(model, parts));
+    return fail(DYN_ERROR_SIZE, "dyn_data_init: memory has %zu bytes, needs %zu: ask dyn_data_size", size,
+                dyn_data_size(model, parts));
   char* at = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(memory) + 63) / 64 * 64);
   dynData* handle = new (at) dynData{};
   set_up(handle, *model->m, parts, at + handle_bytes, false);
@@ -97,7 +102,8 @@ void dyn_data_free(dynData* data) {
   free_handle(data);
 }
 
-dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* tau) {
+dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                             const double* tau) {
   Call call(model, data, 0, "dyn_data_set_state");
   if (call) call.inputs(q, v, a, tau);
   return call.status;
@@ -123,7 +129,8 @@ dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, 
   Call call(model, data, 0, "dyn_data_set_effects");
   if (!call || !call.joint_or_all(joint)) return call.status;
   if (effects & ~uint32_t(DYN_EFFECT_ALL | DYN_EFFECT_AS_STATED))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_effects: effects 0x%x has unknown bits: use DYN_EFFECT_... values", unsigned(effects));
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_effects: effects 0x%x has unknown bits: use DYN_EFFECT_... values",
+                unsigned(effects));
   const Model& m = call.m();
   Data<double>& d = call.d();
   for (Index j = joint ? joint : 0, end = joint ? joint + 1 : m.n.joints; j < end; ++j) d.chosen_effects[j] = effects;
@@ -154,7 +161,8 @@ int dyn_field_count(void) { return field_count; }
 
 dynStatus dyn_field_info(dynField field, dynFieldInfo* info) {
   if (const dynStatus s = check_struct("dyn_field_info", "info", info)) return s;
-  if (field < 0 || field >= field_count) return fail(DYN_ERROR_ARGUMENT, "dyn_field_info: field %d does not exist: there are %d", int(field), field_count);
+  if (field < 0 || field >= field_count)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_field_info: field %d does not exist: there are %d", int(field), field_count);
   write_struct(rows[field].info, info);
   return DYN_OK;
 }
@@ -176,12 +184,14 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
   if (!call) return call.status;
   if (const dynStatus s = check_struct(call.function, "out", out)) return s;
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
-  const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames, nparameters = parameter_count(call.m()),
-                       npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows, nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators;
+  const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames,
+                       nparameters = parameter_count(call.m()), npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows,
+                       nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
   dynArray array{};
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
-    array.rows = int32_t(height), array.cols = int32_t(width), array.data = numbers ? numbers : call.d().time;  // NULL is for no one, not for no numbers
+    array.rows = int32_t(height), array.cols = int32_t(width),
+    array.data = numbers ? numbers : call.d().time;  // NULL is for no one, not for no numbers
   };
   switch (FieldId(field)) {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \

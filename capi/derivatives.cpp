@@ -11,8 +11,8 @@ dynAbaDerivatives capi::defaults() {
 
 extern "C" {
 
-dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
-                               double* dtau_dq, double* dtau_dv) {
+dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                               const double* fext, double* dtau_dq, double* dtau_dv) {
   Call call(model, data, DYN_PART_INVERSE_DERIVATIVES, "dyn_rnea_derivatives");
   if (!call || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
@@ -29,8 +29,8 @@ dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const doubl
   return DYN_OK;
 }
 
-dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
-                              const dynAbaDerivatives* out) {
+dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
+                              const double* fext, const dynAbaDerivatives* out) {
   Call call(model, data, DYN_PART_FORWARD_DERIVATIVES, "dyn_aba_derivatives");
   const Given<dynAbaDerivatives> wanted(call.function, out);
   if (!call || (call.status = wanted.status) || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
@@ -40,17 +40,19 @@ dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double
   d.invalidate(Stage::Tau), d.invalidate(Stage::InverseDerivatives);  // at another a than the held one
   const Index failed = aba_derivatives(call.m(), d, d.v, d.tau_applied, fext);
   if (failed) return singular(call, failed, Stage::ForwardDerivatives);
-  if (!finite_mass(call) || !call.numeric(d.ddq, Index(nv), "ddq", Stage::Ddq) || !call.numeric(d.Minv, nv * nv, "Minv", Stage::Minv) ||
+  if (!finite_mass(call) || !call.numeric(d.ddq, Index(nv), "ddq", Stage::Ddq) ||
+      !call.numeric(d.Minv, nv * nv, "Minv", Stage::Minv) ||
       !call.numeric(d.ddq_dq, nv * nv, "ddq_dq", Stage::ForwardDerivatives) ||
       !call.numeric(d.ddq_dv, nv * nv, "ddq_dv", Stage::ForwardDerivatives))
     return call.status;
   d.mark_fresh(Stage::Ddq), d.mark_fresh(Stage::ForwardDerivatives);
-  copy_out(d.ddq_dq, nv * nv, wanted->ddq_dq), copy_out(d.ddq_dv, nv * nv, wanted->ddq_dv), copy_out(d.Minv, nv * nv, wanted->ddq_dtau);
+  copy_out(d.ddq_dq, nv * nv, wanted->ddq_dq), copy_out(d.ddq_dv, nv * nv, wanted->ddq_dv),
+      copy_out(d.Minv, nv * nv, wanted->ddq_dtau);
   return DYN_OK;
 }
 
-static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, const double* fext, double* Data<double>::*field, const char* name,
-                         Stage stage, const char* function, double* out) {
+static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, const double* fext, double* Data<double>::* field,
+                         const char* name, Stage stage, const char* function, double* out) {
   Call call(model, data, DYN_PART_INVERSE_DERIVATIVES, function);
   if (!call || !check_fext(call, fext) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
@@ -64,15 +66,18 @@ static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, 
 }
 
 dynStatus dyn_gravity_torque_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq) {
-  return at_rest(model, data, q, nullptr, &Data<double>::dg_dq, "dg_dq", Stage::GravityDerivatives, "dyn_gravity_torque_derivatives", dg_dq);
+  return at_rest(model, data, q, nullptr, &Data<double>::dg_dq, "dg_dq", Stage::GravityDerivatives,
+                 "dyn_gravity_torque_derivatives", dg_dq);
 }
 
-dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q, const double* fext, double* dstatic_torque_dq) {
-  return at_rest(model, data, q, fext, &Data<double>::dstatic_torque_dq, "dstatic_torque_dq", Stage::StaticDerivatives, "dyn_static_torque_derivatives",
-                 dstatic_torque_dq);
+dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q, const double* fext,
+                                        double* dstatic_torque_dq) {
+  return at_rest(model, data, q, fext, &Data<double>::dstatic_torque_dq, "dstatic_torque_dq", Stage::StaticDerivatives,
+                 "dyn_static_torque_derivatives", dstatic_torque_dq);
 }
 
-dynStatus dyn_vcom_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq, double* dvcom_dv) {
+dynStatus dyn_vcom_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq,
+                               double* dvcom_dv) {
   Call call(model, data, DYN_PART_COM, "dyn_vcom_derivatives");
   if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();

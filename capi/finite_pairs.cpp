@@ -1,5 +1,5 @@
-// Matrices over pairs of degrees of freedom, checked in the time of the pairs: entries of unrelated joints are zero for good, and the
-// others are sums of products of columns that the data holds.
+// Matrices over pairs of degrees of freedom, checked in the time of the pairs: entries of unrelated joints are zero for good, and
+// the others are sums of products of columns that the data holds.
 #include "checks.hpp"
 #include "algorithm/tiles.hpp"
 
@@ -19,8 +19,8 @@ bool small_columns(const Call& call) {
   const Model& m = call.m();
   const Data<double>& d = call.d();
   const std::ptrdiff_t n = m.n.nvx;
-  return n > few && !m.has_mimic && small(d.S, n) && small(d.dS, n) && small(d.ddS, n) && small(d.W, n) && small(d.F, n) && small(d.Fq, n) &&
-         small(d.Fv, n) && small(d.Q, n);
+  return n > few && !m.has_mimic && small(d.S, n) && small(d.dS, n) && small(d.ddS, n) && small(d.W, n) && small(d.F, n) &&
+         small(d.Fq, n) && small(d.Fv, n) && small(d.Q, n);
 }
 
 bool numeric_pairs(Call& call, const double* x, const char* what, Stage stage, bool small_columns) {

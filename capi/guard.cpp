@@ -60,12 +60,18 @@ dynStatus fail_of_exception() noexcept {
 
 void touch_last_error() { static_cast<volatile char*>(last_error)[0] = last_error[0]; }
 
-dynStatus no_model(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load, dyn_model_from_buffer or dyn_builder_finish"); }
+dynStatus no_model(const dynModel* model) {
+  return check_magic(model, live_model, "model", "dyn_model_load, dyn_model_from_buffer or dyn_builder_finish");
+}
 dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
 dynStatus check(const dynBatch* batch) { return check_magic(batch, live_batch, "batch", "dyn_batch_new"); }
 dynStatus check(const dynMesh* mesh) { return check_magic(mesh, live_mesh, "mesh", "dyn_mesh_load or dyn_mesh_from_arrays"); }
-dynStatus check(const dynBroadPhase* broad_phase) { return check_magic(broad_phase, live_broad_phase, "broad phase", "dyn_broad_phase_new"); }
-dynStatus check(const dynContactSolver* solver) { return check_magic(solver, live_contact_solver, "contact solver", "dyn_contact_solver_new"); }
+dynStatus check(const dynBroadPhase* broad_phase) {
+  return check_magic(broad_phase, live_broad_phase, "broad phase", "dyn_broad_phase_new");
+}
+dynStatus check(const dynContactSolver* solver) {
+  return check_magic(solver, live_contact_solver, "contact solver", "dyn_contact_solver_new");
+}
 
 dynStatus make_handle(ModelPtr model, dynModel** out) {
   dynModel* handle = new_handle<dynModel>();
@@ -81,7 +87,9 @@ void Call::enter(const dynModel* model, dynData* data, dynParts part) {
   if ((status = check(model)) != DYN_OK) return;
   if ((status = check_magic(data, live_data, "data", "dyn_data_new")) != DYN_OK) return;
   if (data->body->model_id != model->m->id) {
-    status = fail(DYN_ERROR_MODEL, "%s: the data belongs to another model (or to one that was freed): make data from the model you pass", function);
+    status =
+        fail(DYN_ERROR_MODEL,
+             "%s: the data belongs to another model (or to one that was freed): make data from the model you pass", function);
     return;
   }
   model_ = model->m.get();
@@ -95,21 +103,41 @@ void Call::enter(const dynModel* model, dynData* data, dynParts part) {
   entered = true;
 #endif
   if ((d().parts & part) != part) {
-    static constexpr const char* names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
-                                            "CHOLESKY", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
-                                            "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION", "CONSTRAINTS", "CONSTRAINT_DERIVATIVES", "SIMULATION"};
+    static constexpr const char* names[] = {"KINEMATICS",
+                                            "JACOBIANS",
+                                            "COM",
+                                            "INVERSE",
+                                            "FORWARD",
+                                            "MASS",
+                                            "CHOLESKY",
+                                            "MINV",
+                                            "CORIOLIS",
+                                            "ENERGY",
+                                            "FRAMES",
+                                            "CENTROIDAL",
+                                            "INVERSE_DERIVATIVES",
+                                            "FORWARD_DERIVATIVES",
+                                            "REGRESSOR",
+                                            "IK",
+                                            "SECOND_ORDER",
+                                            "COLLISION",
+                                            "CONSTRAINTS",
+                                            "CONSTRAINT_DERIVATIVES",
+                                            "SIMULATION"};
     const dynParts missing = part & ~d().parts;
     const char* name = "?";
     for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
       if (missing >> k & 1u) name = names[k];
-    status = fail(DYN_ERROR_PART, "%s needs part DYN_PART_%s, which this data was made without: name it in dyn_data_new", function, name);
+    status = fail(DYN_ERROR_PART, "%s needs part DYN_PART_%s, which this data was made without: name it in dyn_data_new",
+                  function, name);
     return;
   }
   if (part & ~dynParts(DYN_PART_SIMULATION)) have_effects_of(false);
 }
 
 bool Call::not_finite(const char* name, const double* x, Index k) {
-  status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
+  status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k),
+                x[k] != x[k] ? "NaN" : "infinite");
   return false;
 }
 
@@ -120,13 +148,15 @@ bool Call::missing(const char* name) {
 
 bool Call::frame(int id) {
   if (status == DYN_OK && (id < 0 || id >= m().n.frames))
-    status = fail(DYN_ERROR_ARGUMENT, "%s: frame %d does not exist: the model has frames 0 to %d; see dyn_model_frame_id", function, id, int(m().n.frames) - 1);
+    status = fail(DYN_ERROR_ARGUMENT, "%s: frame %d does not exist: the model has frames 0 to %d; see dyn_model_frame_id",
+                  function, id, int(m().n.frames) - 1);
   return status == DYN_OK;
 }
 
 bool Call::joint(int id) {
   if (status == DYN_OK && (id < 0 || id >= m().n.joints))
-    status = fail(DYN_ERROR_ARGUMENT, "%s: joint %d does not exist: the model has joints 0 to %d; see dyn_model_joint_id", function, id, int(m().n.joints) - 1);
+    status = fail(DYN_ERROR_ARGUMENT, "%s: joint %d does not exist: the model has joints 0 to %d; see dyn_model_joint_id",
+                  function, id, int(m().n.joints) - 1);
   return status == DYN_OK;
 }
 
@@ -211,8 +241,9 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
   if (v) take(input_v, before_it(v, input_q, x.q, kept_q, nq), x.v, kept_v, nv);
   if (a) take(input_a, before_it(before_it(a, input_q, x.q, kept_q, nq), input_v, x.v, kept_v, nv), x.a, kept_a, nv);
   if (tau)
-    take(input_tau, before_it(before_it(before_it(tau, input_q, x.q, kept_q, nq), input_v, x.v, kept_v, nv), input_a, x.a, kept_a, nv), x.tau_applied,
-         kept_tau, nv);
+    take(input_tau,
+         before_it(before_it(before_it(tau, input_q, x.q, kept_q, nq), input_v, x.v, kept_v, nv), input_a, x.a, kept_a, nv),
+         x.tau_applied, kept_tau, nv);
   if (good && q && nq != nv) good = zero_norm_joint(m, x.q) == 0;
   if (!good) [[unlikely]] {
     if (replaced >> input_q & 1u) copy_out(kept_q, nq, x.q);
@@ -232,8 +263,10 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
 
 bool Call::nonzero(const double* q) {
   if (const Index j = zero_norm_joint(m(), q))
-    status = fail(DYN_ERROR_QUATERNION, "%s: the %s of joint '%s' in q is zero: give one of norm 1, such as that of dyn_configuration_neutral", function,
-                  m().joints()[j].type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? "(cos, sin)" : "quaternion", m().string(m().joints()[j].name));
+    status = fail(DYN_ERROR_QUATERNION,
+                  "%s: the %s of joint '%s' in q is zero: give one of norm 1, such as that of dyn_configuration_neutral",
+                  function, m().joints()[j].type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? "(cos, sin)" : "quaternion",
+                  m().string(m().joints()[j].name));
   return status == DYN_OK;
 }
 
@@ -331,19 +364,22 @@ const char* dyn_status_name(dynStatus status) {
 #define DYN_TEXT_(x) #x
 #define DYN_TEXT(x) DYN_TEXT_(x)
 
-const char* dyn_version(void) { return DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(DYN_VERSION_PATCH); }
+const char* dyn_version(void) {
+  return DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(DYN_VERSION_PATCH);
+}
 
 #ifndef DYN_ARCH_NAME
 #define DYN_ARCH_NAME "unknown instruction set"
 #endif
 
 const char* dyn_build_info(void) {
-  return "libdyn " DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(DYN_VERSION_PATCH) ", " DYN_ARCH_NAME ", compiler " __VERSION__
+  return "libdyn " DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(
+      DYN_VERSION_PATCH) ", " DYN_ARCH_NAME ", compiler " __VERSION__
 #if DYN_CHECKED
-         ", checked"
+                         ", checked"
 #endif
 #if DYN_REPRODUCIBLE
-         ", reproducible"
+                         ", reproducible"
 #endif
       ;
 }

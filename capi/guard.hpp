@@ -33,20 +33,22 @@ dynStatus guarded(F&& f) noexcept {
 }
 
 inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u,
-                               live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u, live_broad_phase = 0x64616f72626e7964u,
-                               live_contact_solver = 0x746e6f63626e7964u;
+                               live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u,
+                               live_broad_phase = 0x64616f72626e7964u, live_contact_solver = 0x746e6f63626e7964u;
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // Sums of 0 times each of x[0 .. n-1]: zero where all are finite.
 inline Double4 zero_times(const double* x, std::ptrdiff_t n) {
   using P = Simd<double, block_lanes>;
   constexpr Index w = block_lanes;
-  Double4 sum = n >= 4 ? Double4::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
+  Double4 sum =
+      n >= 4 ? Double4::load(x + n - 4) * 0.0 : load_partial(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
   std::ptrdiff_t i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;
     for (; i + 4 * w <= n; i += 4 * w)
-      a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0, d = d + P::load(x + i + 3 * w) * 0.0;
+      a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0,
+      d = d + P::load(x + i + 3 * w) * 0.0;
     a = (a + b) + (c + d);
     sum = sum + slice4<0>(a) + slice4<w - 4>(a);
   }
@@ -194,14 +196,17 @@ class Call {
   bool joint_or_all(int id);  // 0: all; not a follower
   bool reference(dynReference r);
   // DYN_ERROR_STALE unless the stage is fresh.
-  bool fresh(Stage stage, const char* what, const char* producer) { return status == DYN_OK && (d().fresh(stage) || stale(what, producer)); }
+  bool fresh(Stage stage, const char* what, const char* producer) {
+    return status == DYN_OK && (d().fresh(stage) || stale(what, producer));
+  }
   // A result of n numbers that must be finite: otherwise the inputs of this call are taken back.
   bool numeric(const double* x, std::ptrdiff_t n, const char* what, Stage stage);
   // After an overflow nothing that belongs to these inputs is a result. (Frame queries look for themselves.)
   void drop_results();
   // Nothing to do when no input was replaced: what was computed then belongs to the state that stays.
   void rollback();
-  // Effects of steps, or of algorithms called alone. No result is of the other kind: a step leaves none, and algorithms come before its state.
+  // Effects of steps, or of algorithms called alone. No result is of the other kind: a step leaves none, and algorithms come
+  // before its state.
   void have_effects_of(bool steps);
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();

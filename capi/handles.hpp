@@ -1,5 +1,5 @@
-// Memory of handles. A freed handle says so, as long as its memory is not used again: after 2^20 other handles of its kind were freed.
-// A handle takes 16 to 24 bytes, so a program that frees as many keeps 24 MB of them.
+// Memory of handles. A freed handle says so, as long as its memory is not used again: after 2^20 other handles of its kind were
+// freed. A handle takes 16 to 24 bytes, so a program that frees as many keeps 24 MB of them.
 #pragma once
 
 #include <cstdlib>

@@ -30,7 +30,9 @@ bool finite_numbers(Call& call, Index task, const char* name, const double* x, I
 bool weighted(Call& call, Index task, const char* name, const double* w, Index n) {
   if (!finite_numbers(call, task, name, w, n)) return false;
   for (Index k = 0; k < n; ++k)
-    if (w[k] < 0) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s[%d] of task %d is %g: give zero or more", name, int(k), int(task), w[k]));
+    if (w[k] < 0)
+      return refuse(
+          call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s[%d] of task %d is %g: give zero or more", name, int(k), int(task), w[k]));
   return true;
 }
 
@@ -45,8 +47,10 @@ bool rotates(Call& call, Index task, const double* R) {
     }
   const double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[3] * (R[1] * R[8] - R[2] * R[7]) + R[6] * (R[1] * R[5] - R[2] * R[4]);
   if (worst <= 1e-6 && det > 0) return true;
-  return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: the target of task %d is no rotation%s: its first nine numbers are the axes, column by column", int(task),
-                           det > 0 ? "" : " (it mirrors)"));
+  return refuse(call,
+                fail(DYN_ERROR_ARGUMENT,
+                     "dyn_ik: the target of task %d is no rotation%s: its first nine numbers are the axes, column by column",
+                     int(task), det > 0 ? "" : " (it mirrors)"));
 }
 
 bool good_task(Call& call, const dynIkTask& t, Index k) {
@@ -56,45 +60,56 @@ bool good_task(Call& call, const dynIkTask& t, Index k) {
   if (const dynStatus s = check_value(t.type, "dyn_ik", name)) return refuse(call, s);
   if (t.priority != 0 && t.priority != 1)
     return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: priority %d of task %d is neither 0 nor 1", int(t.priority), int(k)));
-  if (!weighted(call, k, "weight", &t.weight, 1) || (t.weights && !weighted(call, k, "weights", t.weights, row_count(m, t.type)))) return false;
+  if (!weighted(call, k, "weight", &t.weight, 1) || (t.weights && !weighted(call, k, "weights", t.weights, row_count(m, t.type))))
+    return false;
   if (t.type == DYN_IK_TASK_TYPE_POSTURE) {
-    if (!t.posture) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: posture of task %d is NULL: it is required, nq numbers", int(k)));
+    if (!t.posture)
+      return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: posture of task %d is NULL: it is required, nq numbers", int(k)));
     return finite_numbers(call, k, "posture", t.posture, m.n.nq) && call.nonzero(t.posture);
   }
   if (t.type != DYN_IK_TASK_TYPE_COM && !call.frame(t.frame)) return false;
   if (t.type != DYN_IK_TASK_TYPE_ORIENTATION && !finite_numbers(call, k, "target", t.target + 9, 3)) return false;
-  if (t.type == DYN_IK_TASK_TYPE_POSE || t.type == DYN_IK_TASK_TYPE_ORIENTATION) return finite_numbers(call, k, "target", t.target, 9) && rotates(call, k, t.target);
+  if (t.type == DYN_IK_TASK_TYPE_POSE || t.type == DYN_IK_TASK_TYPE_ORIENTATION)
+    return finite_numbers(call, k, "target", t.target, 9) && rotates(call, k, t.target);
   return true;
 }
 
 bool good_tasks(Call& call, const IkTasks& tasks) {
   if (!call.required("tasks", tasks.first)) return false;
-  if (tasks.count < 1) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: ntasks is %d: give one task at least", int(tasks.count)));
+  if (tasks.count < 1)
+    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: ntasks is %d: give one task at least", int(tasks.count)));
   std::int64_t rows = 0;
   for (Index k = 0; k < tasks.count; ++k) {
     if ((call.status = check_size(call.function, struct_name<dynIkTask>(), tasks.at(k)->struct_size))) return false;
     if (tasks.at(k)->struct_size != tasks.first->struct_size)
-      return refuse(call, fail(DYN_ERROR_SIZE, "dyn_ik: struct_size of task %d is %u, that of the first %u: call dyn_ik_task_init for each", int(k),
-                               tasks.at(k)->struct_size, tasks.first->struct_size));
+      return refuse(
+          call, fail(DYN_ERROR_SIZE, "dyn_ik: struct_size of task %d is %u, that of the first %u: call dyn_ik_task_init for each",
+                     int(k), tasks.at(k)->struct_size, tasks.first->struct_size));
     const Given<dynIkTask> task(call.function, tasks.at(k));
     if ((call.status = task.status) || !good_task(call, *task, k)) return false;
     rows += row_count(call.m(), task->type);
   }
-  if (rows > INT32_MAX) return refuse(call, fail(DYN_ERROR_LIMIT, "dyn_ik: the tasks have %lld components: this library allows %d", static_cast<long long>(rows), INT32_MAX));
+  if (rows > INT32_MAX)
+    return refuse(call, fail(DYN_ERROR_LIMIT, "dyn_ik: the tasks have %lld components: this library allows %d",
+                             static_cast<long long>(rows), INT32_MAX));
   return true;
 }
 
 bool good_options(Call& call, const dynIkOptions& o) {
   if (o.max_iterations < 1 || o.restarts < 0)
-    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s is %d: give %s or more", o.restarts < 0 ? "restarts" : "max_iterations",
-                             int(o.restarts < 0 ? o.restarts : o.max_iterations), o.restarts < 0 ? "0" : "1"));
-  for (const auto& [name, x] : {std::pair("tolerance_linear", o.tolerance_linear), std::pair("tolerance_angular", o.tolerance_angular)})
-    if (!(x > 0) || !std::isfinite(x)) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s is %g: give a positive number", name, x));
+    return refuse(call,
+                  fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s is %d: give %s or more", o.restarts < 0 ? "restarts" : "max_iterations",
+                       int(o.restarts < 0 ? o.restarts : o.max_iterations), o.restarts < 0 ? "0" : "1"));
+  for (const auto& [name, x] :
+       {std::pair("tolerance_linear", o.tolerance_linear), std::pair("tolerance_angular", o.tolerance_angular)})
+    if (!(x > 0) || !std::isfinite(x))
+      return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s is %g: give a positive number", name, x));
   const Model& m = call.m();
   for (Index k = 0; k < m.n.nq && o.limits; ++k) {
     const double lower = o.lower ? o.lower[k] : m.lower_limit()[k], upper = o.upper ? o.upper[k] : m.upper_limit()[k];
     if (!(lower <= upper) || lower == HUGE_VAL || upper == -HUGE_VAL)
-      return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: lower[%d] is %g and upper[%d] is %g: give lower <= upper", int(k), lower, int(k), upper));
+      return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: lower[%d] is %g and upper[%d] is %g: give lower <= upper", int(k),
+                               lower, int(k), upper));
   }
   return true;
 }
@@ -123,15 +138,16 @@ dynIkOutput capi::defaults() {
 
 extern "C" {
 
-dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks, const dynIkOptions* options,
-                 const dynIkOutput* out) {
+dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks,
+                 const dynIkOptions* options, const dynIkOutput* out) {
   Call call(model, data, DYN_PART_IK, "dyn_ik");
   const Given<dynIkOutput> output(call.function, out);
   const Given<dynIkOptions> given(call.function, options);
   const IkTasks list{tasks, ntasks};
   const bool placed = call && call.d().fresh(Stage::Position);
-  if (!call || (call.status = output.status) || (call.status = check_struct(call.function, "result", output->result)) || (call.status = given.status) || !good_tasks(call, list) ||
-      !good_options(call, *given) || !call.inputs(q, nullptr, nullptr, nullptr))
+  if (!call || (call.status = output.status) || (call.status = check_struct(call.function, "result", output->result)) ||
+      (call.status = given.status) || !good_tasks(call, list) || !good_options(call, *given) ||
+      !call.inputs(q, nullptr, nullptr, nullptr))
     return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -146,7 +162,8 @@ dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dy
     d.invalidate(Stage::Com);
     if (!placed) d.invalidate(Stage::Position);
     call.rollback();
-    return fail(DYN_ERROR_NUMERIC, "dyn_ik: the cost of the tasks overflows at the start: weights or targets are too large for double precision");
+    return fail(DYN_ERROR_NUMERIC,
+                "dyn_ik: the cost of the tasks overflows at the start: weights or targets are too large for double precision");
   }
   call.end_search();
   write_struct(answer, output->result);

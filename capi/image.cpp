@@ -13,7 +13,9 @@ extern "C" dynStatus dyn_model_from_buffer(const void* buffer, size_t size, cons
     return fail(DYN_ERROR_ARGUMENT, "dyn_model_from_buffer: the buffer lies on no boundary of %zu bytes: align it", boundary);
   if (const Damage d = check_dynb(buffer, size)) {
     const char* const action = "make it anew from the robot file";
-    if (d.count >= 0) return fail(d.status, "dyn_model_from_buffer: %s is %lld of %lld: %s", d.what, static_cast<long long>(d.value), static_cast<long long>(d.count), action);
+    if (d.count >= 0)
+      return fail(d.status, "dyn_model_from_buffer: %s is %lld of %lld: %s", d.what, static_cast<long long>(d.value),
+                  static_cast<long long>(d.count), action);
     return fail(d.status, "dyn_model_from_buffer: %s: %s", d.what, action);
   }
   *model = &static_cast<const DynbHeader*>(buffer)->handle;

@@ -21,13 +21,15 @@ struct Numbers {
 dynStatus check_input(const char* function, const Numbers& in, const void* out, const char* out_name) {
   if (!in.x || !out) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, in.x ? out_name : in.name);
   if (const Index k = finite_count(in.x, in.n); k < in.n)
-    return fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, in.name, int(k), in.x[k] != in.x[k] ? "NaN" : "infinite");
+    return fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, in.name, int(k),
+                in.x[k] != in.x[k] ? "NaN" : "infinite");
   return DYN_OK;
 }
 
 // Copies results that are finite.
 dynStatus deliver(const char* function, const double* result, Index n, double* out) {
-  if (finite_count(result, n) < n) return fail(DYN_ERROR_NUMERIC, "%s: the result overflows: the numbers are too large for double precision", function);
+  if (finite_count(result, n) < n)
+    return fail(DYN_ERROR_NUMERIC, "%s: the result overflows: the numbers are too large for double precision", function);
   copy_out(result, n, out);
   return DYN_OK;
 }
@@ -38,7 +40,8 @@ extern "C" {
 
 dynStatus dyn_model_inertial_parameters(const dynModel* model, double* pi) {
   if (const dynStatus s = check(model)) return s;
-  if (!pi && parameter_count(*model->m)) return fail(DYN_ERROR_ARGUMENT, "dyn_model_inertial_parameters: pi is NULL: it is required");
+  if (!pi && parameter_count(*model->m))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_inertial_parameters: pi is NULL: it is required");
   inertial_parameters(*model->m, pi);
   return DYN_OK;
 }
@@ -68,8 +71,9 @@ dynStatus dyn_parameters_from_pseudo_inertia(const double J[16], double pi[10]) 
   for (int c = 0; c < 4; ++c)
     for (int r = 0; r < c; ++r)
       if (std::abs(J[r + 4 * c] - J[c + 4 * r]) > 1e-9 * largest)
-        return fail(DYN_ERROR_ARGUMENT, "dyn_parameters_from_pseudo_inertia: J is not symmetric: J[%d, %d] is %g, J[%d, %d] is %g", r, c, J[r + 4 * c], c, r,
-                    J[c + 4 * r]);
+        return fail(DYN_ERROR_ARGUMENT,
+                    "dyn_parameters_from_pseudo_inertia: J is not symmetric: J[%d, %d] is %g, J[%d, %d] is %g", r, c,
+                    J[r + 4 * c], c, r, J[c + 4 * r]);
   double result[10];
   parameters_of_pseudo_inertia(J, result);
   return deliver("dyn_parameters_from_pseudo_inertia", result, 10, pi);
@@ -79,7 +83,8 @@ dynStatus dyn_log_cholesky_from_parameters(const double pi[10], double theta[10]
   if (const dynStatus s = check_input("dyn_log_cholesky_from_parameters", {"pi", pi, 10}, theta, "theta")) return s;
   double result[10];
   if (!log_cholesky(pi, result))
-    return fail(DYN_ERROR_INVALID, "dyn_log_cholesky_from_parameters: no body has these parameters: %s; see dyn_is_physically_consistent",
+    return fail(DYN_ERROR_INVALID,
+                "dyn_log_cholesky_from_parameters: no body has these parameters: %s; see dyn_is_physically_consistent",
                 pi[0] > 0 ? "the pseudo-inertia is not positive definite" : "the mass is not positive");
   return deliver("dyn_log_cholesky_from_parameters", result, 10, theta);
 }

@@ -35,7 +35,8 @@ dynStatus dyn_joint_type_info(dynJointType type, dynJointTypeInfo* info) {
     out.chain = "";
     visit_kind(type, [&]<class K>() {
       constexpr const KindText& text = kind_text<K>;
-      out.nq = K::nq, out.nv = K::nv, out.axis = text.axis, out.axis2 = text.axis2, out.pitch = text.pitch, out.chain = text.chain;
+      out.nq = K::nq, out.nv = K::nv, out.axis = text.axis, out.axis2 = text.axis2, out.pitch = text.pitch,
+      out.chain = text.chain;
     });
   });
 }
@@ -62,14 +63,17 @@ dynStatus dyn_constraint_type_info(dynConstraintType type, dynConstraintTypeInfo
 dynStatus dyn_integrator_info(dynIntegrator integrator, dynIntegratorInfo* info) {
   return describe(integrator, info, "dyn_integrator_info", "integrator", [&](dynIntegratorInfo& out) {
     for (const IntegratorRow& row : integrator_rows)
-      if (row.id == integrator) out.order = row.order, out.evaluations = row.evaluations, out.implicit = row.implicit, out.estimates = row.estimates;
+      if (row.id == integrator)
+        out.order = row.order, out.evaluations = row.evaluations, out.implicit = row.implicit, out.estimates = row.estimates;
   });
 }
 
 dynStatus dyn_effect_type_info(uint32_t bit, dynEffectTypeInfo* info) {
   if (const dynStatus s = check_struct("dyn_effect_type_info", "info", info)) return s;
   const EnumValue* value = effect_value(bit);
-  if (!value) return fail(DYN_ERROR_ARGUMENT, "dyn_effect_type_info: bit is 0x%x: give one DYN_EFFECT_... that is a single bit", unsigned(bit));
+  if (!value)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_effect_type_info: bit is 0x%x: give one DYN_EFFECT_... that is a single bit",
+                unsigned(bit));
   dynEffectTypeInfo out = {};
   out.bit = bit, out.name = value->name, out.sentence = value->sentence, out.array = -1, out.quantity = "";
   for_each_effect([&]<class E>() {
@@ -82,7 +86,8 @@ dynStatus dyn_effect_type_info(uint32_t bit, dynEffectTypeInfo* info) {
 }
 
 dynStatus dyn_contact_solver_type_info(dynContactSolverType type, dynContactSolverTypeInfo* info) {
-  return describe(type, info, "dyn_contact_solver_type_info", "type", [&](dynContactSolverTypeInfo& out) { out.refined = solver::refined[type]; });
+  return describe(type, info, "dyn_contact_solver_type_info", "type",
+                  [&](dynContactSolverTypeInfo& out) { out.refined = solver::refined[type]; });
 }
 
 }  // extern "C"

@@ -19,8 +19,11 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 meshes::MeshOptions read_options(const Given<dynMeshOptions>& o) {
   meshes::MeshOptions out;
-  if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynMeshOptions: package_dirs is NULL but package_dirs_count is not 0");
-  if (o->package_dirs_count > max_package_dirs) throw Error(DYN_ERROR_LIMIT, "dynMeshOptions: package_dirs_count is " + std::to_string(o->package_dirs_count) + ": give at most " + std::to_string(max_package_dirs));
+  if (o->package_dirs_count && !o->package_dirs)
+    throw Error(DYN_ERROR_ARGUMENT, "dynMeshOptions: package_dirs is NULL but package_dirs_count is not 0");
+  if (o->package_dirs_count > max_package_dirs)
+    throw Error(DYN_ERROR_LIMIT, "dynMeshOptions: package_dirs_count is " + std::to_string(o->package_dirs_count) +
+                                     ": give at most " + std::to_string(max_package_dirs));
   for (std::size_t k = 0; k < o->package_dirs_count; ++k) {
     if (!o->package_dirs[k]) throw Error(DYN_ERROR_ARGUMENT, "dynMeshOptions: package_dirs[" + std::to_string(k) + "] is NULL");
     out.package_dirs.push_back(o->package_dirs[k]);
@@ -112,18 +115,22 @@ dynStatus dyn_mesh_from_height_field(const dynHeightField* field, dynMesh** mesh
   const Given<dynHeightField> f(function, field);
   if (f.status != DYN_OK) return f.status;
   if (!f->heights) return fail(DYN_ERROR_ARGUMENT, "%s: heights is NULL: it is required", function);
-  return make(mesh, function, [&] { return meshes::height_field(f->heights, f->columns, f->rows, f->step_x, f->step_y, f->bottom); });
+  return make(mesh, function,
+              [&] { return meshes::height_field(f->heights, f->columns, f->rows, f->step_x, f->step_y, f->bottom); });
 }
 
 dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh** mesh) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (shape < 0 || shape >= m.n.shapes) return fail(DYN_ERROR_ARGUMENT, "dyn_model_shape_mesh: shape %d does not exist: the model has %d", shape, int(m.n.shapes));
+  if (shape < 0 || shape >= m.n.shapes)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_shape_mesh: shape %d does not exist: the model has %d", shape, int(m.n.shapes));
   return make(mesh, "dyn_model_shape_mesh", [&] {
     const SurfacePtr surface = surface_of(m, shape);
     if (!surface)
       throw Error(DYN_ERROR_ARGUMENT, "dyn_model_shape_mesh: shape " + std::to_string(shape) + " is not made of triangles" +
-                                          (m.shapes()[shape].type == DYN_SHAPE_TYPE_MESH ? ": load the robot with meshes, or give its file to dyn_mesh_load" : ""));
+                                          (m.shapes()[shape].type == DYN_SHAPE_TYPE_MESH
+                                               ? ": load the robot with meshes, or give its file to dyn_mesh_load"
+                                               : ""));
     return meshes::mesh_of(surface);
   });
 }
@@ -146,7 +153,8 @@ dynStatus dyn_mesh_info(const dynMesh* handle, dynMeshInfo* out) {
   info.welded = mesh.welded, info.degenerate = mesh.degenerate, info.duplicates = mesh.duplicates, info.skipped = mesh.skipped;
   store3(box.low, info.lower), store3(box.high, info.upper);
   info.area = meshes::area_of(mesh);
-  info.components = t.components, info.open_edges = t.open, info.flipped_edges = t.flipped, info.nonmanifold_edges = t.crowded, info.closed = t.closed;
+  info.components = t.components, info.open_edges = t.open, info.flipped_edges = t.flipped, info.nonmanifold_edges = t.crowded,
+  info.closed = t.closed;
   describe_solid(mesh, info);
   describe_hull(mesh, box.diagonal(), info);
   if (info.hull_status == DYN_ERROR_MEMORY) return info.hull_status;
@@ -174,7 +182,8 @@ dynStatus dyn_mesh_rgb(const dynMesh* handle, double* rgb) {
   if (const dynStatus s = check(handle)) return s;
   if (!rgb) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_rgb: rgb is NULL");
   const meshes::Mesh& mesh = *handle->m;
-  for (std::size_t t = 0; t < std::size_t(mesh.triangle_count()); ++t) std::copy_n(rgba_of(mesh.colours.empty() ? 0 : mesh.colours[t]).begin(), 3, rgb + 3 * t);
+  for (std::size_t t = 0; t < std::size_t(mesh.triangle_count()); ++t)
+    std::copy_n(rgba_of(mesh.colours.empty() ? 0 : mesh.colours[t]).begin(), 3, rgb + 3 * t);
   return DYN_OK;
 }
 

@@ -20,8 +20,11 @@ namespace {
 LoadOptions read_options(const Given<dynLoadOptions>& o) {
   LoadOptions out;
   require_value(o->base, "dynLoadOptions", "base");
-  if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: package_dirs is NULL but package_dirs_count is not 0");
-  if (o->package_dirs_count > max_package_dirs) throw Error(DYN_ERROR_LIMIT, "dynLoadOptions: package_dirs_count is " + std::to_string(o->package_dirs_count) + ": give at most " + std::to_string(max_package_dirs));
+  if (o->package_dirs_count && !o->package_dirs)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: package_dirs is NULL but package_dirs_count is not 0");
+  if (o->package_dirs_count > max_package_dirs)
+    throw Error(DYN_ERROR_LIMIT, "dynLoadOptions: package_dirs_count is " + std::to_string(o->package_dirs_count) +
+                                     ": give at most " + std::to_string(max_package_dirs));
   out.base = o->base;
   out.strict = o->strict != 0;
   out.cos_sin = o->cos_sin != 0;
@@ -30,25 +33,30 @@ LoadOptions read_options(const Given<dynLoadOptions>& o) {
     out.package_dirs.push_back(o->package_dirs[k]);
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!std::isfinite(o->gravity[k])) throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
+    if (!std::isfinite(o->gravity[k]))
+      throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
     out.gravity[k] = o->gravity[k];
   }
   require_value(o->meshes, "dynLoadOptions", "meshes");
   out.meshes = o->meshes;
   if (o->constraint_slots < 0 || o->constraint_slots > 1000)
-    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");
+    throw Error(DYN_ERROR_ARGUMENT,
+                "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");
   out.constraint_slots = o->constraint_slots;
   if (o->contact_capacity < 0 || o->contact_capacity > max_contacts)
-    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: contact_capacity is " + std::to_string(o->contact_capacity) + ": give 1 to " + std::to_string(max_contacts) + ", or 0 for what the shapes need");
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: contact_capacity is " + std::to_string(o->contact_capacity) +
+                                        ": give 1 to " + std::to_string(max_contacts) + ", or 0 for what the shapes need");
   out.contact_capacity = o->contact_capacity;
   out.confined = o->confined != 0;
   if (o->srdf) out.srdf = o->srdf;
-  if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
+  if (o->srdf && out.srdf.empty())
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;
 }
 
 template <class Load>
-dynStatus load_model(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
+dynStatus load_model(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what,
+                     Load f) {
   if (!text || !model) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, text ? "model" : what);
   const Given<dynLoadOptions> given(function, options);
   if (given.status != DYN_OK) return given.status;
@@ -106,8 +114,8 @@ int unknown(const char* kind, const char* name, Index count, Name f) {
   for (Index k = 0; k < count && found < 3; ++k)
     if (similar(name, f(k))) near[found++] = f(k);
   const char *open = ", '", *close = "'";
-  fail(DYN_ERROR_NAME, "there is no %s '%.200s'%s%.200s%s%s%.200s%s%s%.200s%s%s", kind, name, found > 0 ? ": did you mean '" : "", near[0],
-       found > 0 ? close : "", found > 1 ? open : "", near[1], found > 1 ? close : "", found > 2 ? open : "", near[2],
+  fail(DYN_ERROR_NAME, "there is no %s '%.200s'%s%.200s%s%s%.200s%s%s%.200s%s%s", kind, name, found > 0 ? ": did you mean '" : "",
+       near[0], found > 0 ? close : "", found > 1 ? open : "", near[1], found > 1 ? close : "", found > 2 ? open : "", near[2],
        found > 2 ? close : "", found ? "?" : "");
   return -1;
 }
@@ -140,11 +148,13 @@ dynLoadOptions capi::defaults() {
 extern "C" {
 
 dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model) {
-  return load_model(path, options, model, "dyn_model_load", "path", [](const char* p, const LoadOptions& o) { return load_file(p, o); });
+  return load_model(path, options, model, "dyn_model_load", "path",
+                    [](const char* p, const LoadOptions& o) { return load_file(p, o); });
 }
 
 dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model) {
-  return load_model(text, options, model, "dyn_model_load_string", "text", [](const char* t, const LoadOptions& o) { return load_string(t, o); });
+  return load_model(text, options, model, "dyn_model_load_string", "text",
+                    [](const char* t, const LoadOptions& o) { return load_string(t, o); });
 }
 
 void dyn_model_free(dynModel* model) {
@@ -172,15 +182,19 @@ int dyn_model_nframes(const dynModel* model) { return check(model) == DYN_OK ? i
 int dyn_model_nbodies(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.links) : -1; }
 size_t dyn_model_size(const dynModel* model) { return check(model) == DYN_OK ? size_t(model->m->bytes) : 0; }
 
-const char* dyn_model_name(const dynModel* model) { return check(model) == DYN_OK ? model->m->string(model->m->model_name) : nullptr; }
+const char* dyn_model_name(const dynModel* model) {
+  return check(model) == DYN_OK ? model->m->string(model->m->model_name) : nullptr;
+}
 
 const char* dyn_model_joint_name(const dynModel* model, int joint) {
-  if (check(model) != DYN_OK || check_index(model, joint, model->m->n.joints, "dyn_model_joint_name", "joint") != DYN_OK) return nullptr;
+  if (check(model) != DYN_OK || check_index(model, joint, model->m->n.joints, "dyn_model_joint_name", "joint") != DYN_OK)
+    return nullptr;
   return model->m->string(model->m->joints()[joint].name);
 }
 
 const char* dyn_model_frame_name(const dynModel* model, int frame) {
-  if (check(model) != DYN_OK || check_index(model, frame, model->m->n.frames, "dyn_model_frame_name", "frame") != DYN_OK) return nullptr;
+  if (check(model) != DYN_OK || check_index(model, frame, model->m->n.frames, "dyn_model_frame_name", "frame") != DYN_OK)
+    return nullptr;
   return model->m->string(model->m->frames()[frame].name);
 }
 
@@ -218,15 +232,19 @@ static int frame_id(const dynModel* model, const char* name, int type, const cha
     other = m.frames()[id].type;
   }
   if (other)
-    return fail(DYN_ERROR_NAME, "%s: frame '%.200s' is no %s frame, it is a %s frame: ask for that type, or use dyn_model_frame_id", function, name,
-                frame_type_name(type), frame_type_name(other)), -1;
+    return fail(DYN_ERROR_NAME,
+                "%s: frame '%.200s' is no %s frame, it is a %s frame: ask for that type, or use dyn_model_frame_id", function,
+                name, frame_type_name(type), frame_type_name(other)),
+           -1;
   return unknown("frame", name, m.n.frames, at);
 }
 
 int dyn_model_frame_id(const dynModel* model, const char* name) { return frame_id(model, name, 0, "dyn_model_frame_id"); }
 int dyn_model_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type) {
   if (check(model) == DYN_OK && !frame_type_name(int(type)))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_model_frame_id_of_type: %d is no dynFrameType: use a DYN_FRAME_TYPE_... value", int(type)), -1;
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_frame_id_of_type: %d is no dynFrameType: use a DYN_FRAME_TYPE_... value",
+                int(type)),
+           -1;
   return frame_id(model, name, int(type), "dyn_model_frame_id_of_type");
 }
 
@@ -271,7 +289,8 @@ dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* i
   if (const dynStatus s = check_index(model, shape, m.n.shapes, "dyn_model_shape_info", "shape")) return s;
   const ShapeRecord& r = m.shapes()[shape];
   dynShapeInfo out{};
-  out.name = m.string(r.name), out.mesh = m.string(r.mesh), out.type = r.type, out.role = dynShapeRole(r.role), out.frame = r.frame;
+  out.name = m.string(r.name), out.mesh = m.string(r.mesh), out.type = r.type, out.role = dynShapeRole(r.role),
+  out.frame = r.frame;
   std::memcpy(out.placement, r.placement, sizeof r.placement), std::memcpy(out.size, r.size, sizeof r.size);
   out.radius = r.radius, out.contype = r.contype, out.conaffinity = r.conaffinity, out.material = m.materials()[r.material];
   write_struct(out, info);
@@ -328,7 +347,8 @@ double dyn_model_total_mass(const dynModel* model) {
 int dyn_model_nconfigurations(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.configurations) : -1; }
 
 const char* dyn_model_configuration_name(const dynModel* model, int index) {
-  if (check(model) != DYN_OK || check_index(model, index, model->m->n.configurations, "dyn_model_configuration_name", "configuration") != DYN_OK)
+  if (check(model) != DYN_OK ||
+      check_index(model, index, model->m->n.configurations, "dyn_model_configuration_name", "configuration") != DYN_OK)
     return nullptr;
   return model->m->string(model->m->configuration_names()[index]);
 }
@@ -343,7 +363,9 @@ dynStatus dyn_model_configuration(const dynModel* model, const char* name, doubl
   return DYN_OK;
 }
 
-int dyn_model_initial_configuration(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->simulation()->initial) : -1; }
+int dyn_model_initial_configuration(const dynModel* model) {
+  return check(model) == DYN_OK ? int(model->m->simulation()->initial) : -1;
+}
 
 dynStatus dyn_model_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v) {
   if (const dynStatus s = check(model)) return s;
@@ -363,7 +385,8 @@ dynStatus dyn_model_q_permutation(const dynModel* model, const char* const* name
     for (size_t k = 0; k < count; ++k) {
       const int j = id(k) - first;
       if (j < 0 || j >= some) continue;
-      if (seen[j]) return fail(DYN_ERROR_NAME, "dyn_model_q_permutation: joint '%.200s' is named twice: name each joint once", names[k]);
+      if (seen[j])
+        return fail(DYN_ERROR_NAME, "dyn_model_q_permutation: joint '%.200s' is named twice: name each joint once", names[k]);
       seen[j] = true;
     }
   }

@@ -47,25 +47,47 @@ constexpr Row of_coefficients() {
 }
 
 constexpr Row others[] = {
-    {0, "gravity", [](const Model& m) { return int(count(m.gravity, 3) > 0); }, [](const Model&, const Data<double>& d) { return int(count(d.world_gravity, 3) > 0); },
+    {0, "gravity", [](const Model& m) { return int(count(m.gravity, 3) > 0); },
+     [](const Model&, const Data<double>& d) { return int(count(d.world_gravity, 3) > 0); },
      [](const Model&, dynParts) { return std::size_t(64); }},
     {DYN_EFFECT_LIMITS, "", [](const Model& m) { return int(m.n.limits); }, acts<DYN_EFFECT_LIMITS>,
-     [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_LIMITS), x.n.limits = 0; }); }},
-    {0, "mimic", [](const Model& m) { return int(m.n.nvx - m.n.nv); }, [](const Model& m, const Data<double>&) { return int(m.has_mimic); },
-     [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.has_mimic = 0, x.n.mimic_q = x.n.mimic_v = 0; }); }},
-    {0, "contact", [](const Model& m) { return int(std::count_if(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; })); },
-     [](const Model& m, const Data<double>& d) { return d.pair_states ? int(std::count(d.pair_states, d.pair_states + m.n.pairs, DYN_PAIR_REASON_TESTED)) : 0; },
-     [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.contacts = x.n.pairs = x.n.geoms = x.n.hulls = x.n.trees = x.n.grids = 0; }); }},
+     [](const Model& m, dynParts parts) {
+       return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_LIMITS), x.n.limits = 0; });
+     }},
+    {0, "mimic", [](const Model& m) { return int(m.n.nvx - m.n.nv); },
+     [](const Model& m, const Data<double>&) { return int(m.has_mimic); },
+     [](const Model& m, dynParts parts) {
+       return bytes_of(m, parts, [](Model& x) { x.has_mimic = 0, x.n.mimic_q = x.n.mimic_v = 0; });
+     }},
+    {0, "contact",
+     [](const Model& m) {
+       return int(std::count_if(m.pairs(), m.pairs() + m.n.pairs,
+                                [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; }));
+     },
+     [](const Model& m, const Data<double>& d) {
+       return d.pair_states ? int(std::count(d.pair_states, d.pair_states + m.n.pairs, DYN_PAIR_REASON_TESTED)) : 0;
+     },
+     [](const Model& m, dynParts parts) {
+       return bytes_of(m, parts, [](Model& x) { x.n.contacts = x.n.pairs = x.n.geoms = x.n.hulls = x.n.trees = x.n.grids = 0; });
+     }},
     {0, "constraints", [](const Model& m) { return int(m.n.constraints); },
-     [](const Model& m, const Data<double>& d) { return d.slots ? int(std::count_if(d.slots, d.slots + m.n.slots, [](const ConstraintInstance<double>& s) { return s.rows > 0; })) : 0; },
+     [](const Model& m, const Data<double>& d) {
+       return d.slots ? int(std::count_if(d.slots, d.slots + m.n.slots,
+                                          [](const ConstraintInstance<double>& s) { return s.rows > 0; }))
+                      : 0;
+     },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.slots = x.n.constraint_rows = 0; }); }},
     {DYN_EFFECT_ACTUATORS, "", [](const Model& m) { return int(m.n.actuators); }, acts<DYN_EFFECT_ACTUATORS>,
      [](const Model& m, dynParts parts) {
-       return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_ACTUATORS), x.n.actuators = x.n.nu = x.n.na = 0; });
+       return bytes_of(m, parts,
+                       [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_ACTUATORS), x.n.actuators = x.n.nu = x.n.na = 0; });
      }},
     {0, "wrenches", [](const Model& m) { return int(m.n.joints - 1); }, acts<acting_wrenches>,
-     [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? std::size_t(m.n.joints) * (sizeof(AppliedWrench<double>) + 6 * sizeof(double)) : 0; }},
-    {DYN_EFFECT_GRAVITY_COMPENSATION, "", [](const Model& m) { return int(m.n.gravity_compensations); }, acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
+     [](const Model& m, dynParts parts) {
+       return parts & DYN_PART_SIMULATION ? std::size_t(m.n.joints) * (sizeof(AppliedWrench<double>) + 6 * sizeof(double)) : 0;
+     }},
+    {DYN_EFFECT_GRAVITY_COMPENSATION, "", [](const Model& m) { return int(m.n.gravity_compensations); },
+     acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
     {DYN_EFFECT_FLUID, "", [](const Model& m) { return int(m.n.drag_boxes); }, acts<DYN_EFFECT_FLUID>,
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.drag_boxes = 0; }); }},
     {DYN_EFFECT_SLEEPING, "", [](const Model& m) { return int(simulation::resting_trees(m)); },
@@ -97,7 +119,8 @@ dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect,
   Call call(model, data, 0, "dyn_data_effect_info");
   if (!call) return call.status;
   if (const dynStatus s = check_struct(call.function, "info", info)) return s;
-  if (effect < 0 || effect >= row_count) return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, row_count);
+  if (effect < 0 || effect >= row_count)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, row_count);
   call.have_effects_of(true);
   const Row& row = rows[std::size_t(effect)];
   const Model& m = call.m();

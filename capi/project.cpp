@@ -14,14 +14,16 @@ dynProjectOptions capi::defaults() {
 
 extern "C" {
 
-dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v, const dynProjectOptions* options, double* q_out, double* v_out,
-                      dynConstraintResult* result) {
+dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v, const dynProjectOptions* options,
+                      double* q_out, double* v_out, dynConstraintResult* result) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_project");
   const Given<dynProjectOptions> given(call.function, options);
   if (!call || !good_result(call, result)) return call.status;
   if (given.status != DYN_OK) return given.status;
-  if (given->max_iterations < 1) return fail(DYN_ERROR_ARGUMENT, "dyn_project: max_iterations is %d: give 1 or more", int(given->max_iterations));
-  if (!(given->tolerance > 0 && given->tolerance <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_project: tolerance is %g: give more than 0, at most 1", given->tolerance);
+  if (given->max_iterations < 1)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_project: max_iterations is %d: give 1 or more", int(given->max_iterations));
+  if (!(given->tolerance > 0 && given->tolerance <= 1))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_project: tolerance is %g: give more than 0, at most 1", given->tolerance);
   if (!call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -44,7 +46,8 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
   if (finite_count(d.q, m.n.nq) != m.n.nq || finite_count(d.v, m.n.nv) != m.n.nv || !(found.residual < HUGE_VAL)) {
     go_back();
     call.rollback();
-    return fail(DYN_ERROR_NUMERIC, "dyn_project: the error of the constraints overflows: the inputs are too large for double precision");
+    return fail(DYN_ERROR_NUMERIC,
+                "dyn_project: the error of the constraints overflows: the inputs are too large for double precision");
   }
   if (!std::equal(start_q, start_q + m.n.nq, d.q) || !std::equal(start_v, start_v + m.n.nv, d.v)) call.end_step();
   forward_kinematics<0>(m, d);
@@ -53,8 +56,9 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
   return DYN_OK;
 }
 
-dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
-                                           const int32_t* actuated, const dynConstrainedOutput* output) {
+dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data, const double* q, const double* v,
+                                           const double* a, const double* fext, const int32_t* actuated,
+                                           const dynConstrainedOutput* output) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constrained_inverse_dynamics");
   const Given<dynConstrainedOutput> wanted(call.function, output);
   if (!call || !good_output(call, wanted) || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
@@ -66,13 +70,16 @@ dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data,
   const Index failed = constrained_inverse_dynamics(m, d, d.v, d.a, fext, actuated, out, found);
   forget_mass(call);
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
-  if (!call.numeric(out, m.n.nv, "tau", Stage::ConstrainedDdq) || !call.numeric(d.lambda, found.rows, "lambda", Stage::ConstrainedDdq)) return call.status;
+  if (!call.numeric(out, m.n.nv, "tau", Stage::ConstrainedDdq) ||
+      !call.numeric(d.lambda, found.rows, "lambda", Stage::ConstrainedDdq))
+    return call.status;
   copy_out(out, m.n.nv, wanted->tau), copy_out(d.lambda, found.rows, wanted->lambda);
   write_struct(found, wanted->result);
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q, dynConstraintReport* report, dynRowReport* rows_out, int capacity) {
+dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q, dynConstraintReport* report,
+                                dynRowReport* rows_out, int capacity) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_report");
   if (!call) return call.status;
   if (const dynStatus s = check_struct(call.function, "report", report)) return s;
@@ -91,7 +98,8 @@ dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const doub
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (!no_overflow(call, 0) || !(found.error < HUGE_VAL)) {
     call.rollback();
-    return fail(DYN_ERROR_NUMERIC, "dyn_constraint_report: the error of a row overflows: the inputs are too large for double precision");
+    return fail(DYN_ERROR_NUMERIC,
+                "dyn_constraint_report: the error of a row overflows: the inputs are too large for double precision");
   }
   write_struct(found, report);
   return DYN_OK;

@@ -19,7 +19,8 @@ dynStatus check_numbers(const char* function, const char* name, const double* x,
   if (!x && n > 0) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   for (std::ptrdiff_t k = 0; k < n; ++k)
     if (!(std::abs(x[k]) <= max_length))
-      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%td] is %g: give numbers within %g", function, name, k, x[k], max_length);
+      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%td] is %g: give numbers within %g",
+                  function, name, k, x[k], max_length);
   return DYN_OK;
 }
 
@@ -27,7 +28,8 @@ dynStatus check_directions(const char* function, const char* name, const double*
   if (const dynStatus s = check_numbers(function, name, x, 3 * rays)) return s;
   for (std::ptrdiff_t k = 0; k < rays; ++k)
     if (!(shape::norm(load3(x + 3 * k)) >= shape::min_length))
-      return fail(DYN_ERROR_INVALID, "%s: %s: column %td is (%g, %g, %g): it has no direction", function, name, k, x[3 * k], x[3 * k + 1], x[3 * k + 2]);
+      return fail(DYN_ERROR_INVALID, "%s: %s: column %td is (%g, %g, %g): it has no direction", function, name, k, x[3 * k],
+                  x[3 * k + 1], x[3 * k + 2]);
   return DYN_OK;
 }
 
@@ -45,7 +47,8 @@ dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int sha
   if (!call) return call.status;
   const Index geom = geom_of_shape(call, shape, -1);
   if (!call) return call.status;
-  for (Index k = geom < 0 ? 0 : geom, end = geom < 0 ? call.m().n.geoms : geom + 1; k < end; ++k) collision::set_masks(call.m(), call.d(), k, {contype, conaffinity});
+  for (Index k = geom < 0 ? 0 : geom, end = geom < 0 ? call.m().n.geoms : geom + 1; k < end; ++k)
+    collision::set_masks(call.m(), call.d(), k, {contype, conaffinity});
   simulation::invalidate_sleep(call.d());
   if (call.d().step) call.d().step->advancement_cache.square = 0, call.d().step->pair_count = -1;
   return DYN_OK;
@@ -61,7 +64,8 @@ dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, 
   return DYN_OK;
 }
 
-dynStatus dyn_geometry_ray(const dynGeometry* shape, const double* placement, const double* origin, const double* direction, dynRayHit* out) {
+dynStatus dyn_geometry_ray(const dynGeometry* shape, const double* placement, const double* origin, const double* direction,
+                           dynRayHit* out) {
   constexpr const char* function = "dyn_geometry_ray";
   PlacedShape S;
   dynStatus s = read_geometry(function, "shape", shape, S);
@@ -76,12 +80,14 @@ dynStatus dyn_geometry_ray(const dynGeometry* shape, const double* placement, co
   const bool hit = h.t < shape::infinity;
   dynRayHit found;
   found.shape = hit ? 0 : -1, found.t = h.t;
-  store3(hit ? o + d * h.t : shape::Vec::zero(), found.position), store3(hit ? S.X.R * h.normal : shape::Vec::zero(), found.normal);
+  store3(hit ? o + d * h.t : shape::Vec::zero(), found.position),
+      store3(hit ? S.X.R * h.normal : shape::Vec::zero(), found.normal);
   write_struct(found, out);
   return DYN_OK;
 }
 
-dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const dynRays* rays, double* t, int* shapes, double* normals) {
+dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const dynRays* rays, double* t, int* shapes,
+                   double* normals) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_rays");
   if (!call || !call.required("rays", rays)) return call.status;
   const Given<dynRays> given(call.function, rays);
@@ -89,7 +95,9 @@ dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const 
   const double *origins = given->origins, *directions = given->directions, max_t = given->max_t;
   const int n = given->count;
   if (n < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_rays: count is %d: give 0 or more", n);
-  if (!(max_t > 0)) return fail(std::isnan(max_t) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "dyn_rays: max_t is %g: give a number above 0", max_t);
+  if (!(max_t > 0))
+    return fail(std::isnan(max_t) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "dyn_rays: max_t is %g: give a number above 0",
+                max_t);
   if (const dynStatus s = check_numbers(call.function, "origins", origins, 3 * std::ptrdiff_t(n))) return s;
   if (const dynStatus s = check_directions(call.function, "directions", directions, n)) return s;
   if (!call.inputs(q, nullptr, nullptr, nullptr) || !placed(call)) return call.status;
@@ -107,7 +115,8 @@ dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const 
   return DYN_OK;
 }
 
-dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double* placement, const double* point, dynClosestPoint* out) {
+dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double* placement, const double* point,
+                                     dynClosestPoint* out) {
   constexpr const char* function = "dyn_geometry_closest_point";
   PlacedShape S;
   dynStatus s = read_geometry(function, "shape", shape, S);
@@ -139,10 +148,13 @@ dynStatus dyn_geometry_sweep(const dynGeometryPair* pair, double duration, doubl
   if (s == DYN_OK) s = check_struct(function, "out", out);
   if (s != DYN_OK) return s;
   if (!(duration >= 0 && duration <= max_length))
-    return fail(std::isfinite(duration) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: duration is %g: give seconds from 0 to %g", function, duration, max_length);
-  const collision::Moving moving_a = {A.shape, A.X, load3(motion_a), load3(motion_a + 3)}, moving_b = {B.shape, B.X, load3(motion_b), load3(motion_b + 3)};
+    return fail(std::isfinite(duration) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE,
+                "%s: duration is %g: give seconds from 0 to %g", function, duration, max_length);
+  const collision::Moving moving_a = {A.shape, A.X, load3(motion_a), load3(motion_a + 3)},
+                          moving_b = {B.shape, B.X, load3(motion_b), load3(motion_b + 3)};
   for (const auto& [x, name] : {std::pair{&moving_a, "a"}, std::pair{&moving_b, "b"}})
-    if (x->shape.type == shape::Type::HalfSpace && dot(x->w, x->w) > 0) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a half-space that turns: it would sweep everything", function, name);
+    if (x->shape.type == shape::Type::HalfSpace && dot(x->w, x->w) > 0)
+      return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a half-space that turns: it would sweep everything", function, name);
   collision::Workspace workspace;
   collision::SweepOptions options;
   options.margin = margin;

@@ -38,7 +38,8 @@ static void list_values(const Enum& e, char* text, std::size_t size) {
   }
   for (int k = 0; k < e.count && used < size; ++k) {
     const char* identifier = enum_values[e.first + k].identifier;
-    used += std::size_t(std::snprintf(text + used, size - used, "%s%s", k ? ", " : "", k ? identifier + std::strlen(e.prefix) - 1 : identifier));
+    used += std::size_t(
+        std::snprintf(text + used, size - used, "%s%s", k ? ", " : "", k ? identifier + std::strlen(e.prefix) - 1 : identifier));
   }
   if (used >= size) std::memcpy(text + size - 4, "...", 4);
 }
@@ -50,7 +51,9 @@ const EnumValue* find_value(const char* type, int value) {
   return nullptr;
 }
 
-const EnumValue* effect_value(std::uint32_t bit) { return std::has_single_bit(bit) && bit & DYN_EFFECT_ALL ? find_value("dynEffects", int(bit)) : nullptr; }
+const EnumValue* effect_value(std::uint32_t bit) {
+  return std::has_single_bit(bit) && bit & DYN_EFFECT_ALL ? find_value("dynEffects", int(bit)) : nullptr;
+}
 
 dynStatus no_value(const char* type, const char* function, const char* name, int value) {
   char values[600];
@@ -75,7 +78,8 @@ int dyn_enum_id(const char* name) {
 
 dynStatus dyn_enum_info(int index, dynEnumInfo* info) {
   if (const dynStatus s = check_struct("dyn_enum_info", "info", info)) return s;
-  if (index < 0 || index >= enum_count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_info: enumeration %d does not exist: there are %d", index, enum_count);
+  if (index < 0 || index >= enum_count)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_enum_info: enumeration %d does not exist: there are %d", index, enum_count);
   const Enum& e = enums[index];
   write_struct({0, e.name, e.prefix, e.sentence, e.count, e.bits}, info);
   return DYN_OK;
@@ -83,9 +87,11 @@ dynStatus dyn_enum_info(int index, dynEnumInfo* info) {
 
 dynStatus dyn_enum_value_info(int index, int k, dynEnumValueInfo* info) {
   if (const dynStatus s = check_struct("dyn_enum_value_info", "info", info)) return s;
-  if (index < 0 || index >= enum_count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: enumeration %d does not exist: there are %d", index, enum_count);
+  if (index < 0 || index >= enum_count)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: enumeration %d does not exist: there are %d", index, enum_count);
   const Enum& e = enums[index];
-  if (k < 0 || k >= e.count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: %s has %d values, no value %d", e.name, e.count, k);
+  if (k < 0 || k >= e.count)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: %s has %d values, no value %d", e.name, e.count, k);
   const EnumValue& v = enum_values[e.first + k];
   write_struct({0, v.value, v.identifier, v.identifier + std::strlen(e.prefix), v.sentence}, info);
   return DYN_OK;

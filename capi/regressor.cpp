@@ -18,7 +18,8 @@ dynStatus deliver(Call& call, const double* field, std::ptrdiff_t n, const char*
 dynStatus of_frame(Call& call, const FramePose<double>& F, double* out) {
   double Y[60];
   frame_body_regressor(call.d(), F, Y);
-  if (finite_count(Y, 60) < 60) return fail(DYN_ERROR_NUMERIC, "%s: the regressor overflows: the state is too large for double precision", call.function);
+  if (finite_count(Y, 60) < 60)
+    return fail(DYN_ERROR_NUMERIC, "%s: the regressor overflows: the state is too large for double precision", call.function);
   copy_out(Y, 60, out);
   return DYN_OK;
 }
@@ -27,7 +28,8 @@ dynStatus of_frame(Call& call, const FramePose<double>& F, double* out) {
 
 extern "C" {
 
-dynStatus dyn_joint_torque_regressor(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* Y) {
+dynStatus dyn_joint_torque_regressor(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                     double* Y) {
   Call call(model, data, DYN_PART_REGRESSOR, "dyn_joint_torque_regressor");
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
   const double size = joint_torque_regressor(call.m(), call.d());
@@ -48,14 +50,16 @@ dynStatus dyn_kinetic_energy_regressor(const dynModel* model, dynData* data, con
   Call call(model, data, DYN_PART_REGRESSOR, "dyn_kinetic_energy_regressor");
   if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   kinetic_energy_regressor(call.m(), call.d());
-  return deliver(call, call.d().kinetic_energy_regressor, parameter_count(call.m()), "kinetic_energy_regressor", Stage::KineticRegressor, y);
+  return deliver(call, call.d().kinetic_energy_regressor, parameter_count(call.m()), "kinetic_energy_regressor",
+                 Stage::KineticRegressor, y);
 }
 
 dynStatus dyn_potential_energy_regressor(const dynModel* model, dynData* data, const double* q, double* y) {
   Call call(model, data, DYN_PART_REGRESSOR, "dyn_potential_energy_regressor");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   potential_energy_regressor(call.m(), call.d());
-  return deliver(call, call.d().potential_energy_regressor, parameter_count(call.m()), "potential_energy_regressor", Stage::PotentialRegressor, y);
+  return deliver(call, call.d().potential_energy_regressor, parameter_count(call.m()), "potential_energy_regressor",
+                 Stage::PotentialRegressor, y);
 }
 
 dynStatus dyn_joint_body_regressor(const dynModel* model, dynData* data, int joint, double Y[60]) {

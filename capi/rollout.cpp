@@ -21,7 +21,8 @@ T* row(T* array, std::ptrdiff_t size, std::int64_t k) {
 }
 
 dynStatus cancelled_at(std::int64_t made, std::int64_t of) {
-  return fail(DYN_ERROR_CANCELLED, "dyn_batch_rollout: cancelled after %lld of %lld steps", static_cast<long long>(made), static_cast<long long>(of));
+  return fail(DYN_ERROR_CANCELLED, "dyn_batch_rollout: cancelled after %lld of %lld steps", static_cast<long long>(made),
+              static_cast<long long>(of));
 }
 
 }  // namespace
@@ -39,10 +40,17 @@ struct Batch::Rollout {
   std::atomic<bool> cancelled{false};
 
   Rollout(const Batch& b, std::int64_t count, const dynRollout& r, double h)
-      : batch(b), x(r), n(count), records(r.steps / r.every), steps(count * r.steps),
+      : batch(b),
+        x(r),
+        n(count),
+        records(r.steps / r.every),
+        steps(count * r.steps),
         // simulations of few steps are given out several at a time
         share(std::clamp<std::int64_t>(std::min(n / (32 * b.threads), steps_between_looks / r.steps), 1, 64)),
-        state(std::ptrdiff_t(dyn_model_state_size(b.handle))), sensor_size(size_of(sensors())), dt(h), imu(reads_acceleration(sensors())) {}
+        state(std::ptrdiff_t(dyn_model_state_size(b.handle))),
+        sensor_size(size_of(sensors())),
+        dt(h),
+        imu(reads_acceleration(sensors())) {}
 
   Sensors sensors() const { return {x.sensor, x.sensor_frame, x.sensors}; }
 
@@ -66,7 +74,8 @@ struct Batch::Rollout {
     if (const auto now = Clock::now(); now - told >= between_calls) told = now, tell();
   }
   void tell() {
-    if (x.progress && x.progress(x.context, made.load(std::memory_order_relaxed), steps)) cancelled.store(true, std::memory_order_relaxed);
+    if (x.progress && x.progress(x.context, made.load(std::memory_order_relaxed), steps))
+      cancelled.store(true, std::memory_order_relaxed);
   }
 
   dynStatus simulate(dynData* data, std::int64_t k, int thread, double* acceleration, std::int64_t& at) {
@@ -76,7 +85,8 @@ struct Batch::Rollout {
     const void* begin = x.states ? static_cast<const char*>(x.states) + k * state : batch.fresh.data();
     if (const dynStatus s = dyn_data_restore_state(m, data, begin, std::size_t(state))) return s;
     if (x.q0 || x.v0)
-      if (const dynStatus s = dyn_data_set_state(m, data, row(x.q0, sizes.nq, k), row(x.v0, sizes.nv, k), nullptr, nullptr)) return s;
+      if (const dynStatus s = dyn_data_set_state(m, data, row(x.q0, sizes.nq, k), row(x.v0, sizes.nv, k), nullptr, nullptr))
+        return s;
     for (std::int64_t r = k * records; r < (k + 1) * records; ++r) {
       if (x.control)
         if (const dynStatus s = dyn_data_set_control(m, data, row(x.control, m->m->n.nu, r))) return s;
@@ -100,9 +110,13 @@ struct Batch::Rollout {
     copy_out(data->body->d.q, sizes.nq, row(x.q, sizes.nq, r));
     copy_out(data->body->d.v, sizes.nv, row(x.v, sizes.nv, r));
     if (x.contact_count)
-      if (const dynStatus s = dyn_data_step_contacts(m, data, row(x.contacts, x.contact_capacity, r), x.contacts ? x.contact_capacity : 0, x.contact_count + r)) return s;
+      if (const dynStatus s = dyn_data_step_contacts(m, data, row(x.contacts, x.contact_capacity, r),
+                                                     x.contacts ? x.contact_capacity : 0, x.contact_count + r))
+        return s;
     if (x.final_states && (r + 1) % records == 0)
-      if (const dynStatus s = dyn_data_save_state(m, data, static_cast<char*>(x.final_states) + r / records * state, std::size_t(state))) return s;
+      if (const dynStatus s =
+              dyn_data_save_state(m, data, static_cast<char*>(x.final_states) + r / records * state, std::size_t(state)))
+        return s;
     if (!x.sensor_data) return DYN_OK;
     for (int i = 0; imu && i < sizes.nv; ++i) acceleration[i] = (data->body->d.v[i] - acceleration[i]) / dt;
     return read_sensors(m, data, sensors(), imu ? acceleration : nullptr, row(x.sensor_data, sensor_size, r));
@@ -146,10 +160,14 @@ dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollou
   if (given.status != DYN_OK) return given.status;
   const dynRollout& x = *given;
   if (x.steps < 1 || x.every < 1 || x.steps % x.every)
-    return fail(DYN_ERROR_ARGUMENT, "%s: steps is %d and every is %d: give at least 1, and an every that divides steps", function, x.steps, x.every);
+    return fail(DYN_ERROR_ARGUMENT, "%s: steps is %d and every is %d: give at least 1, and an every that divides steps", function,
+                x.steps, x.every);
   const std::int64_t most = max_records / x.steps;
-  if (n < 0 || n > most) return fail(DYN_ERROR_ARGUMENT, "%s: n is %lld: give a number of simulations from 0 to %lld", function, static_cast<long long>(n), static_cast<long long>(most));
-  if (x.contact_capacity < 0) return fail(DYN_ERROR_ARGUMENT, "%s: contact_capacity is %d: give 0 or more", function, x.contact_capacity);
+  if (n < 0 || n > most)
+    return fail(DYN_ERROR_ARGUMENT, "%s: n is %lld: give a number of simulations from 0 to %lld", function,
+                static_cast<long long>(n), static_cast<long long>(most));
+  if (x.contact_capacity < 0)
+    return fail(DYN_ERROR_ARGUMENT, "%s: contact_capacity is %d: give 0 or more", function, x.contact_capacity);
   if (x.contacts && !x.contact_count) return fail(DYN_ERROR_ARGUMENT, "%s: contact_count is NULL: contacts need it", function);
   return n ? batch->b->rollout(n, x) : DYN_OK;
 }

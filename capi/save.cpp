@@ -37,7 +37,8 @@ void hand_out(const char* function, const std::string& out, void* buffer, size_t
   *size = out.size();
   if (!buffer) return;
   if (out.size() > capacity)
-    throw Error(DYN_ERROR_SIZE, std::string(function) + ": capacity is " + std::to_string(capacity) + ", and there are " + std::to_string(out.size()) + " bytes");
+    throw Error(DYN_ERROR_SIZE, std::string(function) + ": capacity is " + std::to_string(capacity) + ", and there are " +
+                                    std::to_string(out.size()) + " bytes");
   std::memcpy(buffer, out.data(), out.size());
 }
 
@@ -56,7 +57,8 @@ dynStatus dyn_model_save(const dynModel* model, const char* path, const dynSaveO
   return save("dyn_model_save", options, [&](SaveReport& lines, bool strict) { save_file(*model->m, path, strict, lines); });
 }
 
-dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, const dynSaveOptions* options, void* buffer, size_t capacity, size_t* size) {
+dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, const dynSaveOptions* options, void* buffer,
+                                size_t capacity, size_t* size) {
   if (const dynStatus s = check(model)) return s;
   if (!size) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save_memory: size is NULL");
   if (!buffer && capacity) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save_memory: buffer is NULL but capacity is not 0");
@@ -70,9 +72,11 @@ dynStatus dyn_model_image(const dynModel* model, uint32_t flags, void* buffer, s
   if (!size) return fail(DYN_ERROR_ARGUMENT, "dyn_model_image: size is NULL");
   if (!buffer && capacity) return fail(DYN_ERROR_ARGUMENT, "dyn_model_image: buffer is NULL but capacity is not 0");
   if (flags & ~uint32_t(DYN_IMAGE_NARROW | DYN_IMAGE_NAMELESS))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_model_image: flags are 0x%x: use DYN_IMAGE_NARROW and DYN_IMAGE_NAMELESS", unsigned(flags));
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_image: flags are 0x%x: use DYN_IMAGE_NARROW and DYN_IMAGE_NAMELESS",
+                unsigned(flags));
   return guarded([&] {
-    hand_out("dyn_model_image", save_dynb(*model->m, (flags & DYN_IMAGE_NARROW) != 0, (flags & DYN_IMAGE_NAMELESS) == 0), buffer, capacity, size);
+    hand_out("dyn_model_image", save_dynb(*model->m, (flags & DYN_IMAGE_NARROW) != 0, (flags & DYN_IMAGE_NAMELESS) == 0), buffer,
+             capacity, size);
     return DYN_OK;
   });
 }

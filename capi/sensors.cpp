@@ -26,7 +26,9 @@ dynStatus placement(const dynModel* m, dynData* d, int frame, double* out) {
   return DYN_OK;
 }
 
-dynStatus velocity(const dynModel* m, dynData* d, int frame, double* out) { return dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, out); }
+dynStatus velocity(const dynModel* m, dynData* d, int frame, double* out) {
+  return dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, out);
+}
 
 dynStatus imu(const dynModel* m, dynData* d, int frame, double* out) {
   double X[12], a[6], v[6];
@@ -56,7 +58,9 @@ dynStatus force(const dynModel* m, dynData* d, int frame, double* out) {
   return DYN_OK;
 }
 
-dynStatus com(const dynModel* m, dynData* d, int, double* out) { return dyn_com(m, d, d->body->d.q, d->body->d.v, nullptr, out, out + 3, nullptr); }
+dynStatus com(const dynModel* m, dynData* d, int, double* out) {
+  return dyn_com(m, d, d->body->d.q, d->body->d.v, nullptr, out, out + 3, nullptr);
+}
 
 dynStatus energy(const dynModel* m, dynData* d, int, double* out) { return dyn_energy(m, d, nullptr, nullptr, out, out + 1); }
 
@@ -66,7 +70,8 @@ struct Row {
   dynStatus (*read)(const dynModel*, dynData*, int, double*);
 };
 
-constexpr Row rows[] = {{7, true, placement}, {6, true, velocity}, {6, true, imu}, {6, true, force}, {6, false, com}, {2, false, energy}};
+constexpr Row rows[] = {{7, true, placement}, {6, true, velocity}, {6, true, imu},
+                        {6, true, force},     {6, false, com},     {2, false, energy}};
 static_assert(sizeof rows / sizeof rows[0] == Members<dynSensorType>::count);
 
 template <class F>
@@ -100,9 +105,11 @@ dynStatus check_sensors(const Model& m, Sensors sensors, const char* function) {
     if (!rows[raw(type)].of_frame) continue;
     if (!sensors.frame) return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame is NULL, but sensor[%d] has a frame", function, k);
     const int frame = sensors.frame[k];
-    if (frame < 0 || frame >= m.n.frames) return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame[%d] is %d: frames go from 0 to %d", function, k, frame, m.n.frames - 1);
+    if (frame < 0 || frame >= m.n.frames)
+      return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame[%d] is %d: frames go from 0 to %d", function, k, frame, m.n.frames - 1);
     if (type == DYN_SENSOR_TYPE_FORCE && m.frames()[frame].type != DYN_FRAME_TYPE_BODY && frame != 0)
-      return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame[%d] is '%s', which is no link: a force is that on the shapes of a link", function, k, m.string(m.frames()[frame].name));
+      return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame[%d] is '%s', which is no link: a force is that on the shapes of a link",
+                  function, k, m.string(m.frames()[frame].name));
   }
   return DYN_OK;
 }

@@ -34,14 +34,21 @@ bool has_finite_state(const Model& m, const Data<double>& d) {
 }
 
 // The error of steps that ended at t: from their return value and the state that they left.
-[[gnu::cold, gnu::noinline]] dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function, double t) {
+[[gnu::cold, gnu::noinline]] dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function,
+                                               double t) {
   if (answer > 0)
-    return fail(DYN_ERROR_NUMERIC, "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,
+    return fail(DYN_ERROR_NUMERIC,
+                "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,
                 m.string(m.joints()[answer].name), t);
   if (answer == integrator::not_converged)
-    return fail(DYN_ERROR_NUMERIC, "%s: the implicit midpoint rule does not converge near t = %g s: the state is as before the step; use a smaller dt", function, t);
+    return fail(
+        DYN_ERROR_NUMERIC,
+        "%s: the implicit midpoint rule does not converge near t = %g s: the state is as before the step; use a smaller dt",
+        function, t);
   if (answer == integrator::no_step_left)
-    return fail(DYN_ERROR_NUMERIC, "%s: no step is short enough near t = %g s: the motion is singular there, or the accuracy beyond what rounding allows; the state is as before the step",
+    return fail(DYN_ERROR_NUMERIC,
+                "%s: no step is short enough near t = %g s: the motion is singular there, or the accuracy beyond what rounding "
+                "allows; the state is as before the step",
                 function, t);
   Index bad_v = m.n.nv, bad_q = m.n.nq;
   simulation::with_active_trees(d, [&](const auto& part) {
@@ -50,14 +57,16 @@ bool has_finite_state(const Model& m, const Data<double>& d) {
       if (const Index n = finite_count(d.q + t.q, t.q_end - t.q); t.q + n < t.q_end) bad_q = std::min(bad_q, t.q + n);
     });
   });
-  return fail(DYN_ERROR_NUMERIC, "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt", function,
-              joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
+  return fail(DYN_ERROR_NUMERIC,
+              "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt",
+              function, joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
 }
 
 void begin(Call& call) {
   call.have_effects_of(true);
   call.d().step->report = {};
-  if (const simulation::Workspace& w = *call.d().step; w.options.ledger || w.ledger.open) simulation::open_ledger(call.m(), call.d());
+  if (const simulation::Workspace& w = *call.d().step; w.options.ledger || w.ledger.open)
+    simulation::open_ledger(call.m(), call.d());
 }
 
 // One step of h; the state is as before after an error.
@@ -112,25 +121,35 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (options.status != DYN_OK) return options.status;
   if (const dynStatus s = check_value(options->integrator, "dyn_data_set_step_options", "integrator")) return s;
   if (!call.finite("dt", &options->dt, 1) || !call.finite("accuracy", &options->accuracy, 1)) return call.status;
-  if (!(options->dt > 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: dt is %g s: it must be positive", options->dt);
+  if (!(options->dt > 0))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: dt is %g s: it must be positive", options->dt);
   if (!(options->accuracy >= 0))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt", options->accuracy);
+    return fail(DYN_ERROR_ARGUMENT,
+                "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt",
+                options->accuracy);
   if (const dynStatus s = check_value(options->solver, "dyn_data_set_step_options", "solver")) return s;
   if (options->max_iterations < 0)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more, or 0 for the default", int(options->max_iterations));
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more, or 0 for the default",
+                int(options->max_iterations));
   if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;
-  if (!(options->tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
-  if (!call.finite("sleep_speed", &options->sleep_speed, 1) || !call.finite("sleep_time", &options->sleep_time, 1)) return call.status;
+  if (!(options->tolerance >= 0))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
+  if (!call.finite("sleep_speed", &options->sleep_speed, 1) || !call.finite("sleep_time", &options->sleep_time, 1))
+    return call.status;
   if (!(options->sleep_speed > 0 && options->sleep_time > 0))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: sleep_speed is %g and sleep_time %g s: both must be positive", options->sleep_speed, options->sleep_time);
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: sleep_speed is %g and sleep_time %g s: both must be positive",
+                options->sleep_speed, options->sleep_time);
   if (!call.finite("time_budget", &options->time_budget, 1)) return call.status;
   if (!(options->time_budget >= 0))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: time_budget is %g s: give what the solver may take, or 0 for no limit", options->time_budget);
+    return fail(DYN_ERROR_ARGUMENT,
+                "dyn_data_set_step_options: time_budget is %g s: give what the solver may take, or 0 for no limit",
+                options->time_budget);
   if (options->ledger && !(call.d().parts & DYN_PART_ENERGY))
     return fail(DYN_ERROR_PART, "dyn_data_set_step_options: ledger needs data with DYN_PART_ENERGY");
   const dynStepOptions& now = call.d().step->options;  // a step knows its length
-  if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations || now.tolerance != options->tolerance ||
-      now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time || now.time_budget != options->time_budget)
+  if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations ||
+      now.tolerance != options->tolerance || now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time ||
+      now.time_budget != options->time_budget)
     simulation::invalidate_sleep(call.d());
   call.d().step->options = *options;
   call.d().step->options.struct_size = sizeof *options;
@@ -168,7 +187,8 @@ dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
   if (duration == 0) return DYN_OK;
   if (d.step->options.accuracy > 0) return advance_to_accuracy(call, "dyn_advance", duration);
   const double dt = d.step->options.dt, ratio = duration / dt;
-  if (!(ratio <= 1e15)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: %g s in steps of %g s are too many: take a larger dt", duration, dt);
+  if (!(ratio <= 1e15))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_advance: %g s in steps of %g s are too many: take a larger dt", duration, dt);
   // a remainder of a billionth of a step is rounding of duration, not a step
   const std::int64_t whole = std::int64_t(std::floor(ratio * (1 + 1e-12) + 1e-9));
   for (std::int64_t k = 0; k < whole; ++k)
@@ -214,8 +234,8 @@ dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int 
   const Index geom = geom_of_shape(call, shape, -1);
   if (!call) return call.status;
   if (const shape::BadNumber bad = shape::bad_number(*material); bad.name)
-    return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name,
-                bad.value);
+    return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE,
+                "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name, bad.value);
   simulation::invalidate_sleep(call.d());
   if (geom < 0) std::fill_n(call.d().step->materials, call.m().n.geoms, *material);
   else call.d().step->materials[geom] = *material;

@@ -15,8 +15,13 @@ struct Header {
   double time;
 };
 
-std::size_t numbers(const Model& m) { return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na); }
-std::size_t bytes(const Model& m) { return sizeof(Header) + (numbers(m) + std::size_t(simulation::resting_trees(m))) * sizeof(double) + std::size_t(m.n.contacts) * sizeof(dynContactForce); }
+std::size_t numbers(const Model& m) {
+  return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na);
+}
+std::size_t bytes(const Model& m) {
+  return sizeof(Header) + (numbers(m) + std::size_t(simulation::resting_trees(m))) * sizeof(double) +
+         std::size_t(m.n.contacts) * sizeof(dynContactForce);
+}
 
 // f(array of the data, numbers) for q, v, a, tau, controls and their filters, and how long trees have been slow
 template <class F>
@@ -25,12 +30,15 @@ void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.step->sleep.slow_time, d.step->sleep.count);
 }
 
-bool is_geom(const Model& m, Index shape) { return shape >= 0 && shape < m.n.shapes && m.shapes()[shape].role == DYN_SHAPE_ROLE_COLLISION; }
+bool is_geom(const Model& m, Index shape) {
+  return shape >= 0 && shape < m.n.shapes && m.shapes()[shape].role == DYN_SHAPE_ROLE_COLLISION;
+}
 
 bool room(Call& call, const void* memory, std::size_t size) {
   if (!call.required("memory", memory)) return false;
   if (size >= bytes(call.m())) return true;
-  call.status = fail(DYN_ERROR_SIZE, "%s: memory has %zu bytes, needs %zu (dyn_model_state_size)", call.function, size, bytes(call.m()));
+  call.status =
+      fail(DYN_ERROR_SIZE, "%s: memory has %zu bytes, needs %zu (dyn_model_state_size)", call.function, size, bytes(call.m()));
   return false;
 }
 
@@ -65,7 +73,8 @@ dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const voi
   Header header;
   std::memcpy(&header, at, sizeof header);
   at += sizeof header;
-  if (header.magic != magic_of_states) return fail(DYN_ERROR_ARGUMENT, "%s: memory holds no state: dyn_data_save_state writes one", call.function);
+  if (header.magic != magic_of_states)
+    return fail(DYN_ERROR_ARGUMENT, "%s: memory holds no state: dyn_data_save_state writes one", call.function);
   if (header.model_id != m.id) return fail(DYN_ERROR_ARGUMENT, "%s: the state is that of another model", call.function);
   bool sound = header.contacts >= 0 && header.contacts <= m.n.contacts && std::isfinite(header.time);
   const char* next = at;
@@ -80,14 +89,18 @@ dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const voi
     dynContactForce f;
     std::memcpy(&f, next + std::size_t(k) * sizeof f, sizeof f);
     const Index pair = f.contact.pair;
-    sound = finite_count(f.force_on_b, 3) == 3 && finite_count(f.moment_on_b, 3) == 3 && finite_count(f.contact.position, 3) == 3 && finite_count(f.contact.normal, 3) == 3 &&
-            std::isfinite(f.contact.distance) && pair < m.n.pairs &&
-            (pair >= 0 ? m.geoms()[m.pairs()[pair].a].shape == f.contact.shape_a && m.geoms()[m.pairs()[pair].b].shape == f.contact.shape_b
-                       : (!lists_pairs(m) && is_geom(m, f.contact.shape_a) && is_geom(m, f.contact.shape_b)));
+    sound =
+        finite_count(f.force_on_b, 3) == 3 && finite_count(f.moment_on_b, 3) == 3 && finite_count(f.contact.position, 3) == 3 &&
+        finite_count(f.contact.normal, 3) == 3 && std::isfinite(f.contact.distance) && pair < m.n.pairs &&
+        (pair >= 0
+             ? m.geoms()[m.pairs()[pair].a].shape == f.contact.shape_a && m.geoms()[m.pairs()[pair].b].shape == f.contact.shape_b
+             : (!lists_pairs(m) && is_geom(m, f.contact.shape_a) && is_geom(m, f.contact.shape_b)));
   }
   if (!sound) return fail(DYN_ERROR_NONFINITE, "%s: the state is damaged: it holds numbers that no step leaves", call.function);
   simulation::wake_all(m, d);
-  for_each_input(m, d, [&](double* x, Index n) { n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double); });
+  for_each_input(m, d, [&](double* x, Index n) {
+    n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double);
+  });
   for (std::uint64_t& version : d.version) version = ++data->body->counter;
   d.time[0] = header.time;
   d.step->contact_count = Index(header.contacts), d.step->advancement_cache.square = 0;

@@ -40,7 +40,8 @@ peer::Ends Layout::ends(Index joint) const {
 
 peer::Form Layout::form(const Body& b) const {
   using peer::Form;
-  const bool pair = l.continuous == DYN_ANGLE_COS_SIN || (l.continuous == DYN_ANGLE_BY_CONVENTION && l.convention == DYN_CONVENTION_PINOCCHIO);
+  const bool pair =
+      l.continuous == DYN_ANGLE_COS_SIN || (l.continuous == DYN_ANGLE_BY_CONVENTION && l.convention == DYN_CONVENTION_PINOCCHIO);
   const bool as_ours = l.continuous == DYN_ANGLE_BY_CONVENTION && l.convention == DYN_CONVENTION_DYN;
   const bool mujoco = l.convention == DYN_CONVENTION_MUJOCO, drake = l.convention == DYN_CONVENTION_DRAKE;
   switch (b.type) {
@@ -69,9 +70,12 @@ dynStatus Layout::read(const dynModel* model, const dynStateLayout* layout) {
   if (const dynStatus s = check_value(l.convention, function, "convention")) return s;
   if (const dynStatus s = check_value(l.continuous, function, "continuous")) return s;
   if (l.joints_count && !l.joints) return fail(DYN_ERROR_ARGUMENT, "%s: joints is NULL but joints_count is not 0", function);
-  if (!l.idx_q != !l.idx_v) return fail(DYN_ERROR_ARGUMENT, "%s: idx_q and idx_v go together: %s is NULL", function, l.idx_q ? "idx_v" : "idx_q");
-  if (l.idx_q && !l.joints) return fail(DYN_ERROR_ARGUMENT, "%s: idx_q is given without joints: name the joints that it is of", function);
-  if (l.nq < 0 || l.nv < 0) return fail(DYN_ERROR_SIZE, "%s: nq is %d and nv %d: they can't be negative", function, int(l.nq), int(l.nv));
+  if (!l.idx_q != !l.idx_v)
+    return fail(DYN_ERROR_ARGUMENT, "%s: idx_q and idx_v go together: %s is NULL", function, l.idx_q ? "idx_v" : "idx_q");
+  if (l.idx_q && !l.joints)
+    return fail(DYN_ERROR_ARGUMENT, "%s: idx_q is given without joints: name the joints that it is of", function);
+  if (l.nq < 0 || l.nv < 0)
+    return fail(DYN_ERROR_SIZE, "%s: nq is %d and nv %d: they can't be negative", function, int(l.nq), int(l.nv));
   for (std::size_t k = 0; l.joints && k < l.joints_count; ++k) {
     if (!l.joints[k]) return fail(DYN_ERROR_ARGUMENT, "%s: joints[%zu] is NULL", function, k);
     const int id = dyn_model_joint_id(model, l.joints[k]);
@@ -82,8 +86,10 @@ dynStatus Layout::read(const dynModel* model, const dynStateLayout* layout) {
   child = dyn_model_frame_id(model, l.child_frame);
   if (child < 0) return DYN_ERROR_NAME;
   if (const Index j = m->frames()[child].joint; m->joints()[j].type != DYN_JOINT_TYPE_FREE_FLYER)
-    return fail(DYN_ERROR_ARGUMENT, "%s: child_frame '%.200s' is carried by joint '%.200s', which is no free flyer: name a frame of the floating base",
-                function, l.child_frame, name(j));
+    return fail(
+        DYN_ERROR_ARGUMENT,
+        "%s: child_frame '%.200s' is carried by joint '%.200s', which is no free flyer: name a frame of the floating base",
+        function, l.child_frame, name(j));
   return DYN_OK;
 }
 
@@ -93,13 +99,15 @@ dynStatus Layout::place() {
     const peer::Size n = size(x.joint);
     const JointRecord& r = m->joints()[x.joint];
     if (l.convention == DYN_CONVENTION_ROS && r.type != DYN_JOINT_TYPE_FREE_FLYER && n.nv != 1)
-      return fail(DYN_ERROR_UNSUPPORTED, "%s: joint '%.200s' (%s) has %d degrees of freedom: sensor_msgs/JointState holds joints of one", function,
+      return fail(DYN_ERROR_UNSUPPORTED,
+                  "%s: joint '%.200s' (%s) has %d degrees of freedom: sensor_msgs/JointState holds joints of one", function,
                   name(x.joint), joint_type_name(r.type), n.nv);
     if (x.q < 0 || x.v < 0)
-      return fail(DYN_ERROR_ARGUMENT, "%s: joint '%.200s' begins at q[%d], v[%d]: indices can't be negative", function, name(x.joint), int(x.q), int(x.v));
+      return fail(DYN_ERROR_ARGUMENT, "%s: joint '%.200s' begins at q[%d], v[%d]: indices can't be negative", function,
+                  name(x.joint), int(x.q), int(x.v));
     if ((l.nq && x.q + n.nq > l.nq) || (l.nv && x.v + n.nv > l.nv))
-      return fail(DYN_ERROR_SIZE, "%s: joint '%.200s' ends before q[%lld], v[%lld], but the peer's nq is %d and nv %d", function, name(x.joint),
-                  static_cast<long long>(x.q + n.nq), static_cast<long long>(x.v + n.nv), int(l.nq), int(l.nv));
+      return fail(DYN_ERROR_SIZE, "%s: joint '%.200s' ends before q[%lld], v[%lld], but the peer's nq is %d and nv %d", function,
+                  name(x.joint), static_cast<long long>(x.q + n.nq), static_cast<long long>(x.v + n.nv), int(l.nq), int(l.nv));
     end_q = std::max(end_q, x.q + n.nq), end_v = std::max(end_v, x.v + n.nv);
     return DYN_OK;
   });
@@ -113,14 +121,16 @@ dynStatus Layout::complete() const {
     const dynStatus s = each([&](const Item& x) {
       const std::int64_t k = std::int64_t(x.joint) - first;
       if (k < 0 || k >= some) return DYN_OK;
-      if (seen[k]) return fail(DYN_ERROR_NAME, "%s: joint '%.200s' is named twice: name each joint once", function, name(x.joint));
+      if (seen[k])
+        return fail(DYN_ERROR_NAME, "%s: joint '%.200s' is named twice: name each joint once", function, name(x.joint));
       seen[k] = true;
       return DYN_OK;
     });
     if (s != DYN_OK) return s;
     for (Index j = first; j < m->n.joints && j - first < some; ++j)
       if (!seen[j - first] && !follows(j))
-        return fail(DYN_ERROR_NAME, "%s: the peer's joints leave out '%.200s': name every joint that moves by itself", function, name(j));
+        return fail(DYN_ERROR_NAME, "%s: the peer's joints leave out '%.200s': name every joint that moves by itself", function,
+                    name(j));
   }
   return DYN_OK;
 }
@@ -133,8 +143,8 @@ dynStatus Layout::disjoint(bool of_q) const {
       const std::int64_t begin = of_q ? x.q : x.v, end = begin + (of_q ? n.nq : n.nv);
       for (std::int64_t k = std::max(begin, first); k < std::min(end, first + some); ++k) {
         if (const Index other = owner[k - first])
-          return fail(DYN_ERROR_ARGUMENT, "%s: joints '%.200s' and '%.200s' both have %s[%lld]", function, name(other), name(x.joint), of_q ? "q" : "v",
-                      static_cast<long long>(k));
+          return fail(DYN_ERROR_ARGUMENT, "%s: joints '%.200s' and '%.200s' both have %s[%lld]", function, name(other),
+                      name(x.joint), of_q ? "q" : "v", static_cast<long long>(k));
         owner[k - first] = x.joint;
       }
       return DYN_OK;

@@ -44,7 +44,8 @@ class Layout {
   template <class F>
   void parts(Index joint, F f) const {
     const JointRecord& r = m->joints()[joint];
-    if (r.type == DYN_JOINT_TYPE_PLANAR && l.convention == DYN_CONVENTION_PINOCCHIO) return f(peer::Form::BodyPlanar, peer::Size{3, 3});
+    if (r.type == DYN_JOINT_TYPE_PLANAR && l.convention == DYN_CONVENTION_PINOCCHIO)
+      return f(peer::Form::BodyPlanar, peer::Size{3, 3});
     for (Index i = r.first_body; i <= r.last_body; ++i) {
       const Body& b = m->bodies()[i];
       visit(b.type, [&]<class J>() { f(form(b), peer::Size{J::nq, J::nv}); });

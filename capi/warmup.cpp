@@ -40,7 +40,8 @@ void touch_library() {
       ours |= s.p_type == PT_LOAD && here - begin(s) < s.p_memsz;
     }
     for (int k = 0; ours && k < info->dlpi_phnum; ++k)
-      if (const auto& s = info->dlpi_phdr[k]; s.p_type == PT_LOAD && (s.p_flags & PF_R)) read(reinterpret_cast<const char*>(begin(s)), s.p_memsz);
+      if (const auto& s = info->dlpi_phdr[k]; s.p_type == PT_LOAD && (s.p_flags & PF_R))
+        read(reinterpret_cast<const char*>(begin(s)), s.p_memsz);
     return int(ours);
   }, nullptr);
 #endif
@@ -52,7 +53,8 @@ extern "C" dynStatus dyn_data_warm_up(const dynModel* model, dynData* data) {
   Call call(model, data, 0, "dyn_data_warm_up");
   if (!call) return call.status;
   read(reinterpret_cast<const char*>(&call.m()), std::size_t(call.m().bytes));
-  detail::for_each_buffer<DYN_PART_ALL>(call.m(), call.d().parts, call.d(), [](auto* p, std::size_t count) { write(reinterpret_cast<char*>(p), count * sizeof *p); });
+  detail::for_each_buffer<DYN_PART_ALL>(call.m(), call.d().parts, call.d(),
+                                        [](auto* p, std::size_t count) { write(reinterpret_cast<char*>(p), count * sizeof *p); });
   write(reinterpret_cast<char*>(data), sizeof *data), write(reinterpret_cast<char*>(data->body), sizeof *data->body);
   touch_stack(), touch_library();
   touch_last_error();

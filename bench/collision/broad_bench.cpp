@@ -1,7 +1,9 @@
 // The broad phase beside Coal's tree and sweep, and sort-and-sweep of our own: moving all boxes and finding all pairs, ms.
 //   usage: broad_bench [boxes]
-// Build: c++ -O3 -march=native -std=c++20 -Wno-psabi -I include -I capi -isystem <eigen> -isystem <coal>/include bench/collision/broad_bench.cpp
-//        src/collision/broad_phase.cpp -L <coal>/lib -lcoal -Wl,-rpath,<coal>/lib    (the package `coal` of PyPI has both in cmeel.prefix)
+// Build: c++ -O3 -march=native -std=c++20 -Wno-psabi -I include -I capi -isystem <eigen> -isystem <coal>/include
+// bench/collision/broad_bench.cpp
+//        src/collision/broad_phase.cpp -L <coal>/lib -lcoal -Wl,-rpath,<coal>/lib    (the package `coal` of PyPI has both in
+//        cmeel.prefix)
 #include <coal/broadphase/broadphase_SSaP.h>
 #include <coal/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <coal/broadphase/broadphase_dynamic_AABB_tree_array.h>
@@ -41,7 +43,8 @@ std::vector<std::vector<Vec>> path(const Scene& s, int n) {
   for (int k = 1; k <= steps; ++k)
     for (int i = 0; i < n; ++i) {
       auto step = [&] { return (2 * u(g) - 1) * s.motion; };
-      out[std::size_t(k)][std::size_t(i)] = s.motion == 1 ? anywhere() : out[std::size_t(k) - 1][std::size_t(i)] + Vec::make(step(), step(), step());
+      out[std::size_t(k)][std::size_t(i)] =
+          s.motion == 1 ? anywhere() : out[std::size_t(k) - 1][std::size_t(i)] + Vec::make(step(), step(), step());
     }
   return out;
 }
@@ -78,7 +81,8 @@ void coal_run(const char* name, const std::vector<std::vector<Vec>>& path, doubl
     for (std::size_t i = 0; i < p.size(); ++i) {
       // the box alone: what turning it costs is not the broad phase's
       coal::AABB& box = objects[i]->getAABB();
-      box.min_ = coal::Vec3s(p[i][0] - h, p[i][1] - h, p[i][2] - h), box.max_ = coal::Vec3s(p[i][0] + h, p[i][1] + h, p[i][2] + h);
+      box.min_ = coal::Vec3s(p[i][0] - h, p[i][1] - h, p[i][2] - h),
+      box.max_ = coal::Vec3s(p[i][0] + h, p[i][1] + h, p[i][2] + h);
     }
     if (first) {
       std::vector<coal::CollisionObject*> all;
@@ -118,15 +122,17 @@ struct Sweep {
     }
     const std::size_t n = order.size();
     for (std::size_t k = 0; k < n; ++k)
-      for (int i = 0; i < 3; ++i) lo[i][k] = float(p[std::size_t(order[k])][i] - h), hi[i][k] = float(p[std::size_t(order[k])][i] + h);
+      for (int i = 0; i < 3; ++i)
+        lo[i][k] = float(p[std::size_t(order[k])][i] - h), hi[i][k] = float(p[std::size_t(order[k])][i] + h);
     found.clear();
     using namespace collision;
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = a + 1; b < n && lo[0][b] <= hi[0][a]; b += 8) {
         Floats l[3], u[3];
         for (int i = 0; i < 3; ++i) l[i] = Floats::load(&lo[i][b]), u[i] = Floats::load(&hi[i][b]);
-        for_each_bit(bits_of((l[0] <= hi[0][a]) & (l[1] <= hi[1][a]) & (u[1] >= lo[1][a]) & (l[2] <= hi[2][a]) & (u[2] >= lo[2][a])),
-                      [&](Index k) { found.push_back(id_pair(order[a], order[b + std::size_t(k)])); });
+        for_each_bit(
+            bits_of((l[0] <= hi[0][a]) & (l[1] <= hi[1][a]) & (u[1] >= lo[1][a]) & (l[2] <= hi[2][a]) & (u[2] >= lo[2][a])),
+            [&](Index k) { found.push_back(id_pair(order[a], order[b + std::size_t(k)])); });
       }
     std::sort(found.begin(), found.end());
     return found.size();
@@ -146,7 +152,8 @@ int main(int argc, char** argv) {
               {"six neighbours each", {std::pow(6.0 / n, third) / 4, 0, false}},
               {"six neighbours, on a floor", {std::sqrt(6.0 / n) / 6, 0, true}}};
   for (auto& row : rows)
-    for (const auto& [motion, share] : {std::pair{"settled: motions of 0.001 of the size", 1e-3}, std::pair{"moving: 0.05 of the size", 0.05}, std::pair{"anywhere in each step", 0.0}}) {
+    for (const auto& [motion, share] : {std::pair{"settled: motions of 0.001 of the size", 1e-3},
+                                        std::pair{"moving: 0.05 of the size", 0.05}, std::pair{"anywhere in each step", 0.0}}) {
       Scene s = row.scene;
       s.motion = share == 0 ? 1 : 2 * s.size * share;
       std::printf("%d boxes, %s, %s: median, largest ms of a step\n", n, row.name, motion);

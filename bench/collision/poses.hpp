@@ -1,5 +1,5 @@
-// The poses that collision engines are timed on: every pair of shapes, apart, nearly touching (a gap of a thousandth of the size) and
-// penetrating (by a twentieth of it), a thousand each.
+// The poses that collision engines are timed on: every pair of shapes, apart, nearly touching (a gap of a thousandth of the size)
+// and penetrating (by a twentieth of it), a thousand each.
 #pragma once
 
 #include <algorithm>

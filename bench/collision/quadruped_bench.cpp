@@ -1,7 +1,10 @@
-// A quadruped's distances beside Coal's on the same pairs and poses, its own and those to the ground, us for all pairs of one configuration.
+// A quadruped's distances beside Coal's on the same pairs and poses, its own and those to the ground, us for all pairs of one
+// configuration.
 //   usage: quadruped_bench go2.urdf
-// Build: c++ -O3 -march=native -ffp-contract=fast -fno-math-errno -fno-trapping-math -std=c++20 -I include -I capi -isystem <eigen> -isystem <coal>/include
-//        bench/collision/quadruped_bench.cpp src/collision/{distance,convex_straight,convex_cylinder,convex_other,surface_distance,surface_manifold,manifold,manifold_clip}.cpp -L build/.../lib -ldyn -L <coal>/lib -lcoal, both with -Wl,-rpath
+// Build: c++ -O3 -march=native -ffp-contract=fast -fno-math-errno -fno-trapping-math -std=c++20 -I include -I capi -isystem
+// <eigen> -isystem <coal>/include
+//        bench/collision/quadruped_bench.cpp
+//        src/collision/{distance,convex_straight,convex_cylinder,convex_other,surface_distance,surface_manifold,manifold,manifold_clip}.cpp -L build/.../lib -ldyn -L <coal>/lib -lcoal, both with -Wl,-rpath
 // The robot is loaded and placed by the library; distances of shapes at given placements are timed, as Coal's are.
 #include <coal/collision.h>
 #include <coal/distance.h>
@@ -62,8 +65,8 @@ int main(int, char** argv) {
   dynShapeSpec floor;
   dyn_shape_spec_init(&floor);
   floor.type = DYN_SHAPE_TYPE_HALF_SPACE;
-  if (dyn_model_load(argv[1], &options, &robot) || dyn_builder_new("quadruped", &b) || dyn_builder_attach(b, robot, "", nullptr) || dyn_builder_add_shape(b, &floor) ||
-      dyn_builder_finish(b, &m))
+  if (dyn_model_load(argv[1], &options, &robot) || dyn_builder_new("quadruped", &b) ||
+      dyn_builder_attach(b, robot, "", nullptr) || dyn_builder_add_shape(b, &floor) || dyn_builder_finish(b, &m))
     return std::puts(dyn_last_error()), 1;
   dynData* d = nullptr;
   dyn_data_new(m, DYN_PART_COLLISION | DYN_PART_FRAMES, &d);
@@ -103,14 +106,19 @@ int main(int, char** argv) {
     int a, c;
     dynPairReason reason;
     dyn_model_pair(m, k, &a, &c, nullptr), dyn_data_pair(m, d, k, &reason);
-    if (reason == DYN_PAIR_REASON_TESTED) list.push_back({a, c, {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()}, {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()}});
+    if (reason == DYN_PAIR_REASON_TESTED)
+      list.push_back({a,
+                      c,
+                      {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()},
+                      {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()}});
   }
   // ours
   std::vector<dyn::collision::Geom> geoms;
   std::vector<std::vector<dyn::collision::Pose>> Y;
   for (int k = 0; k < shapes; ++k) {
     dyn::collision::Geom g{};
-    if (geometry[std::size_t(k)]) dyn::collision::geometry_of(info[std::size_t(k)].type, info[std::size_t(k)].size, info[std::size_t(k)].radius, g.shape);
+    if (geometry[std::size_t(k)])
+      dyn::collision::geometry_of(info[std::size_t(k)].type, info[std::size_t(k)].size, info[std::size_t(k)].radius, g.shape);
     dyn::shape::visit(g.shape, [&](const auto& x) { g.bounding_radius = x.extent() + x.radius; });
     geoms.push_back(g);
   }
@@ -130,14 +138,16 @@ int main(int, char** argv) {
     return dyn::collision::distance(geoms[std::size_t(p.a)].shape, A, geoms[std::size_t(p.b)].shape, B, workspace).distance;
   };
   auto farther = [&](int c, const Pair& p, double margin) {
-    return dyn::collision::distance_lower_bound(geoms[std::size_t(p.a)], Y[std::size_t(c)][std::size_t(p.a)], geoms[std::size_t(p.b)], Y[std::size_t(c)][std::size_t(p.b)]) > margin;
+    return dyn::collision::distance_lower_bound(geoms[std::size_t(p.a)], Y[std::size_t(c)][std::size_t(p.a)],
+                                                geoms[std::size_t(p.b)], Y[std::size_t(c)][std::size_t(p.b)]) > margin;
   };
   double worst = 0, sum = 0;
   int differ = 0;
   for (int c = 0; c < configurations; ++c)
     for (const Pair& p : list) {
       coal::DistanceResult r;
-      const double theirs = p.distance(X[std::size_t(c)][std::size_t(p.a)], X[std::size_t(c)][std::size_t(p.b)], coal::DistanceRequest(true), r);
+      const double theirs =
+          p.distance(X[std::size_t(c)][std::size_t(p.a)], X[std::size_t(c)][std::size_t(p.b)], coal::DistanceRequest(true), r);
       // beyond its tolerance of 1e-6: a cylinder whose caps Coal ignores, as it does around the centre of a sphere
       const double difference = std::abs(theirs - distance(c, p));
       if (difference > 1e-5)
@@ -145,7 +155,8 @@ int main(int, char** argv) {
       else
         worst = std::max(worst, difference);
     }
-  std::printf("%zu pairs of %d shapes, %d configurations; %d distances differ, the others by at most %.1e m\n", list.size(), shapes, configurations, differ, worst);
+  std::printf("%zu pairs of %d shapes, %d configurations; %d distances differ, the others by at most %.1e m\n", list.size(),
+              shapes, configurations, differ, worst);
   const double dyn_us = median_us([&](int c) {
     for (const Pair& p : list) sum += distance(c, p);
   });
@@ -157,7 +168,8 @@ int main(int, char** argv) {
   });
   std::printf("distances of all pairs: dyn %.2f us, Coal %.2f: %.2f\n", dyn_us, coal_us, dyn_us / coal_us);
   const double whole_us = median_us([&](int c) { dyn_distances(m, d, q[std::size_t(c)].data(), nullptr), sum += 1; });
-  std::printf("dyn_distances, kinematics and placements included: %.2f us: %.2f of Coal's queries alone\n", whole_us, whole_us / coal_us);
+  std::printf("dyn_distances, kinematics and placements included: %.2f us: %.2f of Coal's queries alone\n", whole_us,
+              whole_us / coal_us);
   for (const double margin : {0.0, 0.05}) {
     int count = 0, points = 0, coal_count = 0;
     const double t = median_us([&](int c) {
@@ -167,8 +179,8 @@ int main(int, char** argv) {
     const double tc = median_us([&](int c) {
       for (const Pair& p : list) {
         if (farther(c, p, margin)) continue;
-        dyn::collision::contacts(geoms[std::size_t(p.a)].shape, Y[std::size_t(c)][std::size_t(p.a)], geoms[std::size_t(p.b)].shape, Y[std::size_t(c)][std::size_t(p.b)], margin,
-                                 workspace, found);
+        dyn::collision::contacts(geoms[std::size_t(p.a)].shape, Y[std::size_t(c)][std::size_t(p.a)],
+                                 geoms[std::size_t(p.b)].shape, Y[std::size_t(c)][std::size_t(p.b)], margin, workspace, found);
         points += found.count;
       }
     });
@@ -180,8 +192,9 @@ int main(int, char** argv) {
         coal_count += int(p.collide(X[std::size_t(c)][std::size_t(p.a)], X[std::size_t(c)][std::size_t(p.b)], request, r) > 0);
       }
     });
-    std::printf("within %.2f m: pairs: dyn %.2f us (%d), Coal %.2f (%d): %.2f; our contact points %.2f us (%d)\n", margin, t, count / passes / configurations, theirs,
-                coal_count / passes / configurations, t / theirs, tc, points / passes / configurations);
+    std::printf("within %.2f m: pairs: dyn %.2f us (%d), Coal %.2f (%d): %.2f; our contact points %.2f us (%d)\n", margin, t,
+                count / passes / configurations, theirs, coal_count / passes / configurations, t / theirs, tc,
+                points / passes / configurations);
   }
   return sum == 0.5;
 }

@@ -68,7 +68,8 @@ dynModel* stack(int boxes) {
 // Of a step, the mean of 10 after 50 that settle: the solver's iterations differ from step to step.
 void count_steps(const std::string& name, const dynModel* m, const double* q) {
   dynData* d = nullptr;
-  check(dyn_data_new(m, DYN_PART_SIMULATION, &d)), check(dyn_data_warm_up(m, d)), check(dyn_data_set_state(m, d, q, nullptr, nullptr, nullptr));
+  check(dyn_data_new(m, DYN_PART_SIMULATION, &d)), check(dyn_data_warm_up(m, d)),
+      check(dyn_data_set_state(m, d, q, nullptr, nullptr, nullptr));
   for (int k = 0; k < 50; ++k) check(dyn_step(m, d));
   const long ten = bench::instructions([&] { for (int k = 0; k < 10; ++k) check(dyn_step(m, d)); });
   dynStepReport r{};
@@ -95,7 +96,8 @@ int main(int argc, char** argv) {
     dynData* d = nullptr;
     check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_data_warm_up(m, d));
     const int nq = dyn_model_nq(m), nv = dyn_model_nv(m);
-    std::vector<double> q(static_cast<std::size_t>(nq)), v(static_cast<std::size_t>(nv)), a = v, out(std::size_t(nv) * std::size_t(nv));
+    std::vector<double> q(static_cast<std::size_t>(nq)), v(static_cast<std::size_t>(nv)), a = v,
+                                                                                          out(std::size_t(nv) * std::size_t(nv));
     check(dyn_configuration_neutral(m, q.data()));
     const auto input = [&](int k) {
       for (int i = legged ? 7 : 0; i < nq; ++i) q[std::size_t(i)] = latency::input(k, i);
@@ -109,7 +111,8 @@ int main(int argc, char** argv) {
     dyn_data_free(d);
     if (legged) {
       dynModel* standing = on_floor(m);
-      for (int leg = 0; leg < 4; ++leg) q[std::size_t(7 + 3 * leg)] = 0, q[std::size_t(8 + 3 * leg)] = 0.8, q[std::size_t(9 + 3 * leg)] = -1.5;
+      for (int leg = 0; leg < 4; ++leg)
+        q[std::size_t(7 + 3 * leg)] = 0, q[std::size_t(8 + 3 * leg)] = 0.8, q[std::size_t(9 + 3 * leg)] = -1.5;
       q[2] = 0.331;
       count_steps(robot + "step with contacts", standing, q.data());
       dyn_model_free(standing);

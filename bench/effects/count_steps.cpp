@@ -1,4 +1,5 @@
-// Instructions of a step, scene by scene: name, libdyn's, and those of the bare recursion where there is one. See bench/effects.py.
+// Instructions of a step, scene by scene: name, libdyn's, and those of the bare recursion where there is one. See
+// bench/effects.py.
 #include <fstream>
 
 #include "scenes.hpp"
@@ -17,7 +18,8 @@ int main(int argc, char** argv) {
       {"chain of 10, 1 far static box", scene(chain(10, "", touching) + far_boxes(1))},
       {"chain of 10, 100 far static boxes", scene(chain(10, "", touching) + far_boxes(100))},
       {"chain of 10, 900 far static boxes", scene(chain(10, "", touching) + far_boxes(900))},
-      {"chain of 10, box within reach", scene(chain(10, "", touching) + "<geom type='box' contype='0' conaffinity='1' size='.1 .1 .1' pos='0 0 1'/>")},
+      {"chain of 10, box within reach",
+       scene(chain(10, "", touching) + "<geom type='box' contype='0' conaffinity='1' size='.1 .1 .1' pos='0 0 1'/>")},
   };
   int file = 0;
   for (const auto& s : scenes) {

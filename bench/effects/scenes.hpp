@@ -1,4 +1,5 @@
-// Scenes of which a step's instructions are counted: a free body, a chain of ten links, and what may be in a scene without acting.
+// Scenes of which a step's instructions are counted: a free body, a chain of ten links, and what may be in a scene without
+// acting.
 #pragma once
 
 #include <cstdio>
@@ -21,8 +22,8 @@ inline std::string free_body(const char* mask) {
 inline std::string chain(int links, const char* joint, const char* mask) {
   std::string text;
   for (int k = links - 1; k >= 0; --k)
-    text = std::string("<body pos='") + (k ? ".1" : "0") + " 0 0'><joint axis='0 1 0' " + joint + "/><geom type='capsule' fromto='0 0 0 .1 0 0' size='.02' mass='.1' " + mask +
-           "/>" + text + "</body>";
+    text = std::string("<body pos='") + (k ? ".1" : "0") + " 0 0'><joint axis='0 1 0' " + joint +
+           "/><geom type='capsule' fromto='0 0 0 .1 0 0' size='.02' mass='.1' " + mask + "/>" + text + "</body>";
   return text;
 }
 // Boxes that nothing comes near, and that no ball about all of them hides.
@@ -30,12 +31,14 @@ inline std::string far_boxes(int n) {
   std::string text;
   for (int k = 0; k < n; ++k) {
     char box[160];
-    std::snprintf(box, sizeof box, "<geom type='box' contype='0' conaffinity='1' size='.1 .1 .1' pos='%d %d %d'/>", 10 + k % 10, (k / 10) % 10 - 5, k / 100 - 5);
+    std::snprintf(box, sizeof box, "<geom type='box' contype='0' conaffinity='1' size='.1 .1 .1' pos='%d %d %d'/>", 10 + k % 10,
+                  (k / 10) % 10 - 5, k / 100 - 5);
     text += box;
   }
   return text;
 }
-inline const char *masked = "contype='0' conaffinity='0'", *touching = "contype='1' conaffinity='0'", *limited = "limited='true' range='-170 170'", *damped = "damping='.1'";
+inline const char *masked = "contype='0' conaffinity='0'", *touching = "contype='1' conaffinity='0'",
+                  *limited = "limited='true' range='-170 170'", *damped = "damping='.1'";
 
 // A model and a data in which a few steps have been made.
 struct Counted {
@@ -45,7 +48,9 @@ struct Counted {
   Counted(const std::string& text, std::uint32_t effects = DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING) {
     dynLoadOptions load;
     dyn_load_options_init(&load);
-    if (dyn_model_load_string(text.c_str(), &load, &m) || dyn_data_new(m, DYN_PART_SIMULATION, &d) || dyn_data_set_effects(m, d, 0, effects)) error = dyn_last_error();
+    if (dyn_model_load_string(text.c_str(), &load, &m) || dyn_data_new(m, DYN_PART_SIMULATION, &d) ||
+        dyn_data_set_effects(m, d, 0, effects))
+      error = dyn_last_error();
   }
   Counted(const Counted&) = delete;
   ~Counted() { dyn_data_free(d), dyn_model_free(m); }

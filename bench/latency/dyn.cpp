@@ -24,7 +24,8 @@ int main(int argc, char** argv) {
     dynData* d = nullptr;
     check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_data_warm_up(m, d));
     const int nq = dyn_model_nq(m), nv = dyn_model_nv(m), first = nq - nv ? 7 : 0;
-    std::vector<double> q(static_cast<std::size_t>(nq)), v(static_cast<std::size_t>(nv)), a = v, out(std::size_t(nv) * std::size_t(nv));
+    std::vector<double> q(static_cast<std::size_t>(nq)), v(static_cast<std::size_t>(nv)), a = v,
+                                                                                          out(std::size_t(nv) * std::size_t(nv));
     check(dyn_configuration_neutral(m, q.data()));
     const auto change = [&](int k) {
       for (int i = first; i < nq; ++i) q[std::size_t(i)] = latency::input(k, i);
@@ -42,5 +43,10 @@ int main(int argc, char** argv) {
   std::vector<char> start(dyn_model_state_size(m));
   for (int k = 0; k < 200; ++k) check(dyn_step(m, d));  // it has landed
   check(dyn_data_save_state(m, d, start.data(), start.size()));
-  latency::measure("step in contact", calls / 10, [&](int k) { if (k % 100 == 0) check(dyn_data_restore_state(m, d, start.data(), start.size())); }, [&] { check(dyn_step(m, d)); });
+  latency::measure(
+      "step in contact", calls / 10,
+      [&](int k) {
+        if (k % 100 == 0) check(dyn_data_restore_state(m, d, start.data(), start.size()));
+      },
+      [&] { check(dyn_step(m, d)); });
 }

@@ -17,12 +17,15 @@ int main(int argc, char** argv) {
     const int first = m->nq > m->nv ? 7 : 0;
     const auto change = [&](int k) {
       for (int i = first; i < m->nq; ++i) d->qpos[i] = latency::input(k, i);
-      for (int i = 0; i < m->nv; ++i) d->qvel[i] = latency::input(k, i + 3), d->qacc[i] = d->qfrc_applied[i] = latency::input(k, i + 5);
+      for (int i = 0; i < m->nv; ++i)
+        d->qvel[i] = latency::input(k, i + 3), d->qacc[i] = d->qfrc_applied[i] = latency::input(k, i + 5);
     };
     // from q, v to the result, by the functions that it takes
-    latency::measure(names[robot][0], calls, change, [&] { mj_kinematics(m, d), mj_comPos(m, d), mj_comVel(m, d), mj_rne(m, d, 1, out.data()); });
+    latency::measure(names[robot][0], calls, change,
+                     [&] { mj_kinematics(m, d), mj_comPos(m, d), mj_comVel(m, d), mj_rne(m, d, 1, out.data()); });
     latency::measure(names[robot][1], calls, change, [&] { mj_forward(m, d); });
-    latency::measure(names[robot][2], calls, change, [&] { mj_kinematics(m, d), mj_comPos(m, d), mj_makeM(m, d), mj_fullM(m, d, out.data()); });
+    latency::measure(names[robot][2], calls, change,
+                     [&] { mj_kinematics(m, d), mj_comPos(m, d), mj_makeM(m, d), mj_fullM(m, d, out.data()); });
     mj_deleteData(d), mj_deleteModel(m);
   }
   mjModel* m = mj_loadXML(argv[4], nullptr, error, sizeof error);
@@ -30,5 +33,10 @@ int main(int argc, char** argv) {
   mjData *d = mj_makeData(m), *start = mj_makeData(m);
   for (int k = 0; k < 200; ++k) mj_step(m, d);
   mj_copyData(start, m, d);
-  latency::measure("step in contact", calls / 10, [&](int k) { if (k % 100 == 0) mj_copyData(d, m, start); }, [&] { mj_step(m, d); });
+  latency::measure(
+      "step in contact", calls / 10,
+      [&](int k) {
+        if (k % 100 == 0) mj_copyData(d, m, start);
+      },
+      [&] { mj_step(m, d); });
 }

@@ -1,4 +1,5 @@
-// The time that memory alone takes from the recursions: reads once and writes once what each of them keeps for a joint, and computes nothing.
+// The time that memory alone takes from the recursions: reads once and writes once what each of them keeps for a joint, and
+// computes nothing.
 // usage: dyn_stream JOINTS [SECONDS]
 #include <chrono>
 #include <cstdio>
@@ -25,7 +26,8 @@ struct Recursion {
 constexpr Recursion recursions[] = {
     {"fk", sizeof(SE3<double>) + 8, placement},
     {"rnea", sizeof(SE3<double>) + sizeof(Body) + 3 * 8, placement + sizeof(Force<double>) + 8},
-    {"aba", sizeof(SE3<double>) + sizeof(Body) + 3 * 8, placement + sizeof(Motion<double>) + sizeof(Inertia<double>) + 2 * sizeof(Force<double>) + 3 * 8},
+    {"aba", sizeof(SE3<double>) + sizeof(Body) + 3 * 8,
+     placement + sizeof(Motion<double>) + sizeof(Inertia<double>) + 2 * sizeof(Force<double>) + 3 * 8},
 };
 
 void pass(const Block* in, Block* out, long joints, std::size_t reads, std::size_t writes) {
@@ -39,7 +41,8 @@ void pass(const Block* in, Block* out, long joints, std::size_t reads, std::size
 double seconds_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double best_nanoseconds(const Recursion& r, long joints, double seconds) {
-  const std::size_t reads = blocks(r.read), writes = blocks(r.written), bytes = (reads + writes) * sizeof(Block) * std::size_t(joints);
+  const std::size_t reads = blocks(r.read), writes = blocks(r.written),
+                    bytes = (reads + writes) * sizeof(Block) * std::size_t(joints);
   void* memory = allocate_block(bytes);
   if (!memory) return -1;
   std::memset(memory, 0, bytes);
@@ -67,6 +70,7 @@ int main(int argc, char** argv) {
   if (joints < 1 || joints > 10000000 || !(seconds > 0)) return std::fprintf(stderr, "usage: dyn_stream JOINTS [SECONDS]\n"), 2;
   std::printf("{\"rows\":[");
   for (const Recursion& r : recursions)
-    std::printf("%s{\"name\":\"%s\",\"bytes\":%zu,\"ns\":%.2f}", &r == recursions ? "" : ",", r.name, r.read + r.written, best_nanoseconds(r, joints, seconds));
+    std::printf("%s{\"name\":\"%s\",\"bytes\":%zu,\"ns\":%.2f}", &r == recursions ? "" : ",", r.name, r.read + r.written,
+                best_nanoseconds(r, joints, seconds));
   std::puts("]}");
 }

@@ -32,8 +32,10 @@ int main(int argc, char** argv) {
   claim(dyn_model_load(argv[1], &options, &m) == DYN_ERROR_BASE, "a base is never guessed");
   options.base = DYN_BASE_FLOATING;
   check(dyn_model_load(argv[1], &options, &m));
-  claim(dyn_model_nq(m) == nq && dyn_model_nv(m) == nv && dyn_model_njoints(m) == njoints, "position and quaternion, twelve angles; the universe is joint 0");
-  printf("%s: nq %d, nv %d, %d joints, %d frames, %.4g kg\n", dyn_model_name(m), nq, nv, njoints, dyn_model_nframes(m), dyn_model_total_mass(m));
+  claim(dyn_model_nq(m) == nq && dyn_model_nv(m) == nv && dyn_model_njoints(m) == njoints,
+        "position and quaternion, twelve angles; the universe is joint 0");
+  printf("%s: nq %d, nv %d, %d joints, %d frames, %.4g kg\n", dyn_model_name(m), nq, nv, njoints, dyn_model_nframes(m),
+         dyn_model_total_mass(m));
 
   check(dyn_data_new(m, DYN_PART_JACOBIANS, &d));
   check(dyn_configuration_neutral(m, q));

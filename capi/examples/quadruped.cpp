@@ -1,4 +1,5 @@
-// A quadruped in four stages: sizes, feet, forces, and two threads that share the model. tools/test --tsan runs it under ThreadSanitizer.
+// A quadruped in four stages: sizes, feet, forces, and two threads that share the model. tools/test --tsan runs it under
+// ThreadSanitizer.
 //   quadruped ROBOT.urdf
 // capi/python/examples/quadruped_project.py is the same in Python.
 #include <algorithm>
@@ -27,7 +28,8 @@ struct RobotModel {
   dyn::Data data;
   std::vector<int> feet;
 
-  explicit RobotModel(const std::string& file) : model(dyn::Model::load(file, dyn::LoadOptions().base(DYN_BASE_FLOATING))), data(model) {
+  explicit RobotModel(const std::string& file)
+      : model(dyn::Model::load(file, dyn::LoadOptions().base(DYN_BASE_FLOATING))), data(model) {
     for (const char* foot : {"FL_foot", "FR_foot", "RL_foot", "RR_foot"}) feet.push_back(model.frame_id(foot));
   }
   dyn::Vector standing() const {
@@ -50,7 +52,8 @@ void print_sizes(const RobotModel& robot, const std::string& file) {
     refused = error.status() == DYN_ERROR_BASE;
   }
   claim(refused, "a base is never guessed");
-  std::printf("1. %s: nq %d, nv %d, %d joints, %d frames, %.4g kg\n", m.name().c_str(), m.nq(), m.nv(), m.njoints(), m.nframes(), m.total_mass());
+  std::printf("1. %s: nq %d, nv %d, %d joints, %d frames, %.4g kg\n", m.name().c_str(), m.nq(), m.nv(), m.njoints(), m.nframes(),
+              m.total_mass());
 }
 
 // Stage 2. Positions and 6 x 18 Jacobians: J v is the twist.
@@ -63,7 +66,8 @@ void print_feet(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v) {
     dyn::Vector6 product{};
     for (int c = 0; c < 18; ++c)
       for (int r = 0; r < 6; ++r) product[static_cast<std::size_t>(r)] += J(r, c) * v[static_cast<std::size_t>(c)];
-    claim(J.rows == 6 && J.cols == 18 && largest_difference(product.data(), twist.data(), 6) < 1e-13, "J v is the foot's velocity");
+    claim(J.rows == 6 && J.cols == 18 && largest_difference(product.data(), twist.data(), 6) < 1e-13,
+          "J v is the foot's velocity");
     const dyn::Placement X = robot.data.frame_placement(foot);
     std::printf(" (%.3f %.3f %.3f)", X[9], X[10], X[11]);
   }
@@ -75,7 +79,8 @@ void check_dynamics(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& 
   const std::size_t n = v.size();
   const dyn::Vector zero(n), tau = robot.data.rnea(q, zero, zero).copy(), g = robot.data.gravity_torque(q).copy();
   claim(tau == g, "at rest inverse dynamics is gravity, bit for bit");
-  claim(std::abs(std::hypot(g[0], g[1], g[2]) - 9.81 * robot.model.total_mass()) < 1e-11, "the base's row of g is the robot's weight");
+  claim(std::abs(std::hypot(g[0], g[1], g[2]) - 9.81 * robot.model.total_mass()) < 1e-11,
+        "the base's row of g is the robot's weight");
   const dyn::Vector moving = robot.data.rnea(q, v, a).copy();
   const dyn::Vector found = robot.data.aba(q, v, moving).copy();
   claim(largest_difference(found.data(), a.data(), n) < 1e-10, "forward dynamics undoes inverse dynamics");

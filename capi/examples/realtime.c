@@ -17,7 +17,9 @@ static void check(dynStatus status) {
   fprintf(stderr, "%s: %s\n", dyn_status_name(status), dyn_last_error());
   exit(1);
 }
-static int64_t since(const struct timespec* a, const struct timespec* b) { return (b->tv_sec - a->tv_sec) * (int64_t)1000000000 + b->tv_nsec - a->tv_nsec; }
+static int64_t since(const struct timespec* a, const struct timespec* b) {
+  return (b->tv_sec - a->tv_sec) * (int64_t)1000000000 + b->tv_nsec - a->tv_nsec;
+}
 static int ascending(const void* a, const void* b) {
   const int64_t x = *(const int64_t*)a, y = *(const int64_t*)b;
   return (x > y) - (x < y);

@@ -1,7 +1,7 @@
 // A whole-body controller: a quadruped stands on the ground, sways, and is pushed.
 //   whole_body ROBOT.urdf [SECONDS]
-// The equation of motion is M a + h = S' tau + sum J_k' f_k. The acceleration a takes the trunk to its target. The six rows of the base have no motor:
-// the feet must give J_b' f = (M a + h)_b = w, each f_k in its friction cone. The least such forces are
+// The equation of motion is M a + h = S' tau + sum J_k' f_k. The acceleration a takes the trunk to its target. The six rows of
+// the base have no motor: the feet must give J_b' f = (M a + h)_b = w, each f_k in its friction cone. The least such forces are
 //     min |J_b' f - w|^2 / 2 + epsilon |f|^2 / 2   over the cones,
 // a contact problem with G = J_b J_b' + epsilon 1, g = -J_b w (as in capi/python/examples/standing.py). The other rows give tau.
 // The simulator gets the torques alone.
@@ -43,7 +43,8 @@ struct Controller {
     data.forward_kinematics(q, v);
     const dyn::Placement X = data.frame_placement(trunk);
     for (std::size_t k = 0; k < base; ++k) a[k] = stiffness * error[k] - damping * v[k];
-    for (std::size_t k = 0; k < 3; ++k) a[k] += X[3 * k + 2] * (target.acceleration + damping * target.velocity);  // z in the trunk's axes
+    for (std::size_t k = 0; k < 3; ++k)
+      a[k] += X[3 * k + 2] * (target.acceleration + damping * target.velocity);  // z in the trunk's axes
     for (int k = 0; k < feet_count; ++k) {
       const dyn::Matrix of_foot = data.frame_jacobian(feet[std::size_t(k)], DYN_REFERENCE_LOCAL_WORLD_ALIGNED);
       for (int r = 0; r < 3; ++r)
@@ -132,10 +133,13 @@ int run(const char* file, double seconds) {
     largest = std::max(largest, off_at_end);
   }
   double up = 0;
-  for (const dynContactForce& c : robot.step_contacts()) up += c.contact.shape_b == model.nshapes() - 1 ? -c.force_on_b[2] : c.force_on_b[2];
-  const double expected = model.total_mass() * (9.81 - amplitude * w * w * std::cos(w * steps * dt));  // at the top it begins to sink
+  for (const dynContactForce& c : robot.step_contacts())
+    up += c.contact.shape_b == model.nshapes() - 1 ? -c.force_on_b[2] : c.force_on_b[2];
+  const double expected =
+      model.total_mass() * (9.81 - amplitude * w * w * std::cos(w * steps * dt));  // at the top it begins to sink
   std::printf("%g s, up and down by %g mm: the trunk follows within %.3g mm\n", seconds, 2e3 * amplitude, 1e3 * away);
-  std::printf("pushed with 60 N for 0.2 s it is moved by %.3g mm, and is back within %.3g mm\n", 1e3 * pushed_away, 1e3 * off_at_end);
+  std::printf("pushed with 60 N for 0.2 s it is moved by %.3g mm, and is back within %.3g mm\n", 1e3 * pushed_away,
+              1e3 * off_at_end);
   std::printf("the ground carries %.5g N at the end; mass times (g + acceleration) is %.5g N\n", up, expected);
   std::printf("the controller takes %.3g us of its 2000\n", 1e6 * thinking / ((steps + 1) / 2));
   const bool stands = away < 0.002 && pushed_away < 0.1 && off_at_end < 0.002 && std::abs(up / expected - 1) < 0.01;

@@ -24,7 +24,8 @@ Eigen::Vector3d principal_moments(const Body& b) {
 }
 
 bool finite(const Body& b) {
-  return std::isfinite(b.m + b.h[0] + b.h[1] + b.h[2] + (b.I(0, 0) + b.I(0, 1) + b.I(0, 2)) + (b.I(1, 1) + b.I(1, 2) + b.I(2, 2)));
+  return std::isfinite(b.m + b.h[0] + b.h[1] + b.h[2] + (b.I(0, 0) + b.I(0, 1) + b.I(0, 2)) +
+                       (b.I(1, 1) + b.I(1, 2) + b.I(2, 2)));
 }
 
 // Names of the links that make up a joint's body.
@@ -43,7 +44,8 @@ std::vector<double> generic_configuration(const Model& m, std::uint64_t trial) {
     const Body& b = m.bodies()[i];
     const Vec3<double> r = m.joint_placement()[i].p;
     length = std::max(length, std::sqrt(dot(r, r)));
-    if (b.m > 0) length = std::max({length, std::sqrt(dot(b.h, b.h)) / b.m, std::sqrt(std::abs(b.I(0, 0) + b.I(1, 1) + b.I(2, 2)) / b.m)});
+    if (b.m > 0)
+      length = std::max({length, std::sqrt(dot(b.h, b.h)) / b.m, std::sqrt(std::abs(b.I(0, 0) + b.I(1, 1) + b.I(2, 2)) / b.m)});
   }
   if (!(length > 0)) length = 1;
   const double far[7] = {length, length, length, 1, 1, 1, 1}, near[7] = {1, 1, 1, 1, 1, 1, 1};
@@ -116,7 +118,8 @@ std::vector<double> articulated_pivots(const Model& m) {
         for (int k = 0; k < J::nv; ++k) {
           const Motion<double> s = J::column(b, d.R[i], k);
           const ArticulatedInertia<double>& rigid = before[std::size_t(i)];
-          const double bound = trace(rigid.I) * dot(s.angular, s.angular) + trace(rigid.M) * dot(s.linear, s.linear);  // whose rounding is no inertia
+          const double bound = trace(rigid.I) * dot(s.angular, s.angular) +
+                               trace(rigid.M) * dot(s.linear, s.linear);  // whose rounding is no inertia
           const double armature = m.armature()[b.user_v + k], scale = std::max(dot(s, rigid * s), 0.1 * bound) + armature;
           const Force<double> U = Y * s;
           const double D = dot(s, U) + armature;
@@ -144,25 +147,29 @@ void check_moments(const std::string& who, double mass, const std::array<double,
   const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
   const double slack = 1e-6 * moments[2] + mass * 1e-16;
   if (moments[0] >= -slack && moments[2] > moments[0] + moments[1] + slack)
-    throw Error(DYN_ERROR_INVALID, who + ": the principal moments of its inertia are " + number(moments[0]) + ", " + number(moments[1]) + " and " + number(moments[2]) +
+    throw Error(DYN_ERROR_INVALID, who + ": the principal moments of its inertia are " + number(moments[0]) + ", " +
+                                       number(moments[1]) + " and " + number(moments[2]) +
                                        " kg m^2, and no body has one above the sum of the other two");
 }
 
 // Forward dynamics must be defined: M positive at some configurations off the singular ones.
-std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames, bool allow_massless) {
+std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints,
+                                        const std::vector<FrameEntry>& frames, bool allow_massless) {
   std::vector<std::string> massless;
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
     const int owner = order[std::size_t(b.joint - 1)];
     if (!finite(b))
-      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) +
+      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" +
+                                         links_of(frames, owner) +
                                          ") overflows: masses or distances are too large for double precision");
     const Eigen::Vector3d moments = principal_moments(b);
     const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
     const double scale = std::max({std::abs(moments[0]), moments[2], 1e-6 * b.m * dot(c, c)});
     if (moments[0] < -1e-6 * scale) {
-      const std::string message = "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) +
-                                  ") has a negative principal moment " + number(moments[0]) + " kg m^2: no mass distribution has that; correct the file";
+      const std::string message = "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" +
+                                  links_of(frames, owner) + ") has a negative principal moment " + number(moments[0]) +
+                                  " kg m^2: no mass distribution has that; correct the file";
       if (!allow_massless) throw Error(DYN_ERROR_INVALID, message);
       massless.push_back(message);
     }
@@ -176,11 +183,13 @@ std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& 
       if (!(pivots[std::size_t(b.user_v + k)] > 1e-13)) {
         const int joint = order[std::size_t(b.joint - 1)];
         if (std::isnan(pivots[std::size_t(b.user_v + k)]))
-          throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name + "': the inertia that it moves overflows: masses, distances or "
+          throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name +
+                                             "': the inertia that it moves overflows: masses, distances or "
                                              "mimic ratios are too large for double precision");
-        const std::string message = "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
-                                    " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
-                                    "give the links an inertial, give the joint an armature, or make it fixed";
+        const std::string message =
+            "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
+            " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
+            "give the links an inertial, give the joint an armature, or make it fixed";
         if (!allow_massless || pivots[std::size_t(b.user_v + k)] > 0) throw Error(DYN_ERROR_INVALID, message);
         massless.push_back(message);
       }

@@ -26,8 +26,8 @@ constexpr std::uint32_t two_over_pi[] = {
     0x7527bac7, 0xebe5f17b, 0x3d0739f7, 0x8a5292ea, 0x6bfb5fb1, 0x1f8d5d08, 0x56033046, 0xfc7b6bab, 0xf0cfbc20, 0x9af4361d,
 };
 
-// x = (4 n + quadrant) pi/2 + r + y for any finite x: the product of its 53 bits with those 256 of 2/pi that are not multiples of 4 (Payne and
-// Hanek 1983), as integers.
+// x = (4 n + quadrant) pi/2 + r + y for any finite x: the product of its 53 bits with those 256 of 2/pi that are not multiples of
+// 4 (Payne and Hanek 1983), as integers.
 int reduce_far(double x, double& r, double& y) {
   int exponent;
   const std::uint64_t mantissa = std::uint64_t(std::ldexp(std::frexp(std::fabs(x), &exponent), 53));
@@ -71,7 +71,8 @@ int reduce_far(double x, double& r, double& y) {
   }
   // times pi/2
   constexpr double pi_high = 0x1.921fb54442d18p+0, pi_low = 0x1.1a62633145c07p-54, split = 134217729;
-  const double a = high * split, ah = a - (a - high), al = high - ah, b = pi_high * split, bh = b - (b - pi_high), bl = pi_high - bh, p = high * pi_high;
+  const double a = high * split, ah = a - (a - high), al = high - ah, b = pi_high * split, bh = b - (b - pi_high),
+               bl = pi_high - bh, p = high * pi_high;
   const double error = ((ah * bh - p) + ah * bl + al * bh) + al * bl + (high * pi_low + low * pi_high);
   const bool negative = up != (x < 0);
   r = p + error, y = error - (r - p);
@@ -105,11 +106,14 @@ Turn turn(double x) {
 }
 
 double atan(double x) {  // x >= 0
-  constexpr double high[] = {4.63647609000806093515e-01, 7.85398163397448278999e-01, 9.82793723247329054082e-01, 1.57079632679489655800e+00};
-  constexpr double low[] = {2.26987774529616870924e-17, 3.06161699786838301793e-17, 1.39033110312309984516e-17, 6.12323399573676603587e-17};
-  constexpr double a[] = {3.33333333333329318027e-01, -1.99999999998764832476e-01, 1.42857142725034663711e-01, -1.11111104054623557880e-01,
-                          9.09088713343650656196e-02, -7.69187620504482999495e-02, 6.66107313738753120669e-02, -5.83357013379057348645e-02,
-                          4.97687799461593236017e-02, -3.65315727442169155270e-02, 1.62858201153657823623e-02};
+  constexpr double high[] = {4.63647609000806093515e-01, 7.85398163397448278999e-01, 9.82793723247329054082e-01,
+                             1.57079632679489655800e+00};
+  constexpr double low[] = {2.26987774529616870924e-17, 3.06161699786838301793e-17, 1.39033110312309984516e-17,
+                            6.12323399573676603587e-17};
+  constexpr double a[] = {3.33333333333329318027e-01,  -1.99999999998764832476e-01, 1.42857142725034663711e-01,
+                          -1.11111104054623557880e-01, 9.09088713343650656196e-02,  -7.69187620504482999495e-02,
+                          6.66107313738753120669e-02,  -5.83357013379057348645e-02, 4.97687799461593236017e-02,
+                          -3.65315727442169155270e-02, 1.62858201153657823623e-02};
   int k = -1;
   if (x >= 2.4375) k = 3, x = -1 / x;
   else if (x >= 1.1875) k = 2, x = (x - 1.5) / (1 + 1.5 * x);
@@ -157,8 +161,12 @@ double log(double x) {
   --k;
   if (m > 1.4142135623730951) m /= 2, ++k;
   const double f = m - 1, s = f / (2 + f), z = s * s, h = 0.5 * f * f;
-  const double R = z * (6.666666666666735130e-01 + z * (3.999999999940941908e-01 + z * (2.857142874366239149e-01 + z * (2.222219843214978396e-01 +
-                   z * (1.818357216161805012e-01 + z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01))))));
+  const double R =
+      z * (6.666666666666735130e-01 +
+           z * (3.999999999940941908e-01 +
+                z * (2.857142874366239149e-01 +
+                     z * (2.222219843214978396e-01 +
+                          z * (1.818357216161805012e-01 + z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01))))));
   return k * 6.93147180369123816490e-01 - ((h - (s * (h + R) + k * 1.90821492927058770002e-10)) - f);
 }
 
@@ -174,7 +182,8 @@ double tanh(double x) {
 
 double hypot(double x, double y, double z) {
   const double most = std::max({std::fabs(x), std::fabs(y), std::fabs(z)});
-  if (!(most > 0) || std::isinf(most)) return std::isinf(x) || std::isinf(y) || std::isinf(z) ? std::numeric_limits<double>::infinity() : x + y + z;
+  if (!(most > 0) || std::isinf(most))
+    return std::isinf(x) || std::isinf(y) || std::isinf(z) ? std::numeric_limits<double>::infinity() : x + y + z;
   const double unit = std::ldexp(1.0, std::ilogb(most) < -1000 ? 1000 : -std::ilogb(most));  // a power of two: nothing is rounded
   x *= unit, y *= unit, z *= unit;
   return std::sqrt(x * x + y * y + z * z) / unit;

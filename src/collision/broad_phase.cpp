@@ -29,11 +29,13 @@ std::size_t BroadPhase::lay_out(char* memory) {
     p = memory ? reinterpret_cast<T*>(memory + used) : nullptr;
     used += (n * sizeof(T) + 63) / 64 * 64;
   };
-  const std::size_t n = std::size_t(capacity_), padded = std::max(n, std::size_t(min_overflow)) + 2 * Block::lanes, pairs = std::size_t(pair_capacity_);
+  const std::size_t n = std::size_t(capacity_), padded = std::max(n, std::size_t(min_overflow)) + 2 * Block::lanes,
+                    pairs = std::size_t(pair_capacity_);
   Index blocks = PackedTree::blocks_for(capacity_);
   for (Block*& level : tree_.block) take(level, std::size_t(blocks)), blocks = PackedTree::blocks_for(blocks);
   take(overflow_, padded / Block::lanes);
-  take(tight_, n), take(state_, n), take(id_, padded), take(overflow_id_, padded), take(stale_, n), take(unplaced_, n), take(flags_, n);
+  take(tight_, n), take(state_, n), take(id_, padded), take(overflow_id_, padded), take(stale_, n), take(unplaced_, n),
+      take(flags_, n);
   take(candidate_, pairs), take(fresh_, pairs), take(counts_, std::max(n, radix) + 1), take(key_, 2 * n);
   return used;
 }
@@ -44,7 +46,9 @@ BroadPhase::BroadPhase(Index capacity, std::ptrdiff_t pair_capacity, double marg
   if (memory) std::fill_n(flags_, capacity, std::uint8_t(0));
 }
 
-std::size_t BroadPhase::bytes(Index capacity, std::ptrdiff_t pair_capacity) { return BroadPhase(capacity, pair_capacity, 0, nullptr).lay_out(nullptr); }
+std::size_t BroadPhase::bytes(Index capacity, std::ptrdiff_t pair_capacity) {
+  return BroadPhase(capacity, pair_capacity, 0, nullptr).lay_out(nullptr);
+}
 
 Index BroadPhase::insert(const Bounds& b) {
   if (count_ == capacity_) return -1;
@@ -193,7 +197,8 @@ void BroadPhase::join() {
     tree_.descend([&](const Block& x) { return x.overlaps(all); }, i, [&](Index j) {
       const Block& q = tree_.block[0][j];
       const Index* other = id_ + j * Block::lanes;
-      const unsigned near = i == j ? 0xff : p.overlaps(tree_.levels > 1 ? tree_.block[1][j / Block::lanes].box(j % Block::lanes) : q.hull());
+      const unsigned near =
+          i == j ? 0xff : p.overlaps(tree_.levels > 1 ? tree_.block[1][j / Block::lanes].box(j % Block::lanes) : q.hull());
       for_each_bit(near, [&](Index a) {
         const unsigned behind = i == j ? ~0u << (a + 1) : ~0u;
         for_each_bit(q.overlaps(p.box(a)) & behind, [&](Index b) { found(id_pair(ids[a], other[b])); });
@@ -240,7 +245,8 @@ void BroadPhase::replace_stale() {
   candidates_valid_ = candidates_ <= pair_capacity_;
   if (!candidates_valid_) return;
   std::sort(fresh_, fresh_ + found_);
-  for (std::ptrdiff_t i = kept - 1, j = found_ - 1, k = candidates_ - 1; j >= 0; --k) candidate_[k] = i >= 0 && candidate_[i] > fresh_[j] ? candidate_[i--] : fresh_[j--];
+  for (std::ptrdiff_t i = kept - 1, j = found_ - 1, k = candidates_ - 1; j >= 0; --k)
+    candidate_[k] = i >= 0 && candidate_[i] > fresh_[j] ? candidate_[i--] : fresh_[j--];
 }
 
 }  // namespace dyn::collision

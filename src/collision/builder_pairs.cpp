@@ -32,29 +32,36 @@ struct Judge {
   void add(Index a, Index b, bool overlaps) {
     const auto special = wanted.find(std::minmax(geoms[std::size_t(a)].shape, geoms[std::size_t(b)].shape));
     const bool is_wanted = special != wanted.end();
-    if (joint(a) == joint(b) || (!is_wanted && collision::adjacent(joints.data(), bodies.data(), frames.data(), shape(a), shape(b)))) return;
+    if (joint(a) == joint(b) ||
+        (!is_wanted && collision::adjacent(joints.data(), bodies.data(), frames.data(), shape(a), shape(b))))
+      return;
     const bool mesh = shape(a).type == DYN_SHAPE_TYPE_MESH || shape(b).type == DYN_SHAPE_TYPE_MESH;
-    const bool masked = !collision::masks_allow({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
+    const bool masked =
+        !collision::masks_allow({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
     const dynPairReason reason = mesh                                                    ? DYN_PAIR_REASON_MESH
                                  : is_wanted                                             ? DYN_PAIR_REASON_TESTED
                                  : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_REASON_DISABLED
                                  : masked                                                ? DYN_PAIR_REASON_MASK
                                  : overlaps                                              ? DYN_PAIR_REASON_OVERLAPS
                                                                                          : DYN_PAIR_REASON_TESTED;
-    pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint8_t(reason), std::uint8_t(is_wanted ? 1 + special->second : 0)});
+    pairs.push_back(
+        {std::uint16_t(a), std::uint16_t(b), std::uint8_t(reason), std::uint8_t(is_wanted ? 1 + special->second : 0)});
   }
   // Of so many that they are not listed.
   void add_special(const std::vector<DisabledRecord>& disabled, const GeomPairs& overlapping) {
     std::map<Index, std::vector<Index>> carried;  // geoms by links
     std::map<Index, Index> geom_of;               // by shapes
-    for (std::size_t k = 0; k < geoms.size(); ++k) carried[shape(Index(k)).frame].push_back(Index(k)), geom_of[geoms[k].shape] = Index(k);
+    for (std::size_t k = 0; k < geoms.size(); ++k)
+      carried[shape(Index(k)).frame].push_back(Index(k)), geom_of[geoms[k].shape] = Index(k);
     std::set<std::pair<Index, Index>> special(overlapping.begin(), overlapping.end());
     for (const DisabledRecord& d : disabled)
       for (const Index a : carried[d.frame1])
         for (const Index b : carried[d.frame2]) special.insert(std::minmax(a, b));
     for (const auto& [two, material] : wanted) special.insert(std::minmax(geom_of[two.first], geom_of[two.second]));
     if (!special.empty() && geoms.size() > UINT16_MAX)
-      throw Error(DYN_ERROR_LIMIT, std::to_string(geoms.size()) + " collision shapes: pairs that are wanted, disabled or overlap are known up to " + std::to_string(UINT16_MAX));
+      throw Error(DYN_ERROR_LIMIT, std::to_string(geoms.size()) +
+                                       " collision shapes: pairs that are wanted, disabled or overlap are known up to " +
+                                       std::to_string(UINT16_MAX));
     for (const auto& p : special) add(p.first, p.second, std::binary_search(overlapping.begin(), overlapping.end(), p));
   }
 };
@@ -100,22 +107,27 @@ void for_each_guess(const Model& m, Data<double>& d, F&& f) {
   for (const auto& [root, geoms] : flying)
     for (std::size_t i = 0; i < geoms.size(); ++i)
       for (std::size_t j = i + 1; j < geoms.size(); ++j)
-        if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]], d.geom_poses[geoms[j]]) > 0)) look_unlisted(geoms[i], geoms[j]);
+        if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]],
+                                              d.geom_poses[geoms[j]]) > 0))
+          look_unlisted(geoms[i], geoms[j]);
 }
 
 bool places_are_measurable(const Model& m, const Data<double>& d) {
-  return std::all_of(d.geom_poses, d.geom_poses + m.n.geoms, [](const shape::Pose& X) { return sizes(X.p)[0] + sizes(X.p)[1] + sizes(X.p)[2] <= shape::max_length; });
+  return std::all_of(d.geom_poses, d.geom_poses + m.n.geoms,
+                     [](const shape::Pose& X) { return sizes(X.p)[0] + sizes(X.p)[1] + sizes(X.p)[2] <= shape::max_length; });
 }
 
 bool overlap(const Data<double>& d, Index a, Index b) {
-  return collision::distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace).status == collision::Status::Penetrating;
+  return collision::distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace)
+             .status == collision::Status::Penetrating;
 }
 
 // Uniform within the limits. Displacements without limits stay at 0, and what flies stays where it is.
 void draw_configuration(const Model& m, Random& random, double* q) {
   for_each_leader(m, [&]<class J>(const Body& b) {
     const double *low = m.lower_limit() + b.user_q, *high = m.upper_limit() + b.user_q;
-    const bool bounded = std::all_of(low, low + J::nq, [](double x) { return std::isfinite(x); }) && std::all_of(high, high + J::nq, [](double x) { return std::isfinite(x); });
+    const bool bounded = std::all_of(low, low + J::nq, [](double x) { return std::isfinite(x); }) &&
+                         std::all_of(high, high + J::nq, [](double x) { return std::isfinite(x); });
     if (J::nv == 6 || (!J::rotates && !bounded)) return;
     J::random(random, low, high, q + b.user_q);
   });
@@ -123,14 +135,16 @@ void draw_configuration(const Model& m, Random& random, double* q) {
 
 }  // namespace
 
-std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies, const std::vector<FrameRecord>& frames,
-                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
-                                 const GeomPairs& overlapping) {
+std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies,
+                                 const std::vector<FrameRecord>& frames, const std::vector<ShapeRecord>& shapes,
+                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled,
+                                 const WantedPairs& wanted, const GeomPairs& overlapping) {
   Judge judge{joints, bodies, frames, shapes, geoms, wanted};
   for (const DisabledRecord& d : disabled) judge.off.insert(std::minmax(d.frame1, d.frame2));
   if (geoms.size() > std::size_t(max_geoms)) return judge.add_special(disabled, overlapping), judge.pairs;
   for (Index a = 0; a < Index(geoms.size()); ++a)
-    for (Index b = a + 1; b < Index(geoms.size()); ++b) judge.add(a, b, std::binary_search(overlapping.begin(), overlapping.end(), std::pair(a, b)));
+    for (Index b = a + 1; b < Index(geoms.size()); ++b)
+      judge.add(a, b, std::binary_search(overlapping.begin(), overlapping.end(), std::pair(a, b)));
   return judge.pairs;
 }
 
@@ -138,7 +152,8 @@ GeomPairs overlapping(const Model& m) {
   constexpr int samples = 32, most_apart = 1;
   constexpr std::uint64_t seed = 1;
   GeomPairs found;
-  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, data_bytes<double>(m, DYN_PART_COLLISION)), std::free);
+  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, data_bytes<double>(m, DYN_PART_COLLISION)),
+                                                      std::free);
   if (!memory) throw std::bad_alloc();
   Data<double> d;
   data_layout(m, DYN_PART_COLLISION, memory.get(), d);
@@ -153,7 +168,8 @@ GeomPairs overlapping(const Model& m) {
     draw_configuration(m, random, d.q), d.changed(input_q);
     collision::place_geoms(m, d);
     if (!places_are_measurable(m, d)) continue;
-    for (std::size_t i = 0; i < found.size(); ++i) times_apart[i] += times_apart[i] <= most_apart && !overlap(d, found[i].first, found[i].second);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      times_apart[i] += times_apart[i] <= most_apart && !overlap(d, found[i].first, found[i].second);
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < found.size(); ++i)

@@ -42,7 +42,8 @@ Result spheres(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, W
 Result capsule_sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
   const Capsule capsule(a);
   const Vec z = XA.R.z, p = XB.p - XA.p;
-  return translated(finish(point_sphere_pair(z * std::clamp(dot(z, p), -capsule.half, capsule.half), p, XA.R.x), capsule, Sphere(b), o), XA.p);
+  return translated(
+      finish(point_sphere_pair(z * std::clamp(dot(z, p), -capsule.half, capsule.half), p, XA.R.x), capsule, Sphere(b), o), XA.p);
 }
 Result capsules(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
   return translated(finish(capsule_pair(Capsule(a), Capsule(b), XA.R.z, XB.R.z, XB.p - XA.p), Capsule(a), Capsule(b), o), XA.p);
@@ -75,7 +76,8 @@ Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wor
   return convex_result<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
 }
 Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return convex_result<Box, Capsule>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
+  return convex_result<Box, Capsule>(a, XA, b, XB, o,
+                                     [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
 }
 struct Pair {
   Method method;
@@ -151,16 +153,19 @@ bool fallback_distance(const Shape& a, const Pose& XA, const Shape& b, const Pos
 // Returns whether the pair has no closed form and both shapes have support points.
 bool has_no_closed_form(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
 
-inline Result primary_distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+inline Result primary_distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace,
+                               const Options& options) {
   const Pair pair = table.at[Index(a.type)][Index(b.type)];
   if (!pair.exchanged) return pair.method(a, X_WA, b, X_WB, workspace, options);
   Result r = pair.method(b, X_WB, a, X_WA, workspace, options);
   r.normal = -r.normal, std::swap(r.point_a, r.point_b);
   return r;
 }
-[[gnu::noinline]] Result distance_with_fallback(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+[[gnu::noinline]] Result distance_with_fallback(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                                                Workspace& workspace, const Options& options) {
   Result fallback;
-  if (options.fallback_first && has_no_closed_form(a.type, b.type) && fallback_distance(a, X_WA, b, X_WB, options, fallback)) return fallback;
+  if (options.fallback_first && has_no_closed_form(a.type, b.type) && fallback_distance(a, X_WA, b, X_WB, options, fallback))
+    return fallback;
   const Result first = primary_distance(a, X_WA, b, X_WB, workspace, options);
   if (first.status == Status::Failed && fallback_distance(a, X_WA, b, X_WB, options, fallback)) return fallback;
   return first;
@@ -168,7 +173,8 @@ inline Result primary_distance(const Shape& a, const Pose& X_WA, const Shape& b,
 
 }  // namespace
 
-Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace,
+                const Options& options) {
   if (is_surface(a.type) || is_surface(b.type)) return surface_distance(a, X_WA, b, X_WB, workspace, options);
   if (options.fallback) return distance_with_fallback(a, X_WA, b, X_WB, workspace, options);
   return primary_distance(a, X_WA, b, X_WB, workspace, options);

@@ -19,12 +19,13 @@ double size_of(const shape::Shape& s) {
 
 }  // namespace
 
-void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin, Workspace& workspace,
-              Manifold& out, const Options& options) {
+void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin,
+              Workspace& workspace, Manifold& out, const Options& options) {
   contacts(a, X_WA, b, X_WB, distance(a, X_WA, b, X_WB, workspace, options), margin, out);
 }
 
-void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& r, double margin, Manifold& out) {
+void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& r, double margin,
+              Manifold& out) {
   out.count = 0, out.normal = Vec::zero();
   const bool plane_a = a.type == shape::Type::HalfSpace, plane_b = b.type == shape::Type::HalfSpace;
   if ((plane_a && plane_b) || !(r.distance <= margin)) return;
@@ -33,7 +34,8 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
   const bool round_a = a.type == shape::Type::Sphere, round_b = b.type == shape::Type::Sphere;
   if ((round_a || plane_a) && (round_b || plane_b)) {
     constexpr std::uint64_t corner = 0, inside = 0xffffffff;
-    out.points[out.count++] = {r.point_a + r.normal * (r.distance / 2), r.distance, (plane_a ? inside : corner) << 32 | (plane_b ? inside : corner)};
+    out.points[out.count++] = {r.point_a + r.normal * (r.distance / 2), r.distance,
+                               (plane_a ? inside : corner) << 32 | (plane_b ? inside : corner)};
     return;
   }
 

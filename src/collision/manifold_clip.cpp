@@ -4,7 +4,8 @@
 
 namespace dyn::collision {
 
-PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band, shape::Feature& feature) {
+PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band,
+                                shape::Feature& feature) {
   const Vec local = transpose_times(X.R, plane.n * towards);
   shape::visit(s, [&]<class S>(const S& x) {
     if constexpr (S::type != shape::Type::HalfSpace) x.facing(local, band, feature);
@@ -15,7 +16,8 @@ PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const Cont
   return f;
 }
 
-void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps, Overlap& out) {
+void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps,
+                Overlap& out) {
   if (a.count > 2 && b.count > 2) return clip_faces(a, b, eps, out);
   if (a.count == 2 && b.count == 2) return clip_lines(a, b, curvature_a, curvature_b, eps, out);
   if (a.count == 2 && b.count > 2) return clip_line(a, b, eps, false, out);
@@ -81,7 +83,8 @@ void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps,
   }
 }
 
-void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps, Overlap& out) {
+void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps,
+                Overlap& out) {
   auto ends = [&](const PlanarFeature& of, const PlanarFeature& over, double curvature_radius, bool swapped) {
     const double ex = over.p[1].x - over.p[0].x, ey = over.p[1].y - over.p[0].y, length = shape::length2(ex, ey);
     const double steeper = std::sqrt(1 + over.gx * over.gx + over.gy * over.gy);  // the cross section is an ellipse
@@ -89,7 +92,10 @@ void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature
       const double rx = p.x - over.p[0].x, ry = p.y - over.p[0].y;
       const double along = (rx * ex + ry * ey) / length, beside = std::abs(rx * ey - ry * ex) / length;
       if (along < -eps || along > length + eps || beside > std::max(curvature_radius, eps)) continue;
-      const double falls = curvature_radius > 0 ? steeper * (curvature_radius - std::sqrt(std::max(0.0, curvature_radius * curvature_radius - beside * beside))) : 0;
+      const double falls =
+          curvature_radius > 0
+              ? steeper * (curvature_radius - std::sqrt(std::max(0.0, curvature_radius * curvature_radius - beside * beside)))
+              : 0;
       const double x = over.p[0].x + ex * (along / length), y = over.p[0].y + ey * (along / length);
       const double own = of.height(p.x, p.y), other = over.height(x, y) + (swapped ? -falls : falls);
       if (swapped)

@@ -15,7 +15,8 @@ std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
 // f(array, count)
 template <class F>
 void for_each_array(const Model& m, PairSearch& s, char*& moving, char*& fixed, char*& sleeping, F&& f) {
-  f(moving, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, pair_capacity(m)))), f(fixed, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
+  f(moving, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, pair_capacity(m)))),
+      f(fixed, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
   f(sleeping, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
   f(s.moving, 1), f(s.fixed, 1), f(s.sleeping, 1);
   for (Index** list : {&s.active, &s.moving_geoms, &s.fixed_geoms, &s.unbounded_geoms}) f(*list, m.n.geoms);
@@ -29,7 +30,8 @@ std::size_t search_bytes(const Model& m) {
   PairSearch s;
   char *moving, *fixed, *sleeping;
   std::size_t bytes = rounded(sizeof s);
-  for_each_array(m, s, moving, fixed, sleeping, [&](auto* array, std::ptrdiff_t n) { bytes += rounded(std::size_t(n) * sizeof *array); });
+  for_each_array(m, s, moving, fixed, sleeping,
+                 [&](auto* array, std::ptrdiff_t n) { bytes += rounded(std::size_t(n) * sizeof *array); });
   return bytes;
 }
 
@@ -64,9 +66,12 @@ void PairSearch::set_up(const Model& m, Data<double>& d) {
     fixed->insert(inflated_bounds(g, d.geom_poses[fixed_geoms[k]], 0.01 * g.bounding_radius));
   }
   new (sleeping) BroadPhase(m.n.geoms, 1, 0, of_sleeping);
-  for (Index k = 0; k < moving_count; ++k) moving->insert({shape::Vec::zero(), shape::Vec::zero()}), sleeping->insert({shape::Vec::zero(), shape::Vec::zero()});
+  for (Index k = 0; k < moving_count; ++k)
+    moving->insert({shape::Vec::zero(), shape::Vec::zero()}), sleeping->insert({shape::Vec::zero(), shape::Vec::zero()});
   for (Index k = 0; k < moving_count; ++k) sleeping->remove(k);
-  for (Index k = 0; k < unbounded_count; ++k) d.geom_poses[unbounded_geoms[k]] = SE3<double>{d.R[d.geoms[unbounded_geoms[k]].body], d.p[d.geoms[unbounded_geoms[k]].body]} * d.geoms[unbounded_geoms[k]].X;
+  for (Index k = 0; k < unbounded_count; ++k)
+    d.geom_poses[unbounded_geoms[k]] =
+        SE3<double>{d.R[d.geoms[unbounded_geoms[k]].body], d.p[d.geoms[unbounded_geoms[k]].body]} * d.geoms[unbounded_geoms[k]].X;
   list_active();
   ready = true;
 }
@@ -111,7 +116,8 @@ bool PairSearch::move(const Data<double>& d, const Geom& g, const Pose& X, Index
 }
 
 void PairSearch::place_all(const Data<double>& d, double margin) {
-  for (Index k = 0; k < moving_count; ++k) isolated[k].radius = 0, moving->update(k, inflated_bounds(d.geoms[moving_geoms[k]], d.geom_poses[moving_geoms[k]], margin));
+  for (Index k = 0; k < moving_count; ++k)
+    isolated[k].radius = 0, moving->update(k, inflated_bounds(d.geoms[moving_geoms[k]], d.geom_poses[moving_geoms[k]], margin));
 }
 
 bool PairSearch::collect(const Data<double>& d) {

@@ -49,7 +49,8 @@ Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Ind
   return count;
 }
 
-void add_gradient(const Model& m, const Data<double>& d, Index pair, const Result& r, double weight, double* out, std::ptrdiff_t stride) {
+void add_gradient(const Model& m, const Data<double>& d, Index pair, const Result& r, double weight, double* out,
+                  std::ptrdiff_t stride) {
   // from both bodies up to their common ancestor
   auto carry = [&](Index i, Force<double> Gradient::*side) {
     const Body& b = m.bodies()[i];
@@ -70,7 +71,8 @@ void add_gradient(const Model& m, const Data<double>& d, Index pair, const Resul
 
 void distance_gradient(const Model& m, const Data<double>& d, Index pair, double* out, std::ptrdiff_t stride) {
   for (Index k = 0; k < m.n.nv; ++k) out[stride * k] = 0;
-  if (d.pair_states[pair] == DYN_PAIR_REASON_TESTED && d.results[pair].unique) add_gradient(m, d, pair, d.results[pair], 1, out, stride);
+  if (d.pair_states[pair] == DYN_PAIR_REASON_TESTED && d.results[pair].unique)
+    add_gradient(m, d, pair, d.results[pair], 1, out, stride);
 }
 
 }  // namespace dyn::collision

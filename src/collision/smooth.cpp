@@ -6,7 +6,8 @@
 
 namespace dyn::collision {
 
-int smooth_distance(const Model& m, Data<double>& d, Index pair, double smoothing, double& out, double* gradient, std::ptrdiff_t stride) {
+int smooth_distance(const Model& m, Data<double>& d, Index pair, double smoothing, double& out, double* gradient,
+                    std::ptrdiff_t stride) {
   constexpr double negligible = 36;  // exp(-36) is below the last bit
   const PairRecord& p = m.pairs()[pair];
   const Pose &A = d.geom_poses[p.a], &B = d.geom_poses[p.b];

@@ -66,7 +66,8 @@ Result with_sphere(const S& a, const Sphere& b, const Pose& X, const Options& o)
 
 // parted: pose after a translation that is being verified
 template <class S, class B>
-Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, Workspace& w, const Options& o, bool parted = false) {
+Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, Workspace& w, const Options& o,
+                   bool parted = false) {
   constexpr bool flat = B::type == Type::HalfSpace;
   const double size = std::min(size_of(a), size_of(b));
   NearestPair nearest(size);
@@ -138,7 +139,8 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
       // the overlap left after the translation decides
       auto left = [&](const Vec& way) { return -with_convex(a, shape_b, b, Pose{X.R, X.p + way}, w, o, true).distance; };
       const bool tie = face.depth <= -1.001 * r.distance;
-      if (longer && stays_below(a, face, r) && (tie || left(r.normal * -r.distance) > 1e-9 * size) && left(face.normal * face.depth) <= o.accepted * size) {
+      if (longer && stays_below(a, face, r) && (tie || left(r.normal * -r.distance) > 1e-9 * size) &&
+          left(face.normal * face.depth) <= o.accepted * size) {
         r.normal = face.normal, r.distance = -face.depth, r.residual = 0;
         r.point_b = face.lowest, r.point_a = face.lowest + face.normal * face.depth;
       }
@@ -166,7 +168,9 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
   Vec n = axis(2);
   guess(a, b, X, nearest, n);
   // gap along m, a direction of A, between a part of A of height `up` and a part of B
-  auto between = [&](const Vec& m, double up, auto&& support_height_b) { return dot(m, X.p) - support_height_b(transpose_times(X.R, -m)) - up; };
+  auto between = [&](const Vec& m, double up, auto&& support_height_b) {
+    return dot(m, X.p) - support_height_b(transpose_times(X.R, -m)) - up;
+  };
   auto lower = [&](const typename S::Node& i, const typename T::Node& j, const Bounds& x, const Bounds& y) {
     const double rounding = a.radius + b.radius;
     double least = distance_between(x, y) - rounding;
@@ -211,7 +215,8 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
       const Corners of_p(p, Pose::identity());
       for (Index j = 0; j < count_b; ++j) {
         if (!(lower_of_pieces(of_p, of_q[j]) <= nearest.limit)) continue;
-        const Result r = distance(p.shape(a.radius), {Mat::identity(), p.origin}, q[j].shape(b.radius), {X.R, of_q[j].center}, w, o);
+        const Result r =
+            distance(p.shape(a.radius), {Mat::identity(), p.origin}, q[j].shape(b.radius), {X.R, of_q[j].center}, w, o);
         if (nearest.consider(r)) n = r.normal;
       }
     }
@@ -256,7 +261,8 @@ Result with_any(const S& a, const Shape& b, const Pose& X, Workspace& w, const O
 
 }  // namespace
 
-Result surface_distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+Result surface_distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace,
+                        const Options& options) {
   const bool exchanged = !is_surface(a.type);
   const Pose &X_W1 = exchanged ? X_WB : X_WA, &X_W2 = exchanged ? X_WA : X_WB;
   const Mat Rt = transpose(X_W1.R);

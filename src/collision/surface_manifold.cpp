@@ -19,10 +19,11 @@ Bounds grown(const Bounds& b, double by) {
   return {b.lower - r, b.upper + r};
 }
 
-// f(feature) of triangles in a region of the surface's frame that face the other shape and reach `level` along the normal. towards:
-// +1 if the other shape lies along the normal, -1 if against.
+// f(feature) of triangles in a region of the surface's frame that face the other shape and reach `level` along the normal.
+// towards: +1 if the other shape lies along the normal, -1 if against.
 template <class S, class F>
-void planar_triangles(const S& s, const Pose& X, const ContactPlane& plane, double towards, double level, const Bounds& region, F&& f) {
+void planar_triangles(const S& s, const Pose& X, const ContactPlane& plane, double towards, double level, const Bounds& region,
+                      F&& f) {
   const Vec n = transpose_times(X.R, plane.n) * towards;
   const double origin = towards * dot(plane.n, X.p - plane.origin) + s.radius;
   const bool everything = region.upper[0] == infinity;
@@ -113,7 +114,9 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
     overlap_of(fa, curvature_a, fb, curvature_b, s.eps, part);
     all.take(part, fa, fb, level);
   };
-  auto is_level = [&](const PlanarFeature& f, double height) { return std::max(std::abs(f.gx), std::abs(f.gy)) <= flat && std::abs(f.h - height) <= s.eps; };
+  auto is_level = [&](const PlanarFeature& f, double height) {
+    return std::max(std::abs(f.gx), std::abs(f.gy)) <= flat && std::abs(f.h - height) <= s.eps;
+  };
   auto against = [&](const Shape& surface, const Pose& X, const Shape& other, const Pose& X_O, double towards, double level) {
     Feature feature;
     PlanarFeature of_other;
@@ -141,7 +144,8 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
     const Mat Rt = transpose(X_WB.R);
     const Pose X_BA = {Rt * X_WA.R, Rt * (X_WA.p - X_WB.p)};
     over_all_of(a, X_WA, 1, level_a, grown(bounds_in(X_WA, b, X_WB), wide), [&](const PlanarFeature& fa, const Bounds& box) {
-      over_all_of(b, X_WB, -1, level_b, grown(transformed(box, X_BA), wide + a.radius + b.radius), [&](const PlanarFeature& fb, const Bounds&) { clip(fa, 0, fb, 0, false); });
+      over_all_of(b, X_WB, -1, level_b, grown(transformed(box, X_BA), wide + a.radius + b.radius),
+                  [&](const PlanarFeature& fb, const Bounds&) { clip(fa, 0, fb, 0, false); });
     });
   }
   merge(out, s.same);

@@ -84,9 +84,12 @@ void check_polytope(const Faces& f) {
     }
   std::sort(there.begin(), there.end()), std::sort(back.begin(), back.end());
   const bool once = std::adjacent_find(there.begin(), there.end()) == there.end();
-  const std::int64_t vertices = std::int64_t(f.corners.size()), edges = std::int64_t(there.size() / 2), faces = std::int64_t(f.start.size()) - 1;
+  const std::int64_t vertices = std::int64_t(f.corners.size()), edges = std::int64_t(there.size() / 2),
+                     faces = std::int64_t(f.start.size()) - 1;
   if (!once || there != back || vertices - edges + faces != 2)
-    throw Refusal(DYN_ERROR_NUMERIC, "the points are so close to degenerate that their hull has no consistent faces: remove points that lie closer than 1e-12 of the extent");
+    throw Refusal(DYN_ERROR_NUMERIC,
+                  "the points are so close to degenerate that their hull has no consistent faces: remove points that lie closer "
+                  "than 1e-12 of the extent");
 }
 
 }  // namespace
@@ -96,17 +99,22 @@ Faces hull_qhull(const double* points, std::int32_t count) {
   double low[3], high[3], extent = 0;
   for (int k = 0; k < 3; ++k) {
     low[k] = std::numeric_limits<double>::infinity(), high[k] = -low[k];
-    for (std::int32_t i = 0; i < count; ++i) low[k] = std::min(low[k], points[3 * std::ptrdiff_t(i) + k]), high[k] = std::max(high[k], points[3 * std::ptrdiff_t(i) + k]);
+    for (std::int32_t i = 0; i < count; ++i)
+      low[k] = std::min(low[k], points[3 * std::ptrdiff_t(i) + k]),
+      high[k] = std::max(high[k], points[3 * std::ptrdiff_t(i) + k]);
     extent = std::max(extent, high[k] - low[k]);
   }
-  if (count < 4 || !(extent > 0)) throw Refusal(DYN_ERROR_INVALID, "a hull needs four points that do not lie in a plane, and there are " + std::to_string(extent > 0 ? count : std::min(count, 1)));
+  if (count < 4 || !(extent > 0))
+    throw Refusal(DYN_ERROR_INVALID, "a hull needs four points that do not lie in a plane, and there are " +
+                                         std::to_string(extent > 0 ? count : std::min(count, 1)));
   std::vector<double> scaled(3 * std::size_t(count));
   for (std::size_t i = 0; i < scaled.size(); ++i) scaled[i] = (points[i] - (low[i % 3] + high[i % 3]) / 2) / extent;
 
   Qhull q;
   char command[] = "qhull Pp";  // Pp: no precision messages
   const int status = qh_new_qhull(&q.qh, 3, count, scaled.data(), False, command, nullptr, q.log);
-  if (status == qh_ERRsingular) throw Refusal(DYN_ERROR_INVALID, "the points lie in a plane, within rounding: a hull needs volume");
+  if (status == qh_ERRsingular)
+    throw Refusal(DYN_ERROR_INVALID, "the points lie in a plane, within rounding: a hull needs volume");
   if (status == qh_ERRmem) throw std::bad_alloc();
   if (status) throw Refusal(DYN_ERROR_NUMERIC, "qhull failed: " + q.message());
 
@@ -120,7 +128,8 @@ Faces hull_qhull(const double* points, std::int32_t count) {
   Faces f;
   f.start.assign(std::size_t(faces) + 1, 0);
   f.of_face.assign(room, 0);
-  if (!collect(&q.qh, f.of_face.data(), f.start.data(), faces, std::int32_t(room))) throw Refusal(DYN_ERROR_NUMERIC, "qhull failed: " + q.message());
+  if (!collect(&q.qh, f.of_face.data(), f.start.data(), faces, std::int32_t(room)))
+    throw Refusal(DYN_ERROR_NUMERIC, "qhull failed: " + q.message());
   f.of_face.resize(std::size_t(f.start.back()));
 
   // counter-clockwise from outside: away from the mean of the corners

@@ -49,7 +49,8 @@ bool read(const char* path, bool up_z, std::int64_t max_triangles, Soup* out, Fa
   return guarded(failure, [&] {
     const Triangles t = read_assimp(path, up_z, max_triangles);
     out->vertices = handed_over(t.vertices), out->vertex_count = std::int64_t(t.vertices.size() / 3);
-    out->triangles = handed_over(t.corners), out->colours = handed_over(t.colours), out->triangle_count = std::int64_t(t.corners.size() / 3);
+    out->triangles = handed_over(t.corners), out->colours = handed_over(t.colours),
+    out->triangle_count = std::int64_t(t.corners.size() / 3);
     out->skipped = t.skipped;
   });
 }
@@ -73,8 +74,9 @@ void free_hull(HullFaces* h) { std::free(h->corners), std::free(h->face_start), 
 
 extern "C" __attribute__((visibility("default"))) const dyn::mesh::Module* dyn_mesh_module(std::uint32_t version) {
   using namespace dyn::mesh;
-  static const std::string libraries = "assimp " + std::to_string(aiGetVersionMajor()) + "." + std::to_string(aiGetVersionMinor()) + "." +
-                                       std::to_string(aiGetVersionPatch()) + ", qhull " + qh_version2;
+  static const std::string libraries = "assimp " + std::to_string(aiGetVersionMajor()) + "." +
+                                       std::to_string(aiGetVersionMinor()) + "." + std::to_string(aiGetVersionPatch()) +
+                                       ", qhull " + qh_version2;
   static const Module module = {module_version, sizeof(Module), read, hull, free_soup, free_hull, libraries.c_str()};
   return version == module_version ? &module : nullptr;
 }

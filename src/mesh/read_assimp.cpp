@@ -57,13 +57,14 @@ double from_decimal(float x) {
   return value;
 }
 
-// Diffuse colour of the file, or none. Ignores assimp's default grey and materials of its own, and white, which is the factor of a
-// texture.
+// Diffuse colour of the file, or none. Ignores assimp's default grey and materials of its own, and white, which is the factor of
+// a texture.
 std::optional<aiColor4D> diffuse(const aiMaterial& material) {
   aiColor4D c;
   const std::string name = material.GetName().C_Str();
   if (name.empty() || name == AI_DEFAULT_MATERIAL_NAME || material.Get(AI_MATKEY_COLOR_DIFFUSE, c) != aiReturn_SUCCESS) return {};
-  if (c == aiColor4D(0.6f, 0.6f, 0.6f, 1) || (material.GetTextureCount(aiTextureType_DIFFUSE) && c == aiColor4D(1, 1, 1, 1))) return {};
+  if (c == aiColor4D(0.6f, 0.6f, 0.6f, 1) || (material.GetTextureCount(aiTextureType_DIFFUSE) && c == aiColor4D(1, 1, 1, 1)))
+    return {};
   return c;
 }
 
@@ -109,7 +110,8 @@ struct Reading {
       const double v[3] = {number(mesh.mVertices[i].x), number(mesh.mVertices[i].y), number(mesh.mVertices[i].z)};
       for (int c = 0; c < 3; ++c)
         if (!std::isfinite(v[c]))
-          throw Refusal(DYN_ERROR_NONFINITE, "vertex " + std::to_string(first + i) + " has " + "xyz"[c] + " = " + (std::isnan(v[c]) ? "NaN" : "infinity") + ": export the mesh again");
+          throw Refusal(DYN_ERROR_NONFINITE, "vertex " + std::to_string(first + i) + " has " + "xyz"[c] + " = " +
+                                                 (std::isnan(v[c]) ? "NaN" : "infinity") + ": export the mesh again");
       for (int r = 0; r < 3; ++r) out.vertices.push_back(X.A[r][0] * v[0] + X.A[r][1] * v[1] + X.A[r][2] * v[2] + X.p[r]);
     }
     const bool mirrored = X.determinant() < 0;
@@ -122,7 +124,8 @@ struct Reading {
       for (unsigned k = 0; k < 3; ++k) {
         const unsigned i = face.mIndices[mirrored ? 2 - k : k];
         if (i >= mesh.mNumVertices)
-          throw Refusal(DYN_ERROR_PARSE, "a face refers to vertex " + std::to_string(i) + " of " + std::to_string(mesh.mNumVertices));
+          throw Refusal(DYN_ERROR_PARSE,
+                        "a face refers to vertex " + std::to_string(i) + " of " + std::to_string(mesh.mNumVertices));
         out.corners.push_back(std::int32_t(first + i));
       }
       out.colours.push_back(colour(mesh, material, face));
@@ -133,9 +136,12 @@ struct Reading {
 // Restricts files that a mesh names (materials, buffers) to its own folder and below.
 class OneFolder : public Assimp::DefaultIOSystem {
  public:
-  explicit OneFolder(const char* path) : folder_(std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path()) {}
+  explicit OneFolder(const char* path)
+      : folder_(std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path()) {}
   bool Exists(const char* file) const override { return within(file) && DefaultIOSystem::Exists(file); }
-  Assimp::IOStream* Open(const char* file, const char* mode) override { return within(file) ? DefaultIOSystem::Open(file, mode) : nullptr; }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return within(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
 
  private:
   bool within(const char* file) const {

@@ -37,9 +37,13 @@ bool BlockChecker::layout(std::size_t bytes) {
   std::memcpy(sizes, &m.n, sizeof sizes);
   for (const Index size : sizes)
     if (!require(size >= 0 && size <= Index(1) << 30, "a size is out of range")) return false;
-  if (!require(n.joints >= 1 && n.bodies >= 1 && n.frames >= 1 && n.configurations >= 1 && n.text >= 1, "it has no universe")) return false;
-  if (!require(std::uint64_t(n.configurations) * std::uint64_t(n.nq) <= bytes, "its configurations are larger than the file")) return false;
-  if (!require(std::uint64_t(n.configurations) * (std::uint64_t(n.nv) + std::uint64_t(n.nu) + std::uint64_t(n.na) + 1) <= bytes, "the states of its configurations are larger than the file")) return false;
+  if (!require(n.joints >= 1 && n.bodies >= 1 && n.frames >= 1 && n.configurations >= 1 && n.text >= 1, "it has no universe"))
+    return false;
+  if (!require(std::uint64_t(n.configurations) * std::uint64_t(n.nq) <= bytes, "its configurations are larger than the file"))
+    return false;
+  if (!require(std::uint64_t(n.configurations) * (std::uint64_t(n.nv) + std::uint64_t(n.nu) + std::uint64_t(n.na) + 1) <= bytes,
+               "the states of its configurations are larger than the file"))
+    return false;
   if (!require((n.mimic_v == 0 && n.mimic_q == 0 && n.nvx == n.nv && n.nqx == n.nq) ||
       (n.mimic_v == n.nvx && n.mimic_q == n.nqx && n.nvx >= n.nv && n.nqx >= n.nq),
                "sizes contradict each other"))
@@ -50,7 +54,8 @@ bool BlockChecker::layout(std::size_t bytes) {
   // room for a line of the load report that came and went
   ModelSizes with_capacity = n;
   ++with_capacity.reports;
-  return require(laid_out(m, n, bytes) || laid_out(m, with_capacity, bytes), "its arrays are not where their sizes put them, or larger than the file");
+  return require(laid_out(m, n, bytes) || laid_out(m, with_capacity, bytes),
+                 "its arrays are not where their sizes put them, or larger than the file");
 }
 
 bool BlockChecker::names() {
@@ -66,20 +71,24 @@ bool BlockChecker::coefficients() {
   for_each_effect([&]<class E>() {
     if constexpr (effect::HasCoefficient<E>) coefficients = coefficients && numbers(E::of(m), n.nv, E::name, is_coefficient);
   });
-  if (!coefficients ||
-      !numbers(m.spring_reference(), n.nq, "where a spring rests", [](double x) { return std::isfinite(x); }) ||
-      !numbers(m.velocity_limit(), n.nv, "a limit of velocity", known_range) || !numbers(m.effort_limit(), n.nv, "a limit of effort", known_range) ||
+  if (!coefficients || !numbers(m.spring_reference(), n.nq, "where a spring rests", [](double x) { return std::isfinite(x); }) ||
+      !numbers(m.velocity_limit(), n.nv, "a limit of velocity", known_range) ||
+      !numbers(m.effort_limit(), n.nv, "a limit of effort", known_range) ||
       !numbers(m.lower_limit(), n.nq, "a limit", is_known) || !numbers(m.upper_limit(), n.nq, "a limit", is_known) ||
       !numbers(m.neutral(), n.nq, "the neutral configuration", [](double x) { return std::isfinite(x); }) ||
-      !numbers(m.configurations(), std::int64_t(n.configurations) * n.nq, "a configuration", [](double x) { return std::isfinite(x); }) ||
-      !numbers(m.configuration_states(), std::int64_t(n.configurations) * (n.nv + n.nu + n.na + 1), "the state of a configuration", [](double x) { return std::isfinite(x); }))
+      !numbers(m.configurations(), std::int64_t(n.configurations) * n.nq, "a configuration",
+               [](double x) { return std::isfinite(x); }) ||
+      !numbers(m.configuration_states(), std::int64_t(n.configurations) * (n.nv + n.nu + n.na + 1),
+               "the state of a configuration", [](double x) { return std::isfinite(x); }))
     return false;
   const SimulationRecord& s = *m.simulation();
-  if (!require(std::isfinite(s.dt) && s.dt > 0 && is_value(s.integrator) && (s.effects & ~std::uint32_t(DYN_EFFECT_ALL)) == 0, "what its steps are") ||
+  if (!require(std::isfinite(s.dt) && s.dt > 0 && is_value(s.integrator) && (s.effects & ~std::uint32_t(DYN_EFFECT_ALL)) == 0,
+               "what its steps are") ||
       !index(s.initial, n.configurations, "its initial configuration"))
     return false;
   for (Index k = 0; k < n.configurations; ++k)
-    if (!require(zero_norm_joint(m, m.configurations() + std::ptrdiff_t(k) * n.nq) == 0, "the quaternion of a configuration")) return false;
+    if (!require(zero_norm_joint(m, m.configurations() + std::ptrdiff_t(k) * n.nq) == 0, "the quaternion of a configuration"))
+      return false;
   if (!require(zero_norm_joint(m, m.neutral()) == 0, "the quaternion of the neutral configuration")) return false;
   bool no_overflow = true;
   const auto small = [&](double x) { no_overflow &= std::abs(x) < 1e25; };
@@ -89,9 +98,10 @@ bool BlockChecker::coefficients() {
     small(b.m), small(b.pitch), small(b.ratio);
     for (int k = 0; k < 3; ++k) small(b.h[k]), small(b.I.x[k]), small(b.I.y[k]), small(b.I.z[k]);
   }
-  return require(m.effects == effects_of(m), "its effects") && require(m.no_overflow == Index(no_overflow), "the sizes of its numbers") &&
+  return require(m.effects == effects_of(m), "its effects") &&
+         require(m.no_overflow == Index(no_overflow), "the sizes of its numbers") &&
          require(are_finite(m.gravity) && are_finite(m.wind), "gravity or wind") &&
-             require(is_coefficient(m.density) && is_coefficient(m.viscosity), "the medium") &&
+         require(is_coefficient(m.density) && is_coefficient(m.viscosity), "the medium") &&
          require(is_coefficient(m.total_mass), "the mass");
 }
 
@@ -99,14 +109,17 @@ bool BlockChecker::frames() {
   Index links = 0;
   const bool good = each(n.frames, [&](Index f) {
     const FrameRecord& r = m.frames()[f];
-    if (!text(r.name) || !index(r.joint, n.joints, "joint of a frame") || !index(r.parent, std::max(f, Index(1)), "parent of a frame")) return false;
+    if (!text(r.name) || !index(r.joint, n.joints, "joint of a frame") ||
+        !index(r.parent, std::max(f, Index(1)), "parent of a frame"))
+      return false;
     if (!require(r.type == DYN_FRAME_TYPE_OP_FRAME || r.type == DYN_FRAME_TYPE_JOINT || r.type == DYN_FRAME_TYPE_FIXED_JOINT ||
         r.type == DYN_FRAME_TYPE_BODY || r.type == DYN_FRAME_TYPE_SENSOR,
                  "type of a frame"))
       return false;
     return require(r.link == (r.type == DYN_FRAME_TYPE_BODY ? links++ : -1), "link of a frame") &&
-        require(r.type != DYN_FRAME_TYPE_JOINT || r.joint > 0, "joint of a frame") &&
-           require(r.body == m.joints()[r.joint].last_body, "body of a frame") && require(is_finite(r.X) && are_finite(r.placement), "placement of a frame");
+           require(r.type != DYN_FRAME_TYPE_JOINT || r.joint > 0, "joint of a frame") &&
+           require(r.body == m.joints()[r.joint].last_body, "body of a frame") &&
+           require(is_finite(r.X) && are_finite(r.placement), "placement of a frame");
   });
   if (!good || !require(m.frames()[0].joint == 0 && m.frames()[0].link == -1, "the frame of the universe") ||
       !require(links == n.links, "links of the frames")) return false;
@@ -119,7 +132,8 @@ bool BlockChecker::frames() {
     return require(is_coefficient(l.mass) && are_finite(l.com) && are_finite(l.inertia), "inertia of a link");
   }) && each(n.gravity_compensations, [&](Index k) {
     const GravityCompensation& w = m.gravity_compensations()[k];
-    return on_a_body(w) && index(w.link, n.links, "link of a weight") && require(is_finite(w.at) && std::isfinite(w.mass), "a weight");
+    return on_a_body(w) && index(w.link, n.links, "link of a weight") &&
+           require(is_finite(w.at) && std::isfinite(w.mass), "a weight");
   }) && each(n.drag_boxes, [&](Index k) {
     const DragBox& b = m.drag_boxes()[k];
     return on_a_body(b) && require(is_finite(b.X) && are_finite(b.half), "a box that a medium drags on");
@@ -148,27 +162,34 @@ bool BlockChecker::actuators() {
     if (!text(r.name) || !index(a.joint, n.joints, "joint of an actuator")) return false;
     const JointRecord& j = m.joints()[a.joint];
     if (!require(is_value(a.type), "type of an actuator") || !index(a.component, j.nv, "component of an actuator")) return false;
-    if (!require(a.controls == (a.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator")) return false;
+    if (!require(a.controls == (a.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator"))
+      return false;
     nu += a.controls;
     Index q = -1;
     for (Index s = 0; s < n.euclidean_spans; ++s)
-      if (const EuclideanSpan& span = m.euclidean_spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count) q = span.first_q + r.v - span.first_v;
+      if (const EuclideanSpan& span = m.euclidean_spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count)
+        q = span.first_q + r.v - span.first_v;
     const bool filtered = a.time_constant > 0 || a.integrates;
-    if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act, "coordinates of an actuator")) return false;
+    if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act,
+                 "coordinates of an actuator"))
+      return false;
     na += filtered;
     const double scalars[] = {a.gear, a.kp, a.kv, a.gain, a.time_constant};
-    return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) && a.time_constant >= 0 &&
-        (a.integrates == 0 || (a.integrates == 1 && a.time_constant == 0)), "a number of an actuator") &&
+    return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) &&
+                       a.time_constant >= 0 && (a.integrates == 0 || (a.integrates == 1 && a.time_constant == 0)),
+                   "a number of an actuator") &&
            require(r.bias[1] == 0 || r.q >= 0, "an actuator depends on a length that is none") &&
            require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1] &&
-               a.act_range[0] <= a.act_range[1], "a range of an actuator");
+                       a.act_range[0] <= a.act_range[1],
+                   "a range of an actuator");
   }) && require(nu == n.nu && na == n.na, "controls of the actuators");
 }
 
 bool BlockChecker::rest() {
   return each(n.reports, [&](Index k) {
     const ReportRecord& r = m.reports()[k];
-    return text(r.message) && require(r.level == DYN_REPORT_LEVEL_INFO || r.level == DYN_REPORT_LEVEL_WARNING, "level of a line of the load report");
+    return text(r.message) &&
+           require(r.level == DYN_REPORT_LEVEL_INFO || r.level == DYN_REPORT_LEVEL_WARNING, "level of a line of the load report");
   }) && each(n.disabled, [&](Index k) {
     const DisabledRecord& d = m.disabled_pairs()[k];
     if (!text(d.reason)) return false;
@@ -181,8 +202,8 @@ bool BlockChecker::rest() {
 
 Damage check_block(const Model& m, std::size_t bytes) {
   BlockChecker c(m);
-  (void)(c.layout(bytes) && c.names() && c.joints() && c.expanded() && c.order() && c.coordinates() && c.elimination() && c.coefficients() && c.frames() &&
-         c.surfaces() && c.shapes() && c.constraints() && c.actuators() && c.rest());
+  (void)(c.layout(bytes) && c.names() && c.joints() && c.expanded() && c.order() && c.coordinates() && c.elimination() &&
+         c.coefficients() && c.frames() && c.surfaces() && c.shapes() && c.constraints() && c.actuators() && c.rest());
   return c.damage;
 }
 

@@ -32,7 +32,8 @@ bool BlockChecker::surface(const Stored<T>& s, F&& f) {
     else entry += count;
     good = number <= max_numbers && entry <= max_indices;
   });
-  return require(good, "a surface is larger than the file") && f(view(s.header, m.surface_numbers() + s.numbers, m.surface_indices() + s.indices));
+  return require(good, "a surface is larger than the file") &&
+         f(view(s.header, m.surface_numbers() + s.numbers, m.surface_indices() + s.indices));
 }
 
 // Offsets of `lists` lists in `total` entries, each below `most`.
@@ -44,8 +45,10 @@ bool BlockChecker::lists(const Index* start, Index lists, const Index* entry, In
 
 bool BlockChecker::hull(const Stored<shape::Hull>& s) {
   const shape::Hull& h = s.header;
-  return require(h.vertices >= 1 && h.faces >= 0 && h.corners >= 0 && std::max({h.vertices, h.faces, h.corners}) <= 1 << 26, "size of a hull") &&
-         require(std::isfinite(h.extent) && h.extent >= 0 && is_finite(h.center), "numbers of a hull") && surface(s, [&](const shape::Hull& v) {
+  return require(h.vertices >= 1 && h.faces >= 0 && h.corners >= 0 && std::max({h.vertices, h.faces, h.corners}) <= 1 << 26,
+                 "size of a hull") &&
+         require(std::isfinite(h.extent) && h.extent >= 0 && is_finite(h.center), "numbers of a hull") &&
+         surface(s, [&](const shape::Hull& v) {
            return lists(v.face_start, v.faces, v.face_vertices, v.corners, v.vertices) &&
                lists(v.neighbour_start, v.vertices, v.neighbours, v.corners, v.vertices);
          });
@@ -71,9 +74,13 @@ bool BlockChecker::tree(const Stored<shape::TriangleTree>& s) {
       if (!require(node == visited++ && node < v.nodes, "nodes of a tree")) return false;
       const Index first = v.link[2 * std::ptrdiff_t(node)], triangles = v.link[2 * std::ptrdiff_t(node) + 1];
       if (triangles > 0) {
-        if (!require(triangles <= TriangleTree::leaf_size && first >= 0 && first <= v.triangles - triangles, "triangles of a leaf")) return false;
+        if (!require(triangles <= TriangleTree::leaf_size && first >= 0 && first <= v.triangles - triangles,
+                     "triangles of a leaf"))
+          return false;
       } else {
-        if (!require(triangles == 0 && first > node + 1 && first < v.nodes && depth < TriangleTree::max_depth, "children of a node")) return false;
+        if (!require(triangles == 0 && first > node + 1 && first < v.nodes && depth < TriangleTree::max_depth,
+                     "children of a node"))
+          return false;
         stack[count++] = {first, depth + 1}, stack[count++] = {node + 1, depth + 1};
       }
     }
@@ -90,14 +97,16 @@ bool BlockChecker::grid(const Stored<shape::Grid>& s) {
   Index first = 0;
   for (Index level = 0; level < h.levels; ++level) {
     const Index x = h.cells_x(level), y = h.cells_y(level);
-    if (!require(h.first[level] == first && (x == 1 && y == 1) == (level == h.levels - 1), "levels of a height field")) return false;
+    if (!require(h.first[level] == first && (x == 1 && y == 1) == (level == h.levels - 1), "levels of a height field"))
+      return false;
     first += x * y;
   }
   if (!require(is_length(h.step_x) && is_length(h.step_y) && std::isfinite(h.bottom) && h.extent >= 0 &&
       h.extent <= shape::max_length, "numbers of a height field")) return false;
   return surface(s, [&](const Grid& v) {
-    if (!each(v.columns * v.rows, [&](Index k) { return require(v.height[k] > v.bottom && std::isfinite(v.height[k]), "height of a height field");
-        })) return false;
+    if (!each(v.columns * v.rows,
+              [&](Index k) { return require(v.height[k] > v.bottom && std::isfinite(v.height[k]), "height of a height field"); }))
+      return false;
     return each(v.levels, [&](Index level) {
       return each(v.cells_x(level) * v.cells_y(level), [&](Index cell) {
         const Index i = cell % v.cells_x(level), j = cell / v.cells_x(level);
@@ -121,33 +130,41 @@ bool BlockChecker::grid(const Stored<shape::Grid>& s) {
 
 bool BlockChecker::surfaces() {
   return numbers(m.surface_numbers(), n.surface_numbers, "numbers of a surface", [](double x) { return std::isfinite(x); }) &&
-         each(n.hulls, [&](Index k) { return hull(m.hulls()[k]); }) && each(n.trees, [&](Index k) { return tree(m.trees()[k]); }) &&
-         each(n.grids, [&](Index k) { return grid(m.grids()[k]); });
+         each(n.hulls, [&](Index k) { return hull(m.hulls()[k]); }) &&
+         each(n.trees, [&](Index k) { return tree(m.trees()[k]); }) && each(n.grids, [&](Index k) { return grid(m.grids()[k]); });
 }
 
 bool BlockChecker::shape(Index k) {
   const ShapeRecord& r = m.shapes()[k];
-  if (!text(r.name) || !text(r.mesh) || !index(r.frame, n.frames, "frame of a shape") || !index(r.material, n.materials, "material of a shape")) return false;
+  if (!text(r.name) || !text(r.mesh) || !index(r.frame, n.frames, "frame of a shape") ||
+      !index(r.material, n.materials, "material of a shape"))
+    return false;
   if (!require(r.frame == 0 || m.frames()[r.frame].type == DYN_FRAME_TYPE_BODY, "a shape is on no link") ||
       !require(is_value(dynShapeType(r.type)), "type of a shape") ||
-      !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape") || !require(r.filter <= std::uint32_t(PairFilter::SameBody), "filter of a shape"))
+      !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape") ||
+      !require(r.filter <= std::uint32_t(PairFilter::SameBody), "filter of a shape"))
     return false;
-  const bool made = r.type == DYN_SHAPE_TYPE_CONVEX || r.type == DYN_SHAPE_TYPE_TRIANGLES || r.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
+  const bool made =
+      r.type == DYN_SHAPE_TYPE_CONVEX || r.type == DYN_SHAPE_TYPE_TRIANGLES || r.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   const Index surfaces = r.type == DYN_SHAPE_TYPE_CONVEX ? n.hulls : r.type == DYN_SHAPE_TYPE_TRIANGLES ? n.trees : n.grids;
   if (made ? !index(r.surface, surfaces, "surface of a shape") : !require(r.surface == -1, "surface of a shape")) return false;
   return each(shape::size_count(r.type), [&](Index i) { return require(is_length(r.size[i]), "size of a shape"); }) &&
-         require(r.radius >= 0 && r.radius <= shape::max_length && are_finite(r.size) && are_finite(r.placement), "numbers of a shape");
+         require(r.radius >= 0 && r.radius <= shape::max_length && are_finite(r.size) && are_finite(r.placement),
+                 "numbers of a shape");
 }
 
 bool BlockChecker::shapes() {
   Index geoms = 0, moving = 0;
-  if (!each(n.materials, [&](Index k) { return require(!shape::bad_number(m.materials()[k]).name, "a material"); }) || !each(n.shapes, [&](Index k) {
-        if (!shape(k)) return false;
-        if (m.shapes()[k].role != DYN_SHAPE_ROLE_COLLISION) return true;
-        if (!index(geoms, n.geoms, "a collision shape") || !require(m.geoms()[geoms++].shape == k, "a collision shape")) return false;
-        moving += m.frames()[m.shapes()[k].frame].joint > 0;
-        return true;
-      }) ||
+  if (!each(n.materials, [&](Index k) { return require(!shape::bad_number(m.materials()[k]).name, "a material"); }) ||
+      !each(n.shapes,
+            [&](Index k) {
+              if (!shape(k)) return false;
+              if (m.shapes()[k].role != DYN_SHAPE_ROLE_COLLISION) return true;
+              if (!index(geoms, n.geoms, "a collision shape") || !require(m.geoms()[geoms++].shape == k, "a collision shape"))
+                return false;
+              moving += m.frames()[m.shapes()[k].frame].joint > 0;
+              return true;
+            }) ||
       !require(geoms == n.geoms, "collision shapes"))
     return false;
   return require(m.contact_capacity >= 0 && m.contact_capacity <= max_contacts &&

@@ -63,12 +63,14 @@ namespace {
 
 void check_name(const std::string& what, const std::string& name) {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, what + " has no name: give one");
-  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, what + " '" + name.c_str() + "': the name holds a zero byte");
+  if (name.find('\0') != std::string::npos)
+    refuse(DYN_ERROR_ARGUMENT, what + " '" + name.c_str() + "': the name holds a zero byte");
 }
 
 void check_finite(const std::string& where, const double* x, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i)
-    if (!std::isfinite(x[i])) refuse(DYN_ERROR_NONFINITE, where + "[" + std::to_string(i) + "] is " + number(x[i]) + ": give a finite number");
+    if (!std::isfinite(x[i]))
+      refuse(DYN_ERROR_NONFINITE, where + "[" + std::to_string(i) + "] is " + number(x[i]) + ": give a finite number");
 }
 
 SE3<double> check_placement(const std::string& where, const Placement& x) {
@@ -79,7 +81,8 @@ SE3<double> check_placement(const std::string& where, const Placement& x) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) worst = std::max(worst, std::abs(E(i, j)));
   if (worst > 1e-6 || dot(cross(X.R.x, X.R.y), X.R.z) < 0)
-    refuse(DYN_ERROR_INVALID, where + ": placement is not a rotation (off by " + number(worst) + "): give an orthonormal right-handed matrix by columns");
+    refuse(DYN_ERROR_INVALID, where + ": placement is not a rotation (off by " + number(worst) +
+                                  "): give an orthonormal right-handed matrix by columns");
   if (worst <= 4e-16) return X;  // turned by quarters, and whatever else is orthonormal to the last bit
   return {rotation(quaternion(X.R)), X.p};
 }
@@ -114,8 +117,8 @@ void check_springs(const std::string& who, const JointSpec& s, const std::vector
     if (!s.stiffness.empty()) {
       const double* k = s.stiffness.data() + v;
       if (type == BodyType::Spherical && (k[0] != k[1] || k[0] != k[2]))
-        refuse(DYN_ERROR_INVALID, who + ": stiffness of a quaternion's three degrees of freedom is " + number(k[0]) + ", " + number(k[1]) + ", " + number(k[2]) +
-                                      ": give the same three times");
+        refuse(DYN_ERROR_INVALID, who + ": stiffness of a quaternion's three degrees of freedom is " + number(k[0]) + ", " +
+                                      number(k[1]) + ", " + number(k[2]) + ": give the same three times");
       if (type == BodyType::FreeFlyer && std::any_of(k, k + nv, [](double x) { return x != 0; }))
         refuse(DYN_ERROR_INVALID, who + ": a free flyer can't have a spring: build it of a translation and a spherical joint");
     }
@@ -143,12 +146,15 @@ void check_range(const std::string& where, const std::vector<double>& lower, con
     return std::string(side) + " limit" + (x.size() > 1 ? "[" + std::to_string(k) + "]" : "");
   };
   for (std::size_t k = 0; k < lower.size(); ++k)
-    if (lower[k] == HUGE_VAL) refuse(DYN_ERROR_NONFINITE, where + ": " + name("lower", k, lower) + " is inf: give a number, or -inf for none");
+    if (lower[k] == HUGE_VAL)
+      refuse(DYN_ERROR_NONFINITE, where + ": " + name("lower", k, lower) + " is inf: give a number, or -inf for none");
   for (std::size_t k = 0; k < upper.size(); ++k)
-    if (upper[k] == -HUGE_VAL) refuse(DYN_ERROR_NONFINITE, where + ": " + name("upper", k, upper) + " is -inf: give a number, or inf for none");
+    if (upper[k] == -HUGE_VAL)
+      refuse(DYN_ERROR_NONFINITE, where + ": " + name("upper", k, upper) + " is -inf: give a number, or inf for none");
   for (std::size_t k = 0; k < lower.size() && k < upper.size(); ++k)
     if (lower[k] > upper[k])
-      refuse(DYN_ERROR_INVALID, where + ": " + name("lower", k, lower) + " " + number(lower[k]) + " exceeds upper limit " + number(upper[k]));
+      refuse(DYN_ERROR_INVALID,
+             where + ": " + name("lower", k, lower) + " " + number(lower[k]) + " exceeds upper limit " + number(upper[k]));
 }
 
 // The simple joints of a spec in order.
@@ -246,7 +252,8 @@ int Builder::Impl::find(const Parent& parent, const std::string& who) const {
 
 void Builder::Impl::add_frame(FrameEntry entry, const std::string& who) {
   for (int k : frame_index[entry.name])
-    if (frames[std::size_t(k)].type == entry.type || (frames[std::size_t(k)].type != DYN_FRAME_TYPE_BODY && entry.type != DYN_FRAME_TYPE_BODY))
+    if (frames[std::size_t(k)].type == entry.type ||
+        (frames[std::size_t(k)].type != DYN_FRAME_TYPE_BODY && entry.type != DYN_FRAME_TYPE_BODY))
       refuse(DYN_ERROR_NAME, who + ": the name '" + entry.name + "' is taken: choose another");
   frame_index[entry.name].push_back(int(frames.size()));
   frames.push_back(std::move(entry));
@@ -289,14 +296,19 @@ void Builder::Impl::add_joint(const JointSpec& s) {
     for (double a : *x)
       if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");
   check_springs(who, s, entry.elements), check_balls(who, s, entry.elements);
-  if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio) || !std::isfinite(s.rotor_inertia * s.gear_ratio * s.gear_ratio))
+  if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio) ||
+      !std::isfinite(s.rotor_inertia * s.gear_ratio * s.gear_ratio))
     refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite, and rotor_inertia * gear_ratio^2, too");
-  if (s.rotor_inertia < 0) refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");
-  if (s.rotor_inertia != 0 && nv != 1) refuse(DYN_ERROR_INVALID, who + ": a rotor inertia needs a joint of one degree of freedom; use armature");
+  if (s.rotor_inertia < 0)
+    refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");
+  if (s.rotor_inertia != 0 && nv != 1)
+    refuse(DYN_ERROR_INVALID, who + ": a rotor inertia needs a joint of one degree of freedom; use armature");
   if (!s.mimic.empty()) {
-    if (nv != 1 || nq != 1) refuse(DYN_ERROR_INVALID, who + ": only joints of one degree of freedom can mimic; this is " + joint_type_name(s.type));
+    if (nv != 1 || nq != 1)
+      refuse(DYN_ERROR_INVALID, who + ": only joints of one degree of freedom can mimic; this is " + joint_type_name(s.type));
     if (!std::isfinite(s.mimic_ratio) || !std::isfinite(s.mimic_offset))
-      refuse(DYN_ERROR_NONFINITE, who + ": mimic ratio " + number(s.mimic_ratio) + " and offset " + number(s.mimic_offset) + " must be finite");
+      refuse(DYN_ERROR_NONFINITE,
+             who + ": mimic ratio " + number(s.mimic_ratio) + " and offset " + number(s.mimic_offset) + " must be finite");
     if (s.mimic == s.name) refuse(DYN_ERROR_INVALID, who + ": it mimics itself: name another joint");
   }
   const int index = int(joints.size());
@@ -334,7 +346,8 @@ void Builder::frame(const std::string& name, const Parent& parent, const Placeme
     refuse(DYN_ERROR_ARGUMENT, who + ": type must be OP_FRAME or SENSOR; joints and bodies bring their own frames");
   const int on = impl->find(parent, who);
   const FrameEntry& carrier = impl->frames[std::size_t(on)];
-  impl->add_frame({name, type, carrier.joint, carrier.X * check_placement(who, placement), Inertia<double>::zero(), 0, {}, {}, 0, on}, who);
+  impl->add_frame(
+      {name, type, carrier.joint, carrier.X * check_placement(who, placement), Inertia<double>::zero(), 0, {}, {}, 0, on}, who);
 }
 
 void Builder::shape(const Shape& shape) {
@@ -349,8 +362,10 @@ void Builder::shape(const Shape& shape) {
     refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
   if (shape.radius > 0 && shape.type == DYN_SHAPE_TYPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
   if (const shape::BadNumber bad = shape::bad_number(shape.material); bad.name)
-    refuse(DYN_ERROR_INVALID, who + ": material: " + bad.name + " is " + number(bad.value) + ": give 0 or more, restitution up to 1, finite velocities");
-  const bool made_of_facets = shape.type == DYN_SHAPE_TYPE_CONVEX || shape.type == DYN_SHAPE_TYPE_TRIANGLES || shape.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
+    refuse(DYN_ERROR_INVALID, who + ": material: " + bad.name + " is " + number(bad.value) +
+                                  ": give 0 or more, restitution up to 1, finite velocities");
+  const bool made_of_facets =
+      shape.type == DYN_SHAPE_TYPE_CONVEX || shape.type == DYN_SHAPE_TYPE_TRIANGLES || shape.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   if (made_of_facets != bool(shape.surface) || (shape.surface && type_of(*shape.surface) != shape.type))
     refuse(DYN_ERROR_ARGUMENT, who + ": its type and its surface don't belong together");
   impl->shapes.push_back(std::move(entry));
@@ -374,24 +389,29 @@ void Builder::configuration(const std::string& name, const std::vector<double>& 
   impl->configurations.push_back({name, false, q, {}});
 }
 
-void Builder::configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints, const ConfigurationState& state) {
+void Builder::configuration_of_joints(const std::string& name,
+                                      const std::vector<std::pair<std::string, std::vector<double>>>& joints,
+                                      const ConfigurationState& state) {
   impl->check_configuration_name(name);
   ConfigurationEntry entry{name, true, {}, std::vector<std::vector<double>>(impl->joints.size())};
   entry.v_by_joint.resize(impl->joints.size());
   const auto set = [&](const auto& given, std::vector<std::vector<double>>& by_joint, int (*size)(const JointEntry&)) {
     for (const auto& [joint, x] : given) {
       const std::string who = "configuration '" + name + "', joint '" + joint + "'";
-      const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&wanted = joint](const JointEntry& e) { return e.spec.name == wanted; });
+      const auto at = std::find_if(impl->joints.begin(), impl->joints.end(),
+                                   [&wanted = joint](const JointEntry& e) { return e.spec.name == wanted; });
       if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
       check_finite(who, x.data(), x.size());
-      if (int(x.size()) != size(*at)) refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(x.size()) + " numbers, needs " + std::to_string(size(*at)));
+      if (int(x.size()) != size(*at))
+        refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(x.size()) + " numbers, needs " + std::to_string(size(*at)));
       by_joint[std::size_t(at - impl->joints.begin())] = x;
     }
   };
   set(joints, entry.by_joint, own_nq), set(state.v, entry.v_by_joint, own_nv);
   for (const auto& [actuator, x] : state.actuators) {
     const std::string who = "configuration '" + name + "', actuator '" + actuator + "'";
-    if (std::none_of(impl->actuators.begin(), impl->actuators.end(), [&wanted = actuator](const ActuatorEntry& a) { return a.name == wanted; }))
+    if (std::none_of(impl->actuators.begin(), impl->actuators.end(),
+                     [&wanted = actuator](const ActuatorEntry& a) { return a.name == wanted; }))
       refuse(DYN_ERROR_NAME, who + ": there is no such actuator");
     check_finite(who, x.control.data(), x.control.size()), check_finite(who, &x.activation, 1);
     entry.actuators[actuator] = x;
@@ -403,14 +423,16 @@ void Builder::configuration_of_joints(const std::string& name, const std::vector
 
 void Builder::allow_massless_joints() { impl->allow_massless = true; }
 void Builder::initial_configuration(const std::string& name) {
-  if (name != "neutral" && std::none_of(impl->configurations.begin(), impl->configurations.end(), [&](const ConfigurationEntry& c) { return c.name == name; }))
+  if (name != "neutral" && std::none_of(impl->configurations.begin(), impl->configurations.end(),
+                                        [&](const ConfigurationEntry& c) { return c.name == name; }))
     refuse(DYN_ERROR_NAME, "initial configuration: there is no configuration '" + name + "'");
   impl->initial = name;
 }
 
 void Builder::stepping(double dt, dynIntegrator integrator, std::uint32_t effects) {
   if (!(dt > 0) || !std::isfinite(dt)) refuse(DYN_ERROR_INVALID, "stepping: dt is " + number(dt) + " s: give a positive number");
-  if (!is_value(integrator)) refuse(DYN_ERROR_ARGUMENT, "stepping: integrator " + std::to_string(int(integrator)) + " is no dynIntegrator");
+  if (!is_value(integrator))
+    refuse(DYN_ERROR_ARGUMENT, "stepping: integrator " + std::to_string(int(integrator)) + " is no dynIntegrator");
   if (effects & ~std::uint32_t(DYN_EFFECT_ALL)) refuse(DYN_ERROR_ARGUMENT, "stepping: effects have unknown bits");
   impl->simulation.dt = dt, impl->simulation.integrator = integrator, impl->simulation.effects = effects;
 }
@@ -418,10 +440,14 @@ void Builder::stepping(double dt, dynIntegrator integrator, std::uint32_t effect
 
 void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
   const std::string who = "pair '" + body1 + "', '" + body2 + "'";
-  const auto frame = [&](const std::string& body) { return body == "universe" ? 0 : impl->find({body, DYN_FRAME_TYPE_BODY}, who); };
+  const auto frame = [&](const std::string& body) {
+    return body == "universe" ? 0 : impl->find({body, DYN_FRAME_TYPE_BODY}, who);
+  };
   impl->disabled.push_back({frame(body1), frame(body2), reason});
 }
 
-void Builder::report(dynReportLevel level, int line, const std::string& message) { impl->reports.push_back({level, line, message}); }
+void Builder::report(dynReportLevel level, int line, const std::string& message) {
+  impl->reports.push_back({level, line, message});
+}
 
 }  // namespace dyn

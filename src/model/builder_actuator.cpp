@@ -18,7 +18,8 @@ void check_number(const std::string& who, const char* what, double x, bool negat
 
 void check_ends(const std::string& who, const char* what, const double (&range)[2]) {
   if (!(range[0] <= range[1]) || range[0] == HUGE_VAL || range[1] == -HUGE_VAL)
-    refuse(DYN_ERROR_INVALID, who + ": " + what + " is [" + number(range[0]) + ", " + number(range[1]) + "]: give a lower end, then an upper one");
+    refuse(DYN_ERROR_INVALID,
+           who + ": " + what + " is [" + number(range[0]) + ", " + number(range[1]) + "]: give a lower end, then an upper one");
 }
 
 // gain and bias of the type's formula
@@ -38,7 +39,8 @@ void set_law(const dynActuator& x, ActuatorRecord& r) {
 
 void Builder::Impl::check_actuator_name(const std::string& name) const {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "actuator has no name: give one");
-  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, "actuator '" + std::string(name.c_str()) + "': the name holds a zero byte");
+  if (name.find('\0') != std::string::npos)
+    refuse(DYN_ERROR_ARGUMENT, "actuator '" + std::string(name.c_str()) + "': the name holds a zero byte");
   for (const ActuatorEntry& a : actuators)
     if (a.name == name) refuse(DYN_ERROR_NAME, "actuator '" + name + "' is there already: choose another name");
 }
@@ -46,22 +48,26 @@ void Builder::Impl::check_actuator_name(const std::string& name) const {
 void Builder::actuator(const std::string& name, const dynActuator& spec, const std::string& joint) {
   impl->check_actuator_name(name);
   const std::string who = "actuator '" + name + "'";
-  const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& j) { return j.spec.name == joint; });
+  const auto at =
+      std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& j) { return j.spec.name == joint; });
   if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + joint + "'");
-  if (!at->spec.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": joint '" + joint + "' follows '" + at->spec.mimic + "': name that one");
+  if (!at->spec.mimic.empty())
+    refuse(DYN_ERROR_INVALID, who + ": joint '" + joint + "' follows '" + at->spec.mimic + "': name that one");
   if (!is_value(spec.type))
     refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(spec.type)) + " is no dynActuatorType");
   if (spec.component < 0 || spec.component >= spec_nv(at->spec))
-    refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(spec.component) + ", and joint '" + joint + "' has " + std::to_string(spec_nv(at->spec)) +
-                                   " degrees of freedom");
+    refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(spec.component) + ", and joint '" + joint + "' has " +
+                                   std::to_string(spec_nv(at->spec)) + " degrees of freedom");
   check_number(who, "gear", spec.gear, true);
   check_number(who, "kp", spec.kp, false), check_number(who, "kv", spec.kv, false);
   check_number(who, "gain", spec.gain, true);
   for (const double b : spec.bias) check_number(who, "bias", b, true);
   check_number(who, "time_constant", spec.time_constant, false);
-  check_ends(who, "control_range", spec.control_range), check_ends(who, "force_range", spec.force_range), check_ends(who, "act_range", spec.act_range);
+  check_ends(who, "control_range", spec.control_range), check_ends(who, "force_range", spec.force_range),
+      check_ends(who, "act_range", spec.act_range);
   if (spec.integrates && spec.time_constant > 0)
-    refuse(DYN_ERROR_INVALID, who + ": it integrates its control, and has a time constant, " + number(spec.time_constant) + ": give one of them");
+    refuse(DYN_ERROR_INVALID,
+           who + ": it integrates its control, and has a time constant, " + number(spec.time_constant) + ": give one of them");
   impl->actuators.push_back({name, spec, int(at - impl->joints.begin())});
 }
 
@@ -91,15 +97,18 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
   };
   const int a = find(shape1), b = find(shape2);
   if (a == b) refuse(DYN_ERROR_INVALID, who + ": that is one shape");
-  if (impl->frames[std::size_t(impl->shapes[std::size_t(a)].frame)].joint == impl->frames[std::size_t(impl->shapes[std::size_t(b)].frame)].joint)
+  if (impl->frames[std::size_t(impl->shapes[std::size_t(a)].frame)].joint ==
+      impl->frames[std::size_t(impl->shapes[std::size_t(b)].frame)].joint)
     refuse(DYN_ERROR_INVALID, who + ": both are on the same body");
   if (material)
     if (const shape::BadNumber bad = shape::bad_number(*material); bad.name)
-      refuse(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, who + ": " + bad.name + " is " + number(bad.value));
+      refuse(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE,
+             who + ": " + bad.name + " is " + number(bad.value));
   impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt});
 }
 
-std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id, const std::vector<JointRecord>& joints,
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
+                                         const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n) {
   std::vector<ActuatorRecord> out;
   for (const ActuatorEntry& a : actuators) {
@@ -113,7 +122,9 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
     for (const EuclideanSpan& s : euclidean_spans)
       if (r.v >= s.first_v && r.v < s.first_v + s.count) r.q = s.first_q + r.v - s.first_v;
     if (r.bias[1] != 0 && r.q < 0)
-      refuse(DYN_ERROR_INVALID, "actuator '" + a.name + "' depends on a length, and the coordinates of its joint are no lengths: use MOTOR or VELOCITY");
+      refuse(DYN_ERROR_INVALID,
+             "actuator '" + a.name +
+                 "' depends on a length, and the coordinates of its joint are no lengths: use MOTOR or VELOCITY");
     r.spec.integrates = a.spec.integrates != 0;
     r.act = r.spec.idx_act = a.spec.time_constant > 0 || a.spec.integrates ? n.na++ : -1;
     out.push_back(r);

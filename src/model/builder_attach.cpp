@@ -32,12 +32,16 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
 
   const int carrier_frame = joint ? int(next.frames.size()) - 1 : 0;
   // shapes of its world hang on a link, of the joint's name
-  const bool shapes_of_world = std::any_of(other.shapes.begin(), other.shapes.end(), [](const ShapeEntry& s) { return s.frame == 0; });
-  if (joint && shapes_of_world) next.add_frame({joint->name, DYN_FRAME_TYPE_BODY, carrier.joint, carrier.X, Inertia<double>::zero(), 0, {}, {}, 0,
-      carrier_frame}, who);
+  const bool shapes_of_world =
+      std::any_of(other.shapes.begin(), other.shapes.end(), [](const ShapeEntry& s) { return s.frame == 0; });
+  if (joint && shapes_of_world)
+    next.add_frame(
+        {joint->name, DYN_FRAME_TYPE_BODY, carrier.joint, carrier.X, Inertia<double>::zero(), 0, {}, {}, 0, carrier_frame}, who);
   const int world = joint && shapes_of_world ? carrier_frame + 1 : carrier_frame;
   const int before = int(next.joints.size()), frames_before = int(next.frames.size());
-  const auto place = [&](int frame) { return frame == 0 ? world : frame + frames_before - 1; };  // the world's own frame does not come along
+  const auto place = [&](int frame) {
+    return frame == 0 ? world : frame + frames_before - 1;
+  };  // the world's own frame does not come along
   for (JointEntry& e : other.joints) {
     e.spec.name = prefix + e.spec.name;
     if (!e.spec.mimic.empty()) e.spec.mimic = prefix + e.spec.mimic;
@@ -58,8 +62,9 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     for (int k : next.frame_index[e.name]) {
       const FrameEntry& there = next.frames[std::size_t(k)];
       if (there.type == e.type || (there.type != DYN_FRAME_TYPE_BODY && e.type != DYN_FRAME_TYPE_BODY))
-        throw Error(DYN_ERROR_NAME, who + ": its " + kind_of(e.type) + " and the " + kind_of(there.type) + " of '" + next.name + "' would both be named '" +
-                                        e.name + "': give " + (prefix.empty() ? "a" : "another") + " prefix");
+        throw Error(DYN_ERROR_NAME, who + ": its " + kind_of(e.type) + " and the " + kind_of(there.type) + " of '" + next.name +
+                                        "' would both be named '" + e.name + "': give " + (prefix.empty() ? "a" : "another") +
+                                        " prefix");
     }
     next.frame_index[e.name].push_back(int(next.frames.size()));
     next.frames.push_back(std::move(e));
@@ -97,7 +102,8 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
 
   // configurations of one name are one; what only one of the two names is neutral in the other
   for (ConfigurationEntry& c : other.configurations) {
-    auto at = std::find_if(next.configurations.begin(), next.configurations.end(), [&](const auto& x) { return x.name == c.name; });
+    auto at =
+        std::find_if(next.configurations.begin(), next.configurations.end(), [&](const auto& x) { return x.name == c.name; });
     if (at == next.configurations.end()) at = next.configurations.insert(at, {c.name, true, {}, {}});
     at->by_joint.resize(std::size_t(before));
     at->by_joint.insert(at->by_joint.end(), c.by_joint.begin(), c.by_joint.end());

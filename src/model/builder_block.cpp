@@ -25,7 +25,9 @@ void Compiler::allocate() {
   a.dof_parent.assign(std::size_t(n.nv), -1);
   a.dof_depth = a.dof_descendants_end = a.dof_run = a.dof_parent;
   a.dof_forks.assign(std::size_t(n.nv), 0), a.dof_groups.resize(std::size_t(n.nv));
-  auto round_up = [](std::uint64_t x, std::uint64_t boundary) { return (x + boundary - 1) / boundary * boundary; };  // vectors on lines of the cache
+  auto round_up = [](std::uint64_t x, std::uint64_t boundary) {
+    return (x + boundary - 1) / boundary * boundary;
+  };  // vectors on lines of the cache
   std::uint64_t bytes = sizeof(Model);
   std::uint64_t offset[std::size_t(Model::Field::count_)];
 #define FIELD(type, field, count, sentence)                                                  \
@@ -51,9 +53,11 @@ void Compiler::fill_header() {
   model->has_mimic = mimic;
   auto small = [](double x) { return std::abs(x) < 1e25; };
   auto all_small = [&](const Vec3<double>& x) { return small(x[0]) && small(x[1]) && small(x[2]); };
-  model->no_overflow = std::all_of(a.armature.begin(), a.armature.end(), small) && std::all_of(a.bodies.begin(), a.bodies.end(), [&](const Body& b) {
-                      return small(b.m) && small(b.pitch) && small(b.ratio) && all_small(b.h) && all_small(b.I.x) && all_small(b.I.y) && all_small(b.I.z);
-                    });
+  model->no_overflow = std::all_of(a.armature.begin(), a.armature.end(), small) &&
+                       std::all_of(a.bodies.begin(), a.bodies.end(), [&](const Body& b) {
+                         return small(b.m) && small(b.pitch) && small(b.ratio) && all_small(b.h) && all_small(b.I.x) &&
+                                all_small(b.I.y) && all_small(b.I.z);
+                       });
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
   model->contact_capacity = in.contact_capacity;
   model->density = in.density, model->viscosity = in.viscosity;
@@ -75,8 +79,9 @@ void Compiler::settle_configurations() {
   double* q = array<double>(Model::Field::configurations);
   for (Index k = 0; k < m.n.configurations; ++k, q += m.n.nq) {
     if (const Index j = zero_norm_joint(m, q))
-      throw Error(DYN_ERROR_QUATERNION, "configuration '" + std::string(m.string(m.configuration_names()[k])) + "': the quaternion or (cos, sin) of joint '" +
-                                            m.string(m.joints()[j].name) + "' is zero: give one of norm 1, such as that of 'neutral'");
+      throw Error(DYN_ERROR_QUATERNION, "configuration '" + std::string(m.string(m.configuration_names()[k])) +
+                                            "': the quaternion or (cos, sin) of joint '" + m.string(m.joints()[j].name) +
+                                            "' is zero: give one of norm 1, such as that of 'neutral'");
     if (norm_error(m, q) > 1e-15) normalize(m, q);  // so that it changes nothing when done again
   }
 }
@@ -97,9 +102,11 @@ void Compiler::fill_elimination_tree() {
     }
   model->groups = make_dof_groups(a.dof_parent, a.dof_depth, a.dof_descendants_end, array<DofGroup>(Model::Field::dof_groups));
   auto fill_in = [&](Model::Field field, const std::vector<Index>& x) { std::copy(x.begin(), x.end(), array<Index>(field)); };
-  fill_in(Model::Field::dof_parent, a.dof_parent), fill_in(Model::Field::dof_depth, a.dof_depth), fill_in(Model::Field::dof_run, a.dof_run);
+  fill_in(Model::Field::dof_parent, a.dof_parent), fill_in(Model::Field::dof_depth, a.dof_depth),
+      fill_in(Model::Field::dof_run, a.dof_run);
   fill_in(Model::Field::dof_descendants_end, a.dof_descendants_end), fill_in(Model::Field::dof_forks, a.dof_forks);
-  for (std::size_t k = 0; k < std::size_t(n.nv); ++k) model->n.carriers = std::max(model->n.carriers, std::min(n.nv, 2 * (a.dof_depth[k] + 1)));
+  for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
+    model->n.carriers = std::max(model->n.carriers, std::min(n.nv, 2 * (a.dof_depth[k] + 1)));
 }
 
 }  // namespace dyn

@@ -20,7 +20,8 @@ int find_joint(const std::vector<JointEntry>& joints, const std::string& name, c
 
 void Builder::Impl::check_constraint_name(const std::string& name) const {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "the constraint has no name: give one");
-  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, "constraint '" + std::string(name.c_str()) + "': the name holds a zero byte");
+  if (name.find('\0') != std::string::npos)
+    refuse(DYN_ERROR_ARGUMENT, "constraint '" + std::string(name.c_str()) + "': the name holds a zero byte");
   for (const ConstraintEntry& c : constraints)
     if (c.name == name) refuse(DYN_ERROR_NAME, "constraint '" + name + "' exists already: choose another name");
 }
@@ -30,7 +31,8 @@ void Builder::constraint(const std::string& name, const dynConstraint& spec, con
   const std::string who = "constraint '" + name + "'";
   char message[256];
   if (const dynStatus status = check_constraint_numbers(spec, message, sizeof message)) refuse(status, who + ": " + message);
-  if (spec.type == DYN_CONSTRAINT_TYPE_NONE) refuse(DYN_ERROR_ARGUMENT, who + ": its type is NONE: spare slots are empty by themselves");
+  if (spec.type == DYN_CONSTRAINT_TYPE_NONE)
+    refuse(DYN_ERROR_ARGUMENT, who + ": its type is NONE: spare slots are empty by themselves");
   ConstraintEntry entry{name, spec, -1, -1};
   if (between_joints(spec.type)) {
     entry.first = find_joint(impl->joints, first.name, who);
@@ -40,19 +42,22 @@ void Builder::constraint(const std::string& name, const dynConstraint& spec, con
     entry.first = frame(first), entry.second = frame(second);
     const FrameEntry &a = impl->frames[std::size_t(entry.first)], &b = impl->frames[std::size_t(entry.second)];
     if (a.joint == b.joint)
-      refuse(DYN_ERROR_INVALID, who + ": first, '" + a.name + "', and second, '" + b.name + "', are on the same body: nothing can move between them");
+      refuse(DYN_ERROR_INVALID, who + ": first, '" + a.name + "', and second, '" + b.name +
+                                    "', are on the same body: nothing can move between them");
   }
   impl->constraints.push_back(std::move(entry));
 }
 
 void Builder::constraint_slots(int spare) {
-  if (spare < 0 || spare > 1000) refuse(DYN_ERROR_ARGUMENT, "constraint slots: " + std::to_string(spare) + " are asked for: give 0 to 1000");
+  if (spare < 0 || spare > 1000)
+    refuse(DYN_ERROR_ARGUMENT, "constraint slots: " + std::to_string(spare) + " are asked for: give 0 to 1000");
   impl->constraint_slots = spare;
 }
 
 void Builder::contact_capacity(int contacts) {
   if (contacts < 0 || contacts > max_contacts)
-    refuse(DYN_ERROR_ARGUMENT, "contact capacity: " + std::to_string(contacts) + " contacts are asked for: give 1 to " + std::to_string(max_contacts) + ", or 0 for what the shapes need");
+    refuse(DYN_ERROR_ARGUMENT, "contact capacity: " + std::to_string(contacts) + " contacts are asked for: give 1 to " +
+                                   std::to_string(max_contacts) + ", or 0 for what the shapes need");
   impl->contact_capacity = contacts;
 }
 

@@ -85,9 +85,11 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   std::map<std::pair<dynShapeType, Index>, SurfacePtr> surfaces;  // each once
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& r = m.shapes()[k];
-    Shape s{m.string(r.name), r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
+    Shape s{m.string(r.name),          r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name),
+            placement_of(r.placement), {},     m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
-    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material], s.colour = r.colour, s.filter = PairFilter(r.filter);
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material],
+    s.colour = r.colour, s.filter = PairFilter(r.filter);
     if (r.surface >= 0) {
       SurfacePtr& surface = surfaces[{dynShapeType(r.type), r.surface}];
       if (!surface) surface = surface_of(m, k);
@@ -125,8 +127,13 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     impl->pairs.push_back(pair);
   }
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
-    const double *q = m.configurations() + std::ptrdiff_t(k) * m.n.nq, *v = m.configuration_state(k), *u = v + m.n.nv, *act = u + m.n.nu;
-    ConfigurationEntry c{m.string(m.configuration_names()[k]), true, {}, by_joint(impl->joints, {q, q + m.n.nq}), by_joint(impl->joints, {v, u}, own_nv)};
+    const double *q = m.configurations() + std::ptrdiff_t(k) * m.n.nq, *v = m.configuration_state(k), *u = v + m.n.nv,
+                 *act = u + m.n.nu;
+    ConfigurationEntry c{m.string(m.configuration_names()[k]),
+                         true,
+                         {},
+                         by_joint(impl->joints, {q, q + m.n.nq}),
+                         by_joint(impl->joints, {v, u}, own_nv)};
     for (Index i = 0; i < m.n.actuators; ++i) {
       const ActuatorRecord& r = m.actuators()[i];
       ConfigurationState::Actuator& x = c.actuators[m.string(r.name)];

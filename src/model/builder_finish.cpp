@@ -6,7 +6,8 @@
 
 namespace dyn {
 
-Compiler::Compiler(const Builder::Impl& impl, const Findings& findings) : in(impl), known(findings), order(depth_first(in.joints)), leaders(resolve_mimic(in.joints)), id(in.joints.size()) {
+Compiler::Compiler(const Builder::Impl& impl, const Findings& findings)
+    : in(impl), known(findings), order(depth_first(in.joints)), leaders(resolve_mimic(in.joints)), id(in.joints.size()) {
   for (std::size_t k = 0; k < order.size(); ++k) id[std::size_t(order[k])] = Index(k + 1);
   n.joints = Index(order.size() + 1);
 }

@@ -63,8 +63,9 @@ void Compiler::sort_names() {
   std::iota(a.joints_by_name.begin(), a.joints_by_name.end(), 0);
   std::iota(a.frames_by_name.begin(), a.frames_by_name.end(), 0);
   const char* pool = text.pool.data();
-  std::sort(a.joints_by_name.begin(), a.joints_by_name.end(),
-            [&](Index x, Index y) { return std::strcmp(pool + a.joints[std::size_t(x)].name, pool + a.joints[std::size_t(y)].name) < 0; });
+  std::sort(a.joints_by_name.begin(), a.joints_by_name.end(), [&](Index x, Index y) {
+    return std::strcmp(pool + a.joints[std::size_t(x)].name, pool + a.joints[std::size_t(y)].name) < 0;
+  });
   std::sort(a.frames_by_name.begin(), a.frames_by_name.end(), [&](Index x, Index y) {
     const int c = std::strcmp(pool + a.frames[std::size_t(x)].name, pool + a.frames[std::size_t(y)].name);
     return c != 0 ? c < 0 : precedence(x) < precedence(y);

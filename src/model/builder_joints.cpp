@@ -8,7 +8,9 @@ namespace dyn {
 namespace {
 
 // Copies numbers, if there are any, to where the joint's begin.
-void put(const std::vector<double>& from, std::vector<double>& to, Index at) { std::copy(from.begin(), from.end(), to.begin() + at); }
+void put(const std::vector<double>& from, std::vector<double>& to, Index at) {
+  std::copy(from.begin(), from.end(), to.begin() + at);
+}
 
 }  // namespace
 

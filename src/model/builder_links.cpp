@@ -74,12 +74,15 @@ void Compiler::add_frames() {
     const Inertia<double> Y = f.Y.rotated(joint.C);
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
   }
-  n.frames = Index(a.frames.size()), n.gravity_compensations = Index(a.gravity_compensations.size()), n.drag_boxes = Index(a.drag_boxes.size());
+  n.frames = Index(a.frames.size()), n.gravity_compensations = Index(a.gravity_compensations.size()),
+  n.drag_boxes = Index(a.drag_boxes.size());
 }
 
 void Compiler::add_wanted_pairs() {
-  for (const PairEntry& p : in.pairs) wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
-  if (a.materials.size() > std::size_t(PairRecord::max_own)) throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
+  for (const PairEntry& p : in.pairs)
+    wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
+  if (a.materials.size() > std::size_t(PairRecord::max_own))
+    throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
 }
 
 void Compiler::add_shapes() {
@@ -87,11 +90,13 @@ void Compiler::add_shapes() {
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
     r.name = text.add(s.shape.name), r.mesh = text.add(s.shape.mesh);
-    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role) & 0xFu, r.filter = std::uint8_t(s.shape.filter) & 0xFu, r.colour = s.shape.colour;
+    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role) & 0xFu, r.filter = std::uint8_t(s.shape.filter) & 0xFu,
+    r.colour = s.shape.colour;
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
-    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity, r.material = number_of(a.materials, s.shape.material);
+    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity,
+    r.material = number_of(a.materials, s.shape.material);
     if (r.role == DYN_SHAPE_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
@@ -109,8 +114,10 @@ void Compiler::add_pairs() {
 
 void Compiler::add_reports() {
   for (const ReportEntry& r : in.reports)
-    if (r.message != nothing_tested && !r.message.starts_with(overlap_report) && !r.message.starts_with(massless_report)) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
-  for (const std::string& message : known.massless) a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(massless_report + message)});
+    if (r.message != nothing_tested && !r.message.starts_with(overlap_report) && !r.message.starts_with(massless_report))
+      a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
+  for (const std::string& message : known.massless)
+    a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(massless_report + message)});
   std::map<std::pair<Index, Index>, int> overlaps;  // by links
   for (const auto& [g, h] : known.overlapping) {
     const auto frame = [&](Index geom) { return a.shapes[std::size_t(a.geoms[std::size_t(geom)].shape)].frame; };
@@ -118,16 +125,20 @@ void Compiler::add_reports() {
   }
   for (const auto& [links, count] : overlaps) {
     const auto name = [&](Index frame) { return "'" + in.frames[std::size_t(frame)].name + "'"; };
-    a.reports.push_back({DYN_REPORT_LEVEL_INFO, 0, text.add(overlap_report + ("links " + name(links.first) + " and " + name(links.second)) + ", " + std::to_string(count) +
-                                                             (count == 1 ? " pair" : " pairs") + " of shapes")});
+    a.reports.push_back({DYN_REPORT_LEVEL_INFO, 0,
+                         text.add(overlap_report + ("links " + name(links.first) + " and " + name(links.second)) + ", " +
+                                  std::to_string(count) + (count == 1 ? " pair" : " pairs") + " of shapes")});
   }
-  const bool tests_nothing = std::none_of(a.pairs.begin(), a.pairs.end(), [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; });
-  if (n.geoms >= 2 && n.geoms <= max_geoms && tests_nothing) a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(nothing_tested)});
+  const bool tests_nothing =
+      std::none_of(a.pairs.begin(), a.pairs.end(), [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; });
+  if (n.geoms >= 2 && n.geoms <= max_geoms && tests_nothing)
+    a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 }
 
 void Compiler::add_constraints() {
-  for (const dynConstraint& c : constraints_of(in.constraints, id)) a.constraints.push_back({c, text.add(in.constraints[a.constraints.size()].name)});
+  for (const dynConstraint& c : constraints_of(in.constraints, id))
+    a.constraints.push_back({c, text.add(in.constraints[a.constraints.size()].name)});
   n.constraints = Index(a.constraints.size()), n.slots = n.constraints + Index(in.constraint_slots);
   n.constraint_rows = room_for_rows(in.constraints, in.constraint_slots);
 }
@@ -146,7 +157,8 @@ void Compiler::add_configurations() {
         q.insert(q.end(), own.begin(), own.end());
       }
     if (Index(q.size()) != n.nq)
-      throw Error(DYN_ERROR_SIZE, "configuration '" + c.name + "' has " + std::to_string(q.size()) + " numbers, the model needs nq = " + std::to_string(n.nq));
+      throw Error(DYN_ERROR_SIZE, "configuration '" + c.name + "' has " + std::to_string(q.size()) +
+                                      " numbers, the model needs nq = " + std::to_string(n.nq));
     a.configuration_names.push_back(text.add(c.name));
     a.configurations.insert(a.configurations.end(), q.begin(), q.end());
   }

@@ -47,23 +47,27 @@ void check_limits(const JointEntry& joint, const std::vector<double>& q) {
     visit(e.element.type, [&]<class J>() {
       const std::size_t bounded = J::nq == J::nv ? J::nq : J::translates ? 3 : 0;
       for (std::size_t k = first; k < first + bounded; ++k) {
-        const double low = joint.spec.lower.empty() ? -HUGE_VAL : joint.spec.lower[k], high = joint.spec.upper.empty() ? HUGE_VAL : joint.spec.upper[k];
+        const double low = joint.spec.lower.empty() ? -HUGE_VAL : joint.spec.lower[k],
+                     high = joint.spec.upper.empty() ? HUGE_VAL : joint.spec.upper[k];
         if (q[k] < low || q[k] > high)
           throw Error(DYN_ERROR_INVALID, "lock: joint '" + joint.spec.name + "' is at " + number(q[k]) +
-                                             (q.size() > 1 ? " (its coordinate " + std::to_string(k) + ")" : "") + ", outside of its limits, " +
-                                             number(low) + " to " + number(high) + ": lock it within them");
+                                             (q.size() > 1 ? " (its coordinate " + std::to_string(k) + ")" : "") +
+                                             ", outside of its limits, " + number(low) + " to " + number(high) +
+                                             ": lock it within them");
       }
       first += J::nq;
     });
 }
 
 // The joints to lock: those named, and whoever follows them.
-std::vector<bool> marked(const std::vector<JointEntry>& joints, const std::vector<Leader>& leaders, const std::vector<std::string>& names) {
+std::vector<bool> marked(const std::vector<JointEntry>& joints, const std::vector<Leader>& leaders,
+                         const std::vector<std::string>& names) {
   std::vector<bool> locked(joints.size(), false);
   for (const std::string& name : names) {
     const auto at = std::find_if(joints.begin(), joints.end(), [&](const JointEntry& e) { return e.spec.name == name; });
     if (at == joints.end()) throw Error(DYN_ERROR_NAME, "lock: there is no moving joint '" + name + "'");
-    if (locked[std::size_t(at - joints.begin())]) throw Error(DYN_ERROR_NAME, "lock: joint '" + name + "' is named twice: name it once");
+    if (locked[std::size_t(at - joints.begin())])
+      throw Error(DYN_ERROR_NAME, "lock: joint '" + name + "' is named twice: name it once");
     locked[std::size_t(at - joints.begin())] = true;
   }
   for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -71,8 +75,8 @@ std::vector<bool> marked(const std::vector<JointEntry>& joints, const std::vecto
     const bool leader = locked[std::size_t(leaders[j].joint)];
     if (locked[j] && !leader) {
       const std::string& name = joints[std::size_t(leaders[j].joint)].spec.name;
-      throw Error(DYN_ERROR_INVALID, "lock: joint '" + joints[j].spec.name + "' follows '" + name + "', which is not locked: lock '" + name +
-                                         "', and it is locked, too");
+      throw Error(DYN_ERROR_INVALID, "lock: joint '" + joints[j].spec.name + "' follows '" + name +
+                                         "', which is not locked: lock '" + name + "', and it is locked, too");
     }
   }
   for (std::size_t j = 0; j < joints.size(); ++j)
@@ -88,16 +92,18 @@ void Builder::lock(const std::vector<std::string>& names, const std::vector<doub
   const std::vector<Leader> leaders = resolve_mimic(joints);
   std::size_t nq = 0;
   for (const JointEntry& e : joints) nq += std::size_t(own_nq(e));
-  if (q.size() != nq) throw Error(DYN_ERROR_SIZE, "lock: q has " + std::to_string(q.size()) + " numbers, needs nq = " + std::to_string(nq));
+  if (q.size() != nq)
+    throw Error(DYN_ERROR_SIZE, "lock: q has " + std::to_string(q.size()) + " numbers, needs nq = " + std::to_string(nq));
   for (std::size_t k = 0; k < nq; ++k)
-    if (!std::isfinite(q[k])) throw Error(DYN_ERROR_NONFINITE, "lock: q[" + std::to_string(k) + "] is " + number(q[k]) + ": give a finite number");
+    if (!std::isfinite(q[k]))
+      throw Error(DYN_ERROR_NONFINITE, "lock: q[" + std::to_string(k) + "] is " + number(q[k]) + ": give a finite number");
   std::vector<std::vector<double>> own = by_joint(joints, q);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (leaders[j].joint >= 0) continue;
     const double error = norm_error(joints[j], own[j].data());
     if (!(error <= norm_tolerance))
-      throw Error(DYN_ERROR_QUATERNION, "lock: the quaternion or (cos, sin) of joint '" + joints[j].spec.name + "' has a norm that is off 1 by " +
-                                            number(error) + ": normalize q");
+      throw Error(DYN_ERROR_QUATERNION, "lock: the quaternion or (cos, sin) of joint '" + joints[j].spec.name +
+                                            "' has a norm that is off 1 by " + number(error) + ": normalize q");
   }
   for (std::size_t j = 0; j < joints.size(); ++j)
     if (leaders[j].joint >= 0) own[j] = {leaders[j].ratio * own[std::size_t(leaders[j].joint)][0] + leaders[j].offset};

@@ -20,7 +20,8 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
     int at = j;
     while (leader[std::size_t(at)].joint == -2 && !joints[std::size_t(at)].spec.mimic.empty()) {
       if (int(path.size()) > n || std::find(path.begin(), path.end(), at) != path.end())
-        throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(at)].spec.name + "': mimic goes round in a circle: one joint of it must move by itself");
+        throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(at)].spec.name +
+                                           "': mimic goes round in a circle: one joint of it must move by itself");
       path.push_back(at);
       const JointSpec& s = joints[std::size_t(at)].spec;
       const auto it = index.find(s.mimic);
@@ -36,7 +37,8 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
       continue;
     }
     if (spec_nq(joints[std::size_t(base.joint)].spec) != 1)
-      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(j)].spec.name + "': mimics '" + joints[std::size_t(base.joint)].spec.name +
+      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(j)].spec.name + "': mimics '" +
+                                         joints[std::size_t(base.joint)].spec.name +
                                          "', which has more than one coordinate: only joints with one can lead");
     for (auto k = path.rbegin(); k != path.rend(); ++k) {
       const JointSpec& s = joints[std::size_t(*k)].spec;
@@ -50,9 +52,11 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
 }
 
 constexpr std::size_t limit = 50000000;  // entries of the pattern of M
-constexpr const char* too_filled = "the model has too many mimic joints for its depth: M has no sparse factor; bind fewer joints by mimic";
+constexpr const char* too_filled =
+    "the model has too many mimic joints for its depth: M has no sparse factor; bind fewer joints by mimic";
 
-// Gives degrees of freedom more ancestors, which is some zeros more in the factor, until the descendants of each follow it in number.
+// Gives degrees of freedom more ancestors, which is some zeros more in the factor, until the descendants of each follow it in
+// number.
 static void close_subtrees(std::vector<Index>& parent) {
   for (Index k = Index(parent.size()) - 1; k > 0; --k) {
     Index below = k - 1, above = parent[std::size_t(k)];  // to be its ancestor

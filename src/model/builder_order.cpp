@@ -45,7 +45,8 @@ std::vector<double> neutral_of(const JointEntry& joint) {
   return q;
 }
 
-std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x, int (*size)(const JointEntry&)) {
+std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x,
+                                          int (*size)(const JointEntry&)) {
   std::vector<std::vector<double>> own(joints.size());
   auto at = x.begin();
   for (int j : depth_first(joints)) {
@@ -62,8 +63,9 @@ void Builder::Impl::split_configurations() {
   for (ConfigurationEntry& c : configurations) {
     if (c.split) continue;
     if (c.whole.size() != nq)
-      throw Error(DYN_ERROR_SIZE, "configuration '" + c.name + "' has " + std::to_string(c.whole.size()) + " numbers, but what is built so far has nq = " +
-                                      std::to_string(nq) + ": name configurations after the last joint");
+      throw Error(DYN_ERROR_SIZE, "configuration '" + c.name + "' has " + std::to_string(c.whole.size()) +
+                                      " numbers, but what is built so far has nq = " + std::to_string(nq) +
+                                      ": name configurations after the last joint");
     c.by_joint = by_joint(joints, c.whole);
     c.whole.clear(), c.split = true;
   }

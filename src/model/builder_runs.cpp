@@ -31,7 +31,8 @@ void make_runs(const std::vector<Body>& bodies, std::vector<JointRun>& joint_run
   for (CacheBlock& c : cache_blocks) c.first_q = std::min(c.first_q, (end_q + 7) / 8 * 8 - (c.last_q - c.first_q + 3) / 4 * 4);
 }
 
-void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euclidean_spans, std::vector<Index>& manifold_joints) {
+void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euclidean_spans,
+                std::vector<Index>& manifold_joints) {
   for (std::size_t i = 1; i < bodies.size(); ++i) {
     const Body& b = bodies[i];
     if (b.follower) continue;
@@ -47,7 +48,8 @@ void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euc
   }
 }
 
-Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end, DofGroup* groups) {
+Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end,
+                      DofGroup* groups) {
   Index count = 0;
   for (std::size_t k = 0; k < parent.size(); ++k) {
     DofGroup* g = groups + count - 1;

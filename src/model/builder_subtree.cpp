@@ -51,17 +51,21 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   frames = std::move(seen);
   std::vector<int> shape(shapes.size());
   for (std::size_t k = 0, next = 0; k < shapes.size(); ++k) shape[k] = frame[std::size_t(shapes[k].frame)] < 0 ? -1 : int(next++);
-  std::erase_if(pairs, [&](PairEntry& p) { return (p.shape1 = shape[std::size_t(p.shape1)]) < 0 || (p.shape2 = shape[std::size_t(p.shape2)]) < 0; });
+  std::erase_if(pairs, [&](PairEntry& p) {
+    return (p.shape1 = shape[std::size_t(p.shape1)]) < 0 || (p.shape2 = shape[std::size_t(p.shape2)]) < 0;
+  });
   std::erase_if(shapes, [&](const ShapeEntry& s) { return frame[std::size_t(s.frame)] < 0; });
   for (ShapeEntry& s : shapes) s.frame = frame[std::size_t(s.frame)];
-  std::erase_if(disabled, [&](const DisabledEntry& p) { return frame[std::size_t(p.frame1)] < 0 || frame[std::size_t(p.frame2)] < 0; });
+  std::erase_if(disabled,
+                [&](const DisabledEntry& p) { return frame[std::size_t(p.frame1)] < 0 || frame[std::size_t(p.frame2)] < 0; });
   for (DisabledEntry& p : disabled) p.frame1 = frame[std::size_t(p.frame1)], p.frame2 = frame[std::size_t(p.frame2)];
 
   std::erase_if(actuators, [&](ActuatorEntry& a) { return (a.joint = joint[std::size_t(a.joint)]) < 0; });
   std::erase_if(constraints, [&](ConstraintEntry& c) {
     const std::vector<int>& at = between_joints(c.spec.type) ? joint : frame;
     c.first = c.first < 0 ? c.first : at[std::size_t(c.first)], c.second = c.second < 0 ? c.second : at[std::size_t(c.second)];
-    if (c.first < 0 || (c.second < 0 && (!between_joints(c.spec.type) || c.spec.type == DYN_CONSTRAINT_TYPE_COUPLING))) return true;
+    if (c.first < 0 || (c.second < 0 && (!between_joints(c.spec.type) || c.spec.type == DYN_CONSTRAINT_TYPE_COUPLING)))
+      return true;
     // two frames that a locked joint has made one body
     return !between_joints(c.spec.type) && frames[std::size_t(c.first)].joint == frames[std::size_t(c.second)].joint;
   });
@@ -86,7 +90,8 @@ static void check_leaders(const std::vector<JointEntry>& joints, const std::vect
   for (std::size_t j = 0; j < joints.size(); ++j)
     if (kept[j] && leaders[j].joint >= 0 && !kept[std::size_t(leaders[j].joint)])
       throw Error(DYN_ERROR_INVALID, who + ": joint '" + joints[j].spec.name + "' stays and follows '" +
-                                         joints[std::size_t(leaders[j].joint)].spec.name + "', which doesn't: lock the leader first");
+                                         joints[std::size_t(leaders[j].joint)].spec.name +
+                                         "', which doesn't: lock the leader first");
 }
 
 // Followers of followers that go follow who leads them.
@@ -95,7 +100,8 @@ static void follow_leaders(std::vector<JointEntry>& joints) {
   for (std::size_t j = 0; j < joints.size(); ++j)
     if (leaders[j].joint >= 0) {
       JointSpec& s = joints[j].spec;
-      s.mimic = joints[std::size_t(leaders[j].joint)].spec.name, s.mimic_ratio = leaders[j].ratio, s.mimic_offset = leaders[j].offset;
+      s.mimic = joints[std::size_t(leaders[j].joint)].spec.name, s.mimic_ratio = leaders[j].ratio,
+      s.mimic_offset = leaders[j].offset;
     }
 }
 

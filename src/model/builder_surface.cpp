@@ -1,4 +1,5 @@
-// Trees of boxes: over triangles, split at the median of their middles across the longest side; over the cells of a grid, two by two.
+// Trees of boxes: over triangles, split at the median of their middles across the longest side; over the cells of a grid, two by
+// two.
 #include "builder_surface.hpp"
 
 #include <algorithm>
@@ -21,11 +22,14 @@ struct TreeMaker {
   std::vector<double> boxes, slabs;
   std::vector<Index> links;
 
-  const double* corner(Index t, int k) const { return vertices.data() + 3 * std::ptrdiff_t(triangles[3 * std::size_t(t) + std::size_t(k)]); }
+  const double* corner(Index t, int k) const {
+    return vertices.data() + 3 * std::ptrdiff_t(triangles[3 * std::size_t(t) + std::size_t(k)]);
+  }
 
   void run() {
     const Index n = Index(triangles.size() / 3);
-    for (Index t = 0; t < n; ++t) order.push_back(t), middles.push_back((load3(corner(t, 0)) + load3(corner(t, 1)) + load3(corner(t, 2))) * (1.0 / 3));
+    for (Index t = 0; t < n; ++t)
+      order.push_back(t), middles.push_back((load3(corner(t, 0)) + load3(corner(t, 1)) + load3(corner(t, 2))) * (1.0 / 3));
     node(0, n);
   }
 
@@ -73,7 +77,8 @@ struct TreeMaker {
 };
 
 [[noreturn]] void too_far(double extent) {
-  throw Error(DYN_ERROR_LIMIT, "a surface reaches " + number(extent) + " m from its origin: distances are measured up to " + number(shape::max_length));
+  throw Error(DYN_ERROR_LIMIT, "a surface reaches " + number(extent) + " m from its origin: distances are measured up to " +
+                                   number(shape::max_length));
 }
 
 }  // namespace
@@ -82,10 +87,13 @@ SurfacePtr surface_of(const Model& m, Index shape) {
   const ShapeRecord& s = m.shapes()[shape];
   auto take = [&]<class T>(const Stored<T>* list) {
     const Stored<T>& from = list[s.surface];
-    return std::make_shared<SurfaceData>(SurfaceData{Held<T>(view(from.header, m.surface_numbers() + from.numbers, m.surface_indices() + from.indices))});
+    return std::make_shared<SurfaceData>(
+        SurfaceData{Held<T>(view(from.header, m.surface_numbers() + from.numbers, m.surface_indices() + from.indices))});
   };
   if (s.surface < 0) return nullptr;
-  return s.type == DYN_SHAPE_TYPE_CONVEX ? take(m.hulls()) : s.type == DYN_SHAPE_TYPE_TRIANGLES ? take(m.trees()) : take(m.grids());
+  return s.type == DYN_SHAPE_TYPE_CONVEX      ? take(m.hulls())
+         : s.type == DYN_SHAPE_TYPE_TRIANGLES ? take(m.trees())
+                                              : take(m.grids());
 }
 
 dynShapeType type_of(const SurfaceData& s) {
@@ -114,26 +122,33 @@ SurfacePtr triangle_tree(const std::vector<double>& vertices, const std::vector<
   if (!(t.extent <= shape::max_length)) too_far(t.extent);
   t.vertices = Index(met.size() / 3), t.triangles = Index(triangles.size() / 3), t.nodes = Index(maker.links.size() / 2);
   t.closed = closed;
-  t.vertex = met.data(), t.box = maker.boxes.data(), t.slab = maker.slabs.data(), t.corner = corners.data(), t.link = maker.links.data();
+  t.vertex = met.data(), t.box = maker.boxes.data(), t.slab = maker.slabs.data(), t.corner = corners.data(),
+  t.link = maker.links.data();
   return std::make_shared<SurfaceData>(SurfaceData{Held<TriangleTree>(t)});
 }
 
 SurfacePtr height_grid(const double* heights, Index columns, Index rows, double step_x, double step_y, double bottom) {
   const auto refuse = [](dynStatus status, const std::string& message) { throw Error(status, "height field: " + message); };
   constexpr double largest = shape::max_length;
-  if (columns < 2 || rows < 2) refuse(DYN_ERROR_INVALID, std::to_string(columns) + " x " + std::to_string(rows) + " points: two each way are the least");
+  if (columns < 2 || rows < 2)
+    refuse(DYN_ERROR_INVALID, std::to_string(columns) + " x " + std::to_string(rows) + " points: two each way are the least");
   if (std::int64_t(columns) * rows > max_heights)
-    refuse(DYN_ERROR_LIMIT, std::to_string(columns) + " x " + std::to_string(rows) + " points, and the limit is " + std::to_string(max_heights));
+    refuse(DYN_ERROR_LIMIT,
+           std::to_string(columns) + " x " + std::to_string(rows) + " points, and the limit is " + std::to_string(max_heights));
   for (const double step : {step_x, step_y})
     if (!(step >= shape::min_length && step <= largest))
-      refuse(std::isfinite(step) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "a step of " + number(step) + " m: give metres above zero");
+      refuse(std::isfinite(step) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE,
+             "a step of " + number(step) + " m: give metres above zero");
   if (!std::isfinite(bottom)) refuse(DYN_ERROR_NONFINITE, "bottom is not finite");
   Grid g{};
   g.columns = columns, g.rows = rows, g.step_x = step_x, g.step_y = step_y, g.bottom = bottom;
   for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(columns) * rows; ++k) {
-    const auto which = [&] { return "the height of column " + std::to_string(k % columns) + ", row " + std::to_string(k / columns) + " is "; };
+    const auto which = [&] {
+      return "the height of column " + std::to_string(k % columns) + ", row " + std::to_string(k / columns) + " is ";
+    };
     if (!std::isfinite(heights[k])) refuse(DYN_ERROR_NONFINITE, which() + "not finite");
-    if (!(heights[k] > bottom)) refuse(DYN_ERROR_INVALID, which() + number(heights[k]) + " m, not above the bottom, " + number(bottom) + " m");
+    if (!(heights[k] > bottom))
+      refuse(DYN_ERROR_INVALID, which() + number(heights[k]) + " m, not above the bottom, " + number(bottom) + " m");
   }
   g.height = heights;
   for (Index j = 0; j < rows; ++j)

@@ -78,9 +78,17 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
     const char* name;
     const double* x;
     int n;
-  } numbers[] = {{"placement1", s.placement1, 12}, {"placement2", s.placement2, 12}, {"axis", s.axis, 3}, {"axis2", s.axis2, 3}, {"pitch", &s.pitch, 1},
-                 {"length", &s.length, 1}, {"coefficients", s.coefficients, 5}, {"force", &s.force, 1}, {"stiffness", &s.stiffness, 1},
-                 {"damping", &s.damping, 1}, {"restitution", &s.restitution, 1}};
+  } numbers[] = {{"placement1", s.placement1, 12},
+                 {"placement2", s.placement2, 12},
+                 {"axis", s.axis, 3},
+                 {"axis2", s.axis2, 3},
+                 {"pitch", &s.pitch, 1},
+                 {"length", &s.length, 1},
+                 {"coefficients", s.coefficients, 5},
+                 {"force", &s.force, 1},
+                 {"stiffness", &s.stiffness, 1},
+                 {"damping", &s.damping, 1},
+                 {"restitution", &s.restitution, 1}};
   for (const auto& x : numbers)
     if (!finite(x.x, x.n)) return refuse(DYN_ERROR_NONFINITE, "%s is not finite: give finite numbers", x.name);
   if (s.stiffness < 0) return refuse(DYN_ERROR_ARGUMENT, "stiffness is %g: give 0 or more", s.stiffness);
@@ -91,19 +99,23 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
     if (!placed(s.placement1)) return refuse(DYN_ERROR_ARGUMENT, "placement1 has no rotation: start from the default constraint");
     if (!placed(s.placement2)) return refuse(DYN_ERROR_ARGUMENT, "placement2 has no rotation: start from the default constraint");
   }
-  if (s.type == DYN_CONSTRAINT_TYPE_DISTANCE && !(s.length > 0)) return refuse(DYN_ERROR_ARGUMENT, "length is %g: give more than 0, or use CONNECT", s.length);
-  if (s.type == DYN_CONSTRAINT_TYPE_FRICTION && s.force < 0) return refuse(DYN_ERROR_ARGUMENT, "force is %g: give 0 or more", s.force);
+  if (s.type == DYN_CONSTRAINT_TYPE_DISTANCE && !(s.length > 0))
+    return refuse(DYN_ERROR_ARGUMENT, "length is %g: give more than 0, or use CONNECT", s.length);
+  if (s.type == DYN_CONSTRAINT_TYPE_FRICTION && s.force < 0)
+    return refuse(DYN_ERROR_ARGUMENT, "force is %g: give 0 or more", s.force);
   if (s.type == DYN_CONSTRAINT_TYPE_LOOP) {
     Constraint c{};
     c.joint_type = s.joint_type;
     if (constraint::Loop::rows(c) == 0)
-      return refuse(DYN_ERROR_ARGUMENT, "joint_type is %d: a loop needs a simple joint with 1 to 5 degrees of freedom; for FIXED use the type WELD",
-          int(s.joint_type));
+      return refuse(DYN_ERROR_ARGUMENT,
+                    "joint_type is %d: a loop needs a simple joint with 1 to 5 degrees of freedom; for FIXED use the type WELD",
+                    int(s.joint_type));
     const Vec3<double> none = Vec3<double>::zero();
     if (is_zero(Motion<double>{load3(s.axis), none})) return refuse(DYN_ERROR_INVALID, "axis is zero: give a direction");
     if (s.joint_type == DYN_JOINT_TYPE_UNIVERSAL) {
       if (is_zero(Motion<double>{load3(s.axis2), none})) return refuse(DYN_ERROR_INVALID, "axis2 is zero: give a direction");
-      if (std::abs(dot(unit(s.axis), unit(s.axis2))) > 1 - 1e-9) return refuse(DYN_ERROR_INVALID, "axis and axis2 are parallel: give two different directions");
+      if (std::abs(dot(unit(s.axis), unit(s.axis2))) > 1 - 1e-9)
+        return refuse(DYN_ERROR_INVALID, "axis and axis2 are parallel: give two different directions");
     }
   }
   return DYN_OK;
@@ -120,8 +132,8 @@ dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message
         return refuse(DYN_ERROR_ARGUMENT, "frame %d does not exist: the model has frames 0 to %d", frame, int(m.n.frames) - 1);
     const FrameRecord &a = m.frames()[s.first], &b = m.frames()[s.second];
     if (a.body == b.body)
-      return refuse(DYN_ERROR_INVALID, "first, '%s', and second, '%s', are on the same body: nothing can move between them", m.string(a.name),
-          m.string(b.name));
+      return refuse(DYN_ERROR_INVALID, "first, '%s', and second, '%s', are on the same body: nothing can move between them",
+                    m.string(a.name), m.string(b.name));
     return DYN_OK;
   }
   for (const int joint : {s.first, two ? s.second : s.first}) {
@@ -129,8 +141,10 @@ dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message
       return refuse(DYN_ERROR_ARGUMENT, "joint %d does not exist: the model has joints 1 to %d", joint, int(m.n.joints) - 1);
     const JointRecord& j = m.joints()[joint];
     if (j.leader >= 0)
-      return refuse(DYN_ERROR_INVALID, "joint '%s' mimics '%s': constrain '%s'", joint_name(m, joint), joint_name(m, j.leader), joint_name(m, j.leader));
-    if (j.nq != 1 || j.nv != 1) return refuse(DYN_ERROR_INVALID, "joint '%s' has %d coordinates: choose a joint with one", joint_name(m, joint), int(j.nq));
+      return refuse(DYN_ERROR_INVALID, "joint '%s' mimics '%s': constrain '%s'", joint_name(m, joint), joint_name(m, j.leader),
+                    joint_name(m, j.leader));
+    if (j.nq != 1 || j.nv != 1)
+      return refuse(DYN_ERROR_INVALID, "joint '%s' has %d coordinates: choose a joint with one", joint_name(m, joint), int(j.nq));
   }
   if (two && s.first == s.second) return refuse(DYN_ERROR_INVALID, "joint '%s' is coupled with itself", joint_name(m, s.first));
   if (s.type == DYN_CONSTRAINT_TYPE_LIMIT) {

@@ -204,7 +204,8 @@ TEST(CentroidalDerivatives, ColumnByColumn) {
         MatrixXd by_q(12, c.nv), by_v(12, c.nv);
         e.w.v(c.x.v).a(c.x.a);
         for (Index k = 0; k < c.nv; ++k)
-          by_q.col(k) = rate([&](Quad t) { return e.w.q(on_path(c.m, c.x.q, VectorXd::Unit(c.nv, k), none, t)), e.momenta(); }, 12);
+          by_q.col(k) =
+              rate([&](Quad t) { return e.w.q(on_path(c.m, c.x.q, VectorXd::Unit(c.nv, k), none, t)), e.momenta(); }, 12);
         e.w.q(c.x.q);
         for (Index k = 0; k < c.nv; ++k)
           by_v.col(k) = rate([&](Quad t) { return e.w.v(line(c.x.v, VectorXd::Unit(c.nv, k), t)), e.momenta(); }, 12);

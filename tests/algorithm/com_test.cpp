@@ -58,7 +58,8 @@ TEST(CenterOfMass, VelocityAndAccelerationAreItsRates) {
     const V3 v(c.w.d.vcom), a(c.w.d.acom);
     forward_kinematics<2>(c.m, c.w.d);
     double speed = 1;  // of the fastest body
-    for (Index i = 1; i < c.m.n.bodies; ++i) speed = std::max({speed, largest(eigen(c.w.d.vel[i])), largest(eigen(c.w.d.omega[i]))});
+    for (Index i = 1; i < c.m.n.bodies; ++i)
+      speed = std::max({speed, largest(eigen(c.w.d.vel[i])), largest(eigen(c.w.d.omega[i]))});
     EXPECT_LE(gap(v, rate(com, 3)), tol * speed);
     EXPECT_LE(gap(a, second_rate(com, 3)), 10 * tol * speed * speed);
   });

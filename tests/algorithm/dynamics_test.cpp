@@ -18,7 +18,8 @@ TEST(Dynamics, ForwardOfInverseIsTheIdentity) {
   small.joints = 12;  // the error grows with cond(M), which is computed here
   for_trees(
       [](Case& c) {
-        const VectorXd tau = c.rnea(c.x.v, c.x.a), eigenvalues = Eigen::SelfAdjointEigenSolver<MatrixXd>(c.M(), Eigen::EigenvaluesOnly).eigenvalues();
+        const VectorXd tau = c.rnea(c.x.v, c.x.a),
+                       eigenvalues = Eigen::SelfAdjointEigenSolver<MatrixXd>(c.M(), Eigen::EigenvaluesOnly).eigenvalues();
         const double cond = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
         EXPECT_LE(gap(c.aba(tau), c.x.a), 1e-15 * cond * c.terms(c.x.a) / eigenvalues.maxCoeff() + tol);
       },
@@ -54,7 +55,8 @@ TEST(Dynamics, FactorReproducesTheInertia) {
     for (Index i = 0; i < c.nv; ++i) {
       D[i] = 1 / c.w.d.D[i];
       EXPECT_GT(D[i], 0);
-      for (Index j = c.m.dof_parent()[i]; j >= 0; j = c.m.dof_parent()[j]) L(i, j) = factor_row(c.m, c.w.d, i)[c.m.dof_depth()[j]] * c.w.d.D[i];
+      for (Index j = c.m.dof_parent()[i]; j >= 0; j = c.m.dof_parent()[j])
+        L(i, j) = factor_row(c.m, c.w.d, i)[c.m.dof_depth()[j]] * c.w.d.D[i];
     }
     EXPECT_LE(gap(L.transpose() * D.asDiagonal() * L, M), tol * largest(M));
     // M x = b: the residual is small whatever cond(M) is
@@ -75,7 +77,8 @@ TEST(Dynamics, InverseOfTheInertia) {
         EXPECT_LE(gap(M * Minv, MatrixXd::Identity(c.nv, c.nv)), 1e-14 * (M.cwiseAbs() * Minv.cwiseAbs()).maxCoeff());
         // and ABA agrees: ddq = Minv (tau - nle)
         const VectorXd ddq = c.aba(c.x.tau), force = c.x.tau - c.nle();
-        EXPECT_LE(gap(Minv * force, ddq), 1e-14 * (Minv.cwiseAbs() * (M.cwiseAbs() * ddq.cwiseAbs() + force.cwiseAbs())).maxCoeff());
+        EXPECT_LE(gap(Minv * force, ddq),
+                  1e-14 * (Minv.cwiseAbs() * (M.cwiseAbs() * ddq.cwiseAbs() + force.cwiseAbs())).maxCoeff());
       },
       100);
 }
@@ -115,7 +118,8 @@ TEST(Dynamics, AtRestInverseDynamicsIsGravityBitForBit) {
     EXPECT_EQ(DYN_OK, dyn_gravity_torque(m, d, x.q.data(), g.data()));
     EXPECT_EQ(DYN_OK, dyn_nle(m, d, x.q.data(), zero.data(), nle.data()));
     EXPECT_EQ(DYN_OK, dyn_static_torque(m, d, x.q.data(), nullptr, held.data()));
-    for (const VectorXd* other : {&g, &nle, &held}) EXPECT_EQ(0, std::memcmp(tau.data(), other->data(), sizeof(double) * std::size_t(nv))) << seed;
+    for (const VectorXd* other : {&g, &nle, &held})
+      EXPECT_EQ(0, std::memcmp(tau.data(), other->data(), sizeof(double) * std::size_t(nv))) << seed;
     // also after the data was elsewhere, moving
     EXPECT_EQ(DYN_OK, dyn_rnea(m, d, elsewhere.data(), x.v.data(), x.a.data(), nullptr, nullptr));
     EXPECT_EQ(DYN_OK, dyn_gravity_torque(m, d, x.q.data(), g.data()));

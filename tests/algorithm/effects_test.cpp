@@ -22,16 +22,20 @@ void slow_down(Case& c) {
 }
 
 // r(q, v) by its definition.
-static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that joints have beside their rotors is defined here, and drawn by add_resistance in tests/common/random_tree.hpp");
+static_assert(DYN_EFFECT_ALL == 0x1ff,
+              "an effect that joints have beside their rotors is defined here, and drawn by add_resistance in "
+              "tests/common/random_tree.hpp");
 VectorXd resistance(const Case& c) {
   VectorXd r(c.nv), e(c.nv);
   difference(c.m, c.m.spring_reference(), c.x.q.data(), e.data());
   for (Index j = 1; j < c.m.n.joints; ++j) {
     const JointRecord& joint = c.m.joints()[j];
-    if (joint.type == DYN_JOINT_TYPE_CONTINUOUS && joint.nv) e[joint.idx_v] = c.x.q[joint.idx_q] - c.m.spring_reference()[joint.idx_q];  // turns count
+    if (joint.type == DYN_JOINT_TYPE_CONTINUOUS && joint.nv)
+      e[joint.idx_v] = c.x.q[joint.idx_q] - c.m.spring_reference()[joint.idx_q];  // turns count
   }
   for (Index k = 0; k < c.nv; ++k)
-    r[k] = c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY) + c.m.stiffness()[k] * e[k];
+    r[k] =
+        c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY) + c.m.stiffness()[k] * e[k];
   return r;
 }
 
@@ -151,7 +155,8 @@ TEST(Effects, SecondOrder) {
         };
         Data<double>& d = c.w.d;
         second_order_columns<double>(c.m, d, d.v, d.a, nullptr);
-        second_order_product<double>(c.m, d, lambda.data(), {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
+        second_order_product<double>(c.m, d, lambda.data(),
+                                     {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
         const MatrixXd qq = by_q(c, gradient(&Data<Quad>::dtau_dq)), vv = by_v(c, gradient(&Data<Quad>::dtau_dv));
         const double scale = c.terms(c.x.a) + largest(qq) + 10;
         EXPECT_LE(gap(matrix(d.lambda_d2tau_dqdq, c.nv, c.nv), qq), tol * scale) << "dqdq";
@@ -161,7 +166,8 @@ TEST(Effects, SecondOrder) {
         second_order_derivatives<double>(c.m, d, {of_q.data(), of_v.data(), nullptr, nullptr});
         MatrixXd sum_q = MatrixXd::Zero(c.nv, c.nv), sum_v = sum_q;
         for (Index i = 0; i < c.nv; ++i)
-          sum_q += lambda[i] * matrix(of_q.data() + square * i, c.nv, c.nv), sum_v += lambda[i] * matrix(of_v.data() + square * i, c.nv, c.nv);
+          sum_q += lambda[i] * matrix(of_q.data() + square * i, c.nv, c.nv),
+              sum_v += lambda[i] * matrix(of_v.data() + square * i, c.nv, c.nv);
         EXPECT_LE(gap(sum_q, qq), tol * scale);
         EXPECT_LE(gap(sum_v, vv), tol * (scale + largest(vv)));
       },
@@ -180,8 +186,10 @@ TEST(Effects, OfStaticTorqueButNotOfGravity) {
             return out;
           };
         };
-        const MatrixXd all = by_q(c, at_rest([&](Quad* out) { inverse_dynamics<Quad>(c.m, w.d, w.d.zero, w.d.zero, nullptr, out); }));
-        const MatrixXd weight = by_q(c, at_rest([&](Quad* out) { rigid_inverse_dynamics<Quad>(c.m, w.d, w.d.zero, w.d.zero, nullptr, out); }));
+        const MatrixXd all =
+            by_q(c, at_rest([&](Quad* out) { inverse_dynamics<Quad>(c.m, w.d, w.d.zero, w.d.zero, nullptr, out); }));
+        const MatrixXd weight =
+            by_q(c, at_rest([&](Quad* out) { rigid_inverse_dynamics<Quad>(c.m, w.d, w.d.zero, w.d.zero, nullptr, out); }));
         static_torque_derivatives<double>(c.m, c.w.d, nullptr, c.w.d.dstatic_torque_dq);
         gravity_derivatives<double>(c.m, c.w.d, nullptr, c.w.d.dg_dq);
         const double scale = c.terms(c.x.a) + largest(all);
@@ -214,8 +222,10 @@ TEST(Effects, PowerBalance) {
           return Quads{w.d.kinetic[0] + w.d.potential[0]};
         };
         VectorXd net = c.x.tau;
-        for (Index k = 0; k < c.nv; ++k) net[k] -= c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY);
-        const double power = c.x.v.dot(net), scale = (c.x.v.cwiseAbs().transpose() * c.M().cwiseAbs() * ddq.cwiseAbs())(0) + c.x.v.cwiseAbs().sum() * c.terms(ddq);
+        for (Index k = 0; k < c.nv; ++k)
+          net[k] -= c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY);
+        const double power = c.x.v.dot(net), scale = (c.x.v.cwiseAbs().transpose() * c.M().cwiseAbs() * ddq.cwiseAbs())(0) +
+                                                     c.x.v.cwiseAbs().sum() * c.terms(ddq);
         EXPECT_LE(std::abs(rate(energy, 1)(0, 0) - power), 1e-12 * scale);
       },
       60, resisting(12));
@@ -314,7 +324,8 @@ TEST(Effects, DerivativeOfTheLogarithmsJacobian) {
     const Mat3<double> H = dJlog3(Vec3<double>::make(w[0], w[1], w[2]), Vec3<double>::make(l[0], l[1], l[2]));
     for (int k = 0; k < 3; ++k) {
       auto row = [&](Quad t) {
-        const Mat3<Quad> J = Jlog3(Vec3<Quad>::make(Quad(w[0]) + (k == 0 ? t : 0), Quad(w[1]) + (k == 1 ? t : 0), Quad(w[2]) + (k == 2 ? t : 0)));
+        const Mat3<Quad> J =
+            Jlog3(Vec3<Quad>::make(Quad(w[0]) + (k == 0 ? t : 0), Quad(w[1]) + (k == 1 ? t : 0), Quad(w[2]) + (k == 2 ? t : 0)));
         Quads out;
         for (int c = 0; c < 3; ++c) out.push_back(J(0, c) * Quad(l[0]) + J(1, c) * Quad(l[1]) + J(2, c) * Quad(l[2]));
         return out;

@@ -45,7 +45,8 @@ TEST(Energy, EachComponentOfGravity) {
         Energies e(c);
         const VectorXd g = c.gravity();
         for (Index k = 0; k < c.nv; ++k)
-          EXPECT_LE(std::abs(g[k] - rate([&](Quad t) { return e.potential(t, VectorXd::Unit(c.nv, k)); }, 1)(0, 0)), tol * (1 + largest(g)));
+          EXPECT_LE(std::abs(g[k] - rate([&](Quad t) { return e.potential(t, VectorXd::Unit(c.nv, k)); }, 1)(0, 0)),
+                    tol * (1 + largest(g)));
       },
       50, small);
 }

@@ -85,7 +85,8 @@ TEST(FrameDerivatives, KinematicHessian) {
             Columns H(6 * c.nv * c.nv);
             frame_kinematic_hessian<double>(c.m, c.w.d, frame, r, H);
             const MatrixXd expected = by_q(c, jacobian);
-            EXPECT_LE(gap(H.matrix(6 * c.nv), expected), tol * (1 + largest(expected))) << "frame " << frame << " reference " << r;
+            EXPECT_LE(gap(H.matrix(6 * c.nv), expected), tol * (1 + largest(expected)))
+                << "frame " << frame << " reference " << r;
           }
       },
       40, up_to(10));
@@ -100,7 +101,8 @@ TEST(FrameDerivatives, HessianTimesVelocityIsTheRateOfTheJacobian) {
       Columns H(6 * c.nv * c.nv), dJ(6 * c.nv);
       frame_kinematic_hessian<double>(c.m, c.w.d, c.m.n.frames - 1, r, H);
       frame_jacobian_time_variation<double>(c.m, c.w.d, c.m.n.frames - 1, r, dJ);
-      EXPECT_LE(gap(H.matrix(6 * c.nv) * c.x.v, dJ.x), tol * (1 + (H.matrix(6 * c.nv).cwiseAbs() * c.x.v.cwiseAbs()).maxCoeff())) << r;
+      EXPECT_LE(gap(H.matrix(6 * c.nv) * c.x.v, dJ.x), tol * (1 + (H.matrix(6 * c.nv).cwiseAbs() * c.x.v.cwiseAbs()).maxCoeff()))
+          << r;
     }
   });
 }

@@ -17,7 +17,8 @@ void aim(dynIkTask& t, const M4& X) {
 }
 dynIkOptions some_options() {
   dynIkOptions o{};
-  o.struct_size = sizeof o, o.max_iterations = 100, o.restarts = 20, o.tolerance_linear = o.tolerance_angular = 1e-8, o.limits = 1;
+  o.struct_size = sizeof o, o.max_iterations = 100, o.restarts = 20, o.tolerance_linear = o.tolerance_angular = 1e-8,
+  o.limits = 1;
   return o;
 }
 
@@ -39,7 +40,8 @@ Quads errors(Work<Quad>& w, const dynIkTask& t, const VectorXd& q, const VectorX
   return out;
 }
 
-// With one component weighted, g = J^T r and J^T J are e e' and e' e'^T of that component: e' along a random step, by differences.
+// With one component weighted, g = J^T r and J^T J are e e' and e' e'^T of that component: e' along a random step, by
+// differences.
 TEST(InverseKinematics, JacobiansAreTheDerivativesOfTheErrors) {
   TreeOptions small;
   small.joints = 12;
@@ -47,13 +49,15 @@ TEST(InverseKinematics, JacobiansAreTheDerivativesOfTheErrors) {
     Dice dice(c.x.q.size() ? std::uint64_t(1e6 + 1e5 * c.x.q[0]) : 1);
     Work<Quad> w(c.m);
     const State other(c.m, 99);
-    for (dynIkTaskType type : {DYN_IK_TASK_TYPE_POSE, DYN_IK_TASK_TYPE_POSITION, DYN_IK_TASK_TYPE_ORIENTATION, DYN_IK_TASK_TYPE_COM, DYN_IK_TASK_TYPE_POSTURE}) {
+    for (dynIkTaskType type : {DYN_IK_TASK_TYPE_POSE, DYN_IK_TASK_TYPE_POSITION, DYN_IK_TASK_TYPE_ORIENTATION,
+                               DYN_IK_TASK_TYPE_COM, DYN_IK_TASK_TYPE_POSTURE}) {
       dynIkTask t = task(type, dice.below(c.m.n.frames));
       aim(t, dice.pose(0.5));
       t.posture = other.q.data();
       const VectorXd direction = dice.vector(c.nv);
       const VectorXd rates = rate([&](Quad h) { return errors(w, t, c.x.q, direction, h); }, row_count(c.m, type));
-      const VectorXd values = scaled_difference(errors(w, t, c.x.q, direction, Quad(0)), Quads(std::size_t(rates.size()), Quad(0)), Quad(1), rates.size());
+      const VectorXd values = scaled_difference(errors(w, t, c.x.q, direction, Quad(0)),
+                                                Quads(std::size_t(rates.size()), Quad(0)), Quad(1), rates.size());
       center_of_mass(c.m, c.w.d, 0);
       for (Index k = 0; k < row_count(c.m, type); ++k) {
         VectorXd weights = VectorXd::Zero(row_count(c.m, type)), r(c.nv), g(c.nv);
@@ -77,7 +81,8 @@ TEST(BoxStep, SolvesTheProgram) {
   Dice dice(7);
   for (int round = 0; round < 3000; ++round) {
     const Index n = 1 + dice.below(12), rows = 1 + dice.below(14);
-    const MatrixXd J = dice.chance(0.3) ? MatrixXd(dice.vector(rows) * dice.vector(n).transpose()) : MatrixXd(dice.vector(Index(rows * n)).reshaped(rows, n));
+    const MatrixXd J = dice.chance(0.3) ? MatrixXd(dice.vector(rows) * dice.vector(n).transpose())
+                                        : MatrixXd(dice.vector(Index(rows * n)).reshaped(rows, n));
     const VectorXd e = dice.vector(rows);
     std::vector<Index> list, state(2 * std::size_t(n));
     for (Index k = 0; k < n; ++k) list.push_back(k);
@@ -117,7 +122,10 @@ TEST(InverseKinematics, ReachesWhatCanBeReached) {
     dynIkTask tasks[3];
     ensure_position(c.m, c.w.d);
     for (int k = 0; k < 3; ++k) {
-      tasks[k] = task(k == 0 ? DYN_IK_TASK_TYPE_POSE : k == 1 ? DYN_IK_TASK_TYPE_POSITION : DYN_IK_TASK_TYPE_ORIENTATION, dice.below(c.m.n.frames));
+      tasks[k] = task(k == 0   ? DYN_IK_TASK_TYPE_POSE
+                      : k == 1 ? DYN_IK_TASK_TYPE_POSITION
+                               : DYN_IK_TASK_TYPE_ORIENTATION,
+                      dice.below(c.m.n.frames));
       frame_placement(c.m, c.w.d, tasks[k].frame, tasks[k].target);
     }
     const State start(c.m, 1234);
@@ -130,7 +138,8 @@ TEST(InverseKinematics, ReachesWhatCanBeReached) {
     EXPECT_EQ(0, zero_norm_joint(c.m, q.data()));
     for (Index j = 1; j < c.m.n.joints; ++j)
       for (Index k = c.m.joints()[j].idx_q; k < c.m.joints()[j].idx_q + c.m.joints()[j].nq; ++k)
-        EXPECT_TRUE(c.m.joints()[j].nq != c.m.joints()[j].nv || (c.m.lower_limit()[k] <= q[k] && q[k] <= c.m.upper_limit()[k])) << k;
+        EXPECT_TRUE(c.m.joints()[j].nq != c.m.joints()[j].nv || (c.m.lower_limit()[k] <= q[k] && q[k] <= c.m.upper_limit()[k]))
+            << k;
     if (result.reason != DYN_IK_REASON_CONVERGED) return;
     c.w.d.changed(input_q);
     ensure_position(c.m, c.w.d);

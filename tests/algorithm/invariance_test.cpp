@@ -76,7 +76,8 @@ TEST(Invariance, UnitsOfLengthAndMass) {
             for (Index k = 0; k < r.nv; ++k) lv[r.idx_v + k] = v[std::size_t(k)] ? L : 1;
           }
           const VectorXd unit = K * L * L * lv.cwiseInverse();  // of a generalised force
-          const VectorXd q = c.x.q.cwiseProduct(lq), v = c.x.v.cwiseProduct(lv), a = c.x.a.cwiseProduct(lv), tau = c.x.tau.cwiseProduct(unit);
+          const VectorXd q = c.x.q.cwiseProduct(lq), v = c.x.v.cwiseProduct(lv), a = c.x.a.cwiseProduct(lv),
+                         tau = c.x.tau.cwiseProduct(unit);
           Work<double> w(*model);
           w.q(q).v(v);
           VectorXd got(c.nv), ddq(c.nv);

@@ -105,7 +105,8 @@ TEST(Kinematics, JointJacobiansAreThoseOfTheJointsFrames) {
           frame_jacobian(c.m, c.w.d, joint_frame(c.m, j), DYN_REFERENCE_WORLD, of_frame.data());
           EXPECT_LE(gap(of_frame.middleCols(joint.idx_v, joint.nv), J.middleCols(joint.idx_v, joint.nv)), tol * (1 + largest(J)));
           frame_jacobian_time_variation(c.m, c.w.d, joint_frame(c.m, j), DYN_REFERENCE_WORLD, of_frame.data());
-          EXPECT_LE(gap(of_frame.middleCols(joint.idx_v, joint.nv), dJ.middleCols(joint.idx_v, joint.nv)), tol * (1 + largest(dJ)));
+          EXPECT_LE(gap(of_frame.middleCols(joint.idx_v, joint.nv), dJ.middleCols(joint.idx_v, joint.nv)),
+                    tol * (1 + largest(dJ)));
         }
       },
       100);

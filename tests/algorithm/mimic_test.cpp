@@ -96,7 +96,8 @@ TEST(MimicModel, KinematicsAndJacobians) {
     }
     joint_jacobians_time_variation(c.m, c.w.d), joint_jacobians_time_variation(t.f, t.w.d);
     EXPECT_LE(gap(matrix(c.w.d.J, 6, c.nv), matrix(t.w.d.J, 6, t.f.n.nv) * t.G), tol * (1 + largest(matrix(c.w.d.J, 6, c.nv))));
-    EXPECT_LE(gap(matrix(c.w.d.dJ, 6, c.nv), matrix(t.w.d.dJ, 6, t.f.n.nv) * t.G), tol * (1 + largest(matrix(c.w.d.dJ, 6, c.nv))));
+    EXPECT_LE(gap(matrix(c.w.d.dJ, 6, c.nv), matrix(t.w.d.dJ, 6, t.f.n.nv) * t.G),
+              tol * (1 + largest(matrix(c.w.d.dJ, 6, c.nv))));
   });
 }
 
@@ -104,7 +105,8 @@ TEST(MimicModel, CenterOfMassAndEnergy) {
   for_twins([](Twins& t) {
     Case& c = t.c;
     center_of_mass(c.m, c.w.d, 2), center_of_mass(t.f, t.w.d, 2);
-    for (auto get : {+[](Data<double>& d) { return d.com; }, +[](Data<double>& d) { return d.vcom; }, +[](Data<double>& d) { return d.acom; }})
+    for (auto get : {+[](Data<double>& d) { return d.com; }, +[](Data<double>& d) { return d.vcom; },
+                     +[](Data<double>& d) { return d.acom; }})
       EXPECT_LE(gap(V3(get(c.w.d)), V3(get(t.w.d))), tol * (1 + largest(V3(get(c.w.d)))));
     MatrixXd J(3, c.nv), full(3, t.f.n.nv);
     for (Index root : {Index(0), c.m.n.bodies - 1}) {

@@ -37,7 +37,8 @@ TEST(Quadruple, InverseDynamicsInertiaAndCoriolis) {
         const MatrixXd M = matrix(r.w.d.M, c.nv, c.nv), got = c.M();
         // element by element, relative to what Cauchy and Schwarz allow it to be
         for (Index i = 0; i < c.nv; ++i)
-          for (Index j = 0; j < c.nv; ++j) ASSERT_LE(std::abs(got(i, j) - M(i, j)), tol * std::sqrt(M(i, i) * M(j, j))) << i << ", " << j;
+          for (Index j = 0; j < c.nv; ++j)
+            ASSERT_LE(std::abs(got(i, j) - M(i, j)), tol * std::sqrt(M(i, i) * M(j, j))) << i << ", " << j;
         coriolis_matrix(c.m, r.w.d), coriolis_matrix(c.m, c.w.d);
         const MatrixXd C = matrix(r.w.d.coriolis, c.nv, c.nv);
         EXPECT_LE(gap(matrix(c.w.d.coriolis, c.nv, c.nv), C), tol * (1 + largest(C)));
@@ -53,7 +54,8 @@ TEST(Quadruple, ForwardDynamicsOfRandomTrees) {
         // cond in the scaling of M by its diagonal, which no triangular elimination feels
         const MatrixXd M = c.M();
         const VectorXd s = M.diagonal().cwiseSqrt().cwiseInverse();
-        const VectorXd lambda = Eigen::SelfAdjointEigenSolver<MatrixXd>(s.asDiagonal() * M * s.asDiagonal(), Eigen::EigenvaluesOnly).eigenvalues();
+        const VectorXd lambda =
+            Eigen::SelfAdjointEigenSolver<MatrixXd>(s.asDiagonal() * M * s.asDiagonal(), Eigen::EigenvaluesOnly).eigenvalues();
         const double cond = lambda.maxCoeff() / lambda.minCoeff();
         const VectorXd error = (c.aba(c.x.tau) - ddq).cwiseQuotient(s), scaled = ddq.cwiseQuotient(s);
         const double force = largest((c.x.tau.cwiseAbs() + c.nle().cwiseAbs() + M.cwiseAbs() * ddq.cwiseAbs()).cwiseProduct(s));
@@ -70,7 +72,8 @@ TEST(Quadruple, ForwardDynamicsOfBadlyConditionedChains) {
     for (double ratio : {0.3, 1.0, 3.0, 10.0}) {
       SCOPED_TRACE(testing::Message() << links << " links, mass ratio " << ratio);
       TreeOptions options;
-      options.joints = links, options.types = {DYN_JOINT_TYPE_REVOLUTE}, options.branch = options.mimic = options.massless = options.armature = 0;
+      options.joints = links, options.types = {DYN_JOINT_TYPE_REVOLUTE},
+      options.branch = options.mimic = options.massless = options.armature = 0;
       Tree tree = random_tree(std::uint64_t(links), options);
       double mass = 1;
       for (BodySpec& b : tree.bodies) b.inertia *= mass / b.mass, b.mass = mass, mass *= ratio;

@@ -29,7 +29,8 @@ TEST(Regressor, TorqueIsLinearInTheParameters) {
   for_trees([](Case& c) {
     const MatrixXd Y = torque_regressor(c);
     const VectorXd pi = parameters(c.m);
-    EXPECT_LE(gap(Y * pi + armature_torque(c), c.rnea(c.x.v, c.x.a)), tol * ((Y.cwiseAbs() * pi.cwiseAbs()).maxCoeff() + c.terms(c.x.a)));
+    EXPECT_LE(gap(Y * pi + armature_torque(c), c.rnea(c.x.v, c.x.a)),
+              tol * ((Y.cwiseAbs() * pi.cwiseAbs()).maxCoeff() + c.terms(c.x.a)));
     // Y knows nothing of the links
     const ModelPtr model = other_links(c.tree, 5).build();
     Work<double> w(*model);
@@ -50,7 +51,8 @@ TEST(Regressor, TorqueOfChains) {
     Case c(std::uint64_t(chains.joints), chains);
     const MatrixXd Y = torque_regressor(c);
     const VectorXd pi = parameters(c.m);
-    EXPECT_LE(gap(Y * pi + armature_torque(c), c.rnea(c.x.v, c.x.a)), tol * ((Y.cwiseAbs() * pi.cwiseAbs()).maxCoeff() + c.terms(c.x.a)));
+    EXPECT_LE(gap(Y * pi + armature_torque(c), c.rnea(c.x.v, c.x.a)),
+              tol * ((Y.cwiseAbs() * pi.cwiseAbs()).maxCoeff() + c.terms(c.x.a)));
   }
 }
 

@@ -32,7 +32,8 @@ TEST(SecondOrder, ProductIsTheDerivativeOfTheFirstOrder) {
         };
         Data<double>& d = c.w.d;
         second_order_columns<double>(c.m, d, d.v, d.a, fext.data());
-        second_order_product<double>(c.m, d, lambda.data(), {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
+        second_order_product<double>(c.m, d, lambda.data(),
+                                     {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
         const MatrixXd qq = by_q(c, gradient(&Data<Quad>::dtau_dq)), vv = by_v(c, gradient(&Data<Quad>::dtau_dv)),
                        qv = by_v(c, gradient(&Data<Quad>::dtau_dq)), aq = by_q(c, gradient(&Data<Quad>::M));
         const double scale = c.terms(c.x.a) + largest(qq) + 10;
@@ -57,11 +58,13 @@ TEST(SecondOrder, TensorsAreProductsWithUnitVectors) {
         const double* products[] = {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq};
         for (Index i = 0; i < c.nv; ++i) {
           const VectorXd lambda = VectorXd::Unit(c.nv, i);
-          second_order_product<double>(c.m, d, lambda.data(), {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
+          second_order_product<double>(c.m, d, lambda.data(),
+                                       {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
           for (std::size_t k = 0; k < 4; ++k) {
             const MatrixXd product = matrix(products[k], c.nv, c.nv);
             const double scale = tensors[k].lpNorm<Eigen::Infinity>();
-            ASSERT_LE(gap(matrix(tensors[k].data() + square * i, c.nv, c.nv), product), 1e-14 * scale) << "tensor " << k << ", row " << i;
+            ASSERT_LE(gap(matrix(tensors[k].data() + square * i, c.nv, c.nv), product), 1e-14 * scale)
+                << "tensor " << k << ", row " << i;
           }
         }
       },

@@ -17,7 +17,8 @@ Tree free_body() {
 }
 Tree chain() {
   Tree t;
-  const dynJointType types[] = {DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED};
+  const dynJointType types[] = {DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_REVOLUTE,  DYN_JOINT_TYPE_SPHERICAL,
+                                DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED};
   Dice dice(21);
   for (int k = 0; k < 6; ++k) {
     JointSpec s = random_joint(dice, types[k]);
@@ -45,7 +46,8 @@ struct Flight {
   explicit Flight(const Tree& t) : model(t.build()), w(*model) {
     const State x(*model, 3);
     w.q(x.q).v(x.v * 2);
-    std::fill_n(w.d.effects, model->n.joints, std::uint32_t(DYN_EFFECT_ALL) & ~std::uint32_t(DYN_EFFECT_LIMITS));  // velocities jump at limits
+    std::fill_n(w.d.effects, model->n.joints,
+                std::uint32_t(DYN_EFFECT_ALL) & ~std::uint32_t(DYN_EFFECT_LIMITS));  // velocities jump at limits
     apply_effects(*model, w.d);
   }
   double energy() {
@@ -82,7 +84,9 @@ double observed_order(Tree (*make)(), dynIntegrator integrator, int steps) {
 // The asymptotic order shows within a quarter where the error is near 1e-9, far above rounding.
 TEST_P(Steps, RungeKuttaIsOfOrderFour) { EXPECT_NEAR(4, observed_order(GetParam(), DYN_INTEGRATOR_RK4, 250), 0.25); }
 TEST_P(Steps, DormandPrinceIsOfOrderFive) { EXPECT_NEAR(5, observed_order(GetParam(), DYN_INTEGRATOR_RK45, 60), 0.4); }
-TEST_P(Steps, TheMidpointRuleIsOfOrderTwo) { EXPECT_NEAR(2, observed_order(GetParam(), DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 500), 0.1); }
+TEST_P(Steps, TheMidpointRuleIsOfOrderTwo) {
+  EXPECT_NEAR(2, observed_order(GetParam(), DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 500), 0.1);
+}
 TEST_P(Steps, EulerStepsAreOfOrderOne) {
   EXPECT_NEAR(1, observed_order(GetParam(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1000), 0.1);
   EXPECT_NEAR(1, observed_order(GetParam(), DYN_INTEGRATOR_IMPLICIT_FAST, 1000), 0.1);

@@ -47,7 +47,8 @@ TEST(Simd, Masks) {
 // One vector, several registers, and plain numbers of a type without vectors.
 template <class S>
 class Storage : public testing::Test {};
-using Storages = testing::Types<Simd<double, 4>, Simd<double, 8>, Simd<double, 16>, Simd<float, 8>, Simd<std::int64_t, 8>, Simd<long double, 4>>;
+using Storages = testing::Types<Simd<double, 4>, Simd<double, 8>, Simd<double, 16>, Simd<float, 8>, Simd<std::int64_t, 8>,
+                                Simd<long double, 4>>;
 TYPED_TEST_SUITE(Storage, Storages);
 
 TYPED_TEST(Storage, EachLaneByItself) {

@@ -54,8 +54,8 @@ void rnea_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
   give(x.d.tau, m.n.nv, out);
 }
 
-using Dynamics = Bench<complete_parts(DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_FORWARD_DERIVATIVES |
-                                      DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_CENTROIDAL)>;
+using Dynamics = Bench<complete_parts(DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE |
+                                      DYN_PART_FORWARD_DERIVATIVES | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_CENTROIDAL)>;
 
 template <class Out, class Clock>
 void dynamics_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
@@ -66,7 +66,8 @@ void dynamics_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
   clock("forward kinematics", 100, [&] { forward_kinematics<2>(m, d); });
   for (Index k = 1; k < m.n.frames; ++k) {
     double X[12], V[6], A[6];
-    frame_placement(m, d, k, X), frame_velocity(m, d, k, DYN_REFERENCE_LOCAL, V), frame_acceleration(m, d, k, DYN_REFERENCE_WORLD, true, A);
+    frame_placement(m, d, k, X), frame_velocity(m, d, k, DYN_REFERENCE_LOCAL, V),
+        frame_acceleration(m, d, k, DYN_REFERENCE_WORLD, true, A);
     give(X, 12, out), give(V, 6, out), give(A, 6, out);
   }
   clock("RNEA", 100, [&] { inverse_dynamics(m, d, d.v, d.a, none, d.tau); });
@@ -77,7 +78,10 @@ void dynamics_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
   give(d.M, nv * nv, out);
   clock("RNEA derivatives", 100, [&] { d.invalidate(Stage::Mass), rnea_derivatives(m, d, d.v, d.a, none); });
   give(d.dtau_dq, nv * nv, out), give(d.dtau_dv, nv * nv, out);
-  clock("ABA derivatives", 20, [&] { d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv), aba_derivatives(m, d, d.v, d.tau_applied, none); });
+  clock("ABA derivatives", 20, [&] {
+    d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv),
+        aba_derivatives(m, d, d.v, d.tau_applied, none);
+  });
   give(d.ddq_dq, nv * nv, out), give(d.ddq_dv, nv * nv, out), give(d.Minv, nv * nv, out);
   clock("Jacobians", 100, [&] { joint_jacobians(m, d); });
   give(d.J, 6 * nv, out);

@@ -43,7 +43,8 @@ int board::program() {
 #else
   const bool good = next == count && worst <= 1e-12;
 #endif
-  board::print("  data "), board::print(std::uint64_t(boards::DYN_WORK::bytes(m))), board::print(" bytes, stack "), board::print(board::stack_used());
+  board::print("  data "), board::print(std::uint64_t(boards::DYN_WORK::bytes(m))), board::print(" bytes, stack "),
+      board::print(board::stack_used());
   board::print("\n  "), board::print(std::uint64_t(next)), board::print(" of "), board::print(std::uint64_t(count));
   board::print(" figures, largest difference "), board::print(std::uint64_t(worst * 1e18)), board::print("e-18\n");
   return good ? 0 : 1;

@@ -8,7 +8,9 @@ namespace dyn_test {
 
 struct Batch {
   dynBatch* b = nullptr;
-  Batch(const dynModel* m, int threads, dynParts parts = 0) { EXPECT_EQ(DYN_OK, dyn_batch_new(m, parts, threads, &b)) << dyn_last_error(); }
+  Batch(const dynModel* m, int threads, dynParts parts = 0) {
+    EXPECT_EQ(DYN_OK, dyn_batch_new(m, parts, threads, &b)) << dyn_last_error();
+  }
   Batch(const Batch&) = delete;
   ~Batch() { dyn_batch_free(b); }
   operator dynBatch*() const { return b; }
@@ -22,7 +24,9 @@ inline dynAlgorithmInfo batch_info(const dynModel* m, int algorithm) {
   EXPECT_EQ(DYN_OK, dyn_algorithm_info(m, dynAlgorithm(algorithm), &info)) << dyn_last_error();
   return info;
 }
-inline std::size_t row_size(const dynAlgorithmInfo& info, int output) { return std::size_t(info.rows[output]) * std::size_t(info.cols[output]) * std::size_t(info.pages[output]); }
+inline std::size_t row_size(const dynAlgorithmInfo& info, int output) {
+  return std::size_t(info.rows[output]) * std::size_t(info.cols[output]) * std::size_t(info.pages[output]);
+}
 inline bool reads(const dynAlgorithmInfo& info, const std::string& input) {
   return (" " + std::string(info.inputs) + " ").find(" " + input + " ") != std::string::npos;
 }
@@ -40,15 +44,21 @@ struct BatchCase {
   dynBatchArrays x;
 
   BatchCase(const dynModel* model, int which, int states, std::uint64_t seed = 1)
-      : m(model), algorithm(dynAlgorithm(which)), info(batch_info(model, which)), n(states), status(std::size_t(states), DYN_ERROR_INTERNAL) {
+      : m(model),
+        algorithm(dynAlgorithm(which)),
+        info(batch_info(model, which)),
+        n(states),
+        status(std::size_t(states), DYN_ERROR_INTERNAL) {
     for (std::uint64_t k = 0; k < std::uint64_t(states); ++k) {
       const State s = random_state(m, seed + k);
       auto append = [](Numbers& to, const Numbers& from) { to.insert(to.end(), from.begin(), from.end()); };
-      append(q, s.q), append(v, s.v), append(a, s.a), append(tau, s.tau), append(fext, s.fext), append(b, s.a), append(q1, random_state(m, seed + k + 1000).q);
+      append(q, s.q), append(v, s.v), append(a, s.a), append(tau, s.tau), append(fext, s.fext), append(b, s.a),
+          append(q1, random_state(m, seed + k + 1000).q);
     }
     dyn_batch_arrays_init(&x);
     x.frame = dyn_model_nframes(m) - 1, x.joint = dyn_model_njoints(m) - 1, x.reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED;
-    x.q = q.data(), x.v = v.data(), x.a = a.data(), x.tau = tau.data(), x.fext = fext.data(), x.b = b.data(), x.q1 = q1.data(), x.dt = 1e-3, x.integrator = DYN_INTEGRATOR_RK4, x.status = status.data();
+    x.q = q.data(), x.v = v.data(), x.a = a.data(), x.tau = tau.data(), x.fext = fext.data(), x.b = b.data(), x.q1 = q1.data(),
+    x.dt = 1e-3, x.integrator = DYN_INTEGRATOR_RK4, x.status = status.data();
     for (int k = 0; k < info.outputs; ++k) {
       out[k].assign(std::size_t(n) * row_size(info, k) + guard, pattern);
       x.out[k] = out[k].data();
@@ -123,14 +133,17 @@ inline Model random_robot(std::uint64_t seed, int joints) {
   Builder b("random");
   std::vector<std::string> names, leaders;
   for (int k = 0; k < joints; ++k) {
-    const std::string name = "j" + std::to_string(k), parent = names.empty() ? "" : names[std::size_t(g.below(int(names.size())))];
+    const std::string name = "j" + std::to_string(k),
+                      parent = names.empty() ? "" : names[std::size_t(g.below(int(names.size())))];
     const auto type = dynJointType(1 + g.below(13));
     const Numbers at = g.numbers(3), axis = g.numbers(3);
-    Spec s(name.c_str(), type == DYN_JOINT_TYPE_FREE_FLYER && k ? DYN_JOINT_TYPE_SPHERICAL : type, parent.empty() ? nullptr : parent.c_str(), {at[0], at[1], at[2]});
+    Spec s(name.c_str(), type == DYN_JOINT_TYPE_FREE_FLYER && k ? DYN_JOINT_TYPE_SPHERICAL : type,
+           parent.empty() ? nullptr : parent.c_str(), {at[0], at[1], at[2]});
     s.about(axis[0], axis[1], axis[2]);
     s.axis2[0] = 0, s.axis2[1] = axis[2], s.axis2[2] = -axis[1];  // of a universal joint: at right angles
     s.pitch = 0.1;
-    Spec parts[] = {Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC), Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL), Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)};
+    Spec parts[] = {Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC), Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL),
+                    Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)};
     if (s.type == DYN_JOINT_TYPE_COMPOSITE) s.parts = parts, s.parts_count = 3;
     const std::string leader = leaders.empty() ? "" : leaders[std::size_t(g.below(int(leaders.size())))];
     if (s.type == DYN_JOINT_TYPE_REVOLUTE || s.type == DYN_JOINT_TYPE_PRISMATIC) {

@@ -41,7 +41,8 @@ TEST(Batch, EqualsSingleCalls) {
         EXPECT_EQ(DYN_OK, together.status[std::size_t(k)]);
         const auto expected = alone.single(k);
         for (int o = 0; o < alone.info.outputs; ++o)
-          ASSERT_TRUE(same_bits(expected[std::size_t(o)], alone.row(o, k))) << dyn_model_name(m) << ": " << alone.info.name << "[" << k << "]";
+          ASSERT_TRUE(same_bits(expected[std::size_t(o)], alone.row(o, k)))
+              << dyn_model_name(m) << ": " << alone.info.name << "[" << k << "]";
         ++compared;
       }
     }
@@ -55,7 +56,8 @@ TEST(Batch, TheSameStateAgain) {
   const Batch one(m, 1);
   for (int which = 0; which < batch_algorithms; ++which) {
     BatchCase c(m, which, 2);
-    for (Numbers* x : {&c.q, &c.v, &c.a, &c.tau, &c.fext, &c.b, &c.q1}) std::copy_n(x->begin(), x->size() / 2, x->begin() + std::ptrdiff_t(x->size() / 2));
+    for (Numbers* x : {&c.q, &c.v, &c.a, &c.tau, &c.fext, &c.b, &c.q1})
+      std::copy_n(x->begin(), x->size() / 2, x->begin() + std::ptrdiff_t(x->size() / 2));
     const auto expected = c.single(0);
     for (int before = 0; before < batch_algorithms; ++before) {
       BatchCase other(m, before, 2);
@@ -79,7 +81,8 @@ TEST(Batch, FramesJointsAndReferences) {
         c.x.frame = c.x.joint = f, c.x.reference = r;
         ASSERT_EQ(DYN_OK, c(batch)) << dyn_last_error();
         for (int k = 0; k < 5; ++k)
-          for (int o = 0; o < c.info.outputs; ++o) ASSERT_TRUE(same_bits(c.single(k)[std::size_t(o)], c.row(o, k))) << c.info.name;
+          for (int o = 0; o < c.info.outputs; ++o)
+            ASSERT_TRUE(same_bits(c.single(k)[std::size_t(o)], c.row(o, k))) << c.info.name;
       }
 }
 
@@ -130,12 +133,21 @@ TEST(Batch, StatesThatFail) {
         if (!reads(good.info, input)) continue;
         BatchCase c(m, which, 60);
         const std::string name = input;
-        Numbers& x = name == "q" ? c.q : name == "v" ? c.v : name == "a" ? c.a : name == "tau" ? c.tau : name == "b" ? c.b : name == "q1" ? c.q1 : c.fext;
+        Numbers& x = name == "q"     ? c.q
+                     : name == "v"   ? c.v
+                     : name == "a"   ? c.a
+                     : name == "tau" ? c.tau
+                     : name == "b"   ? c.b
+                     : name == "q1"  ? c.q1
+                                     : c.fext;
         const std::size_t size = x.size() / 60;
         x[7 * size + size - 1] = nan, x[50 * size + size - 1] = -inf;
         EXPECT_EQ(DYN_ERROR_NONFINITE, c(batch)) << c.info.name << " " << input;
-        const std::string said = which == DYN_ALGORITHM_DIFFERENCE && name == "q" ? "q0" : which == DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT && name == "b" ? "lambda" : name;
-        EXPECT_TRUE(says({"dyn_batch_run: " + std::string(c.info.name) + ": state 7: ", said + "[" + std::to_string(size - 1) + "] is NaN", "2 of 60 states"}));
+        const std::string said = which == DYN_ALGORITHM_DIFFERENCE && name == "q"                  ? "q0"
+                                 : which == DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT && name == "b" ? "lambda"
+                                                                                                   : name;
+        EXPECT_TRUE(says({"dyn_batch_run: " + std::string(c.info.name) + ": state 7: ",
+                          said + "[" + std::to_string(size - 1) + "] is NaN", "2 of 60 states"}));
         EXPECT_TRUE(c.guarded());
         for (int k = 0; k < 60; ++k) {
           const bool bad = k == 7 || k == 50;
@@ -184,7 +196,8 @@ TEST(Batch, Arguments) {
   c.n = 10, c.x.q = nullptr, refused(DYN_ERROR_ARGUMENT, {"rnea", "q is NULL"});
   c.x.q = c.q.data(), c.x.out[0] = nullptr, refused(DYN_ERROR_ARGUMENT, {"rnea", "out[0]", "NULL"});
   c.x.out[0] = c.out[0].data(), c.x.struct_size = 8, refused(DYN_ERROR_SIZE, {"struct_size", "dyn_batch_arrays_init"});
-  c.x.struct_size = sizeof c.x, c.algorithm = DYN_ALGORITHM_CHOLESKY_SOLVE, c.x.b = nullptr, refused(DYN_ERROR_ARGUMENT, {"solve", "b is NULL"});
+  c.x.struct_size = sizeof c.x, c.algorithm = DYN_ALGORITHM_CHOLESKY_SOLVE, c.x.b = nullptr,
+  refused(DYN_ERROR_ARGUMENT, {"solve", "b is NULL"});
   for (int which : {-1, batch_algorithms, 1 << 30}) {
     c.algorithm = dynAlgorithm(which);
     refused(DYN_ERROR_ARGUMENT, {"dyn_batch_run", "algorithm is " + std::to_string(which)});

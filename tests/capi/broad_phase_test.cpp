@@ -6,7 +6,9 @@ namespace {
 
 struct Phase {
   dynBroadPhase* b = nullptr;
-  Phase(int capacity, std::int64_t pairs, double margin) { EXPECT_EQ(DYN_OK, dyn_broad_phase_new(capacity, pairs, margin, &b)) << dyn_last_error(); }
+  Phase(int capacity, std::int64_t pairs, double margin) {
+    EXPECT_EQ(DYN_OK, dyn_broad_phase_new(capacity, pairs, margin, &b)) << dyn_last_error();
+  }
   Phase(const Phase&) = delete;
   ~Phase() { dyn_broad_phase_free(b); }
   operator dynBroadPhase*() const { return b; }

@@ -89,7 +89,8 @@ TEST_F(BuilderTest, Names) {
   refuse(Spec("j", DYN_JOINT_TYPE_REVOLUTE, "nobody"), DYN_ERROR_NAME, {"joint 'j'", "no parent 'nobody'", "add it first"});
   refuse(DYN_ERROR_NAME, dyn_builder_add_body(b, "link", "base", nullptr, 1, com0, some_inertia), {"body 'link'", "taken"});
   refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_body(b, nullptr, "base", nullptr, 1, com0, some_inertia), {"body has no name"});
-  refuse(DYN_ERROR_NAME, dyn_builder_add_body(b, "x", "nobody", nullptr, 1, com0, some_inertia), {"body 'x'", "no parent 'nobody'"});
+  refuse(DYN_ERROR_NAME, dyn_builder_add_body(b, "x", "nobody", nullptr, 1, com0, some_inertia),
+         {"body 'x'", "no parent 'nobody'"});
   refuse(DYN_ERROR_NAME, dyn_builder_add_frame(b, "base", nullptr, nullptr, DYN_FRAME_TYPE_OP_FRAME), {"frame 'base'", "taken"});
   refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_frame(b, "", nullptr, nullptr, DYN_FRAME_TYPE_OP_FRAME), {"frame has no name"});
   refuse(DYN_ERROR_NAME, dyn_builder_add_frame(b, "f", "nobody", nullptr, DYN_FRAME_TYPE_OP_FRAME), {"frame 'f'", "no parent"});
@@ -131,9 +132,12 @@ TEST_F(BuilderTest, Placements) {
     refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "not a rotation", "orthonormal right-handed"});
     s.type = DYN_JOINT_TYPE_FIXED;
     refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "not a rotation"});
-    refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", s.placement, 1, com0, some_inertia), {"body 'x'", "not a rotation"});
-    refuse(DYN_ERROR_INVALID, dyn_builder_add_frame(b, "f", "base", s.placement, DYN_FRAME_TYPE_SENSOR), {"frame 'f'", "not a rotation"});
-    Spec composite("j", DYN_JOINT_TYPE_COMPOSITE), parts[] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE)};
+    refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", s.placement, 1, com0, some_inertia),
+           {"body 'x'", "not a rotation"});
+    refuse(DYN_ERROR_INVALID, dyn_builder_add_frame(b, "f", "base", s.placement, DYN_FRAME_TYPE_SENSOR),
+           {"frame 'f'", "not a rotation"});
+    Spec composite("j", DYN_JOINT_TYPE_COMPOSITE),
+        parts[] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE)};
     std::copy(s.placement, s.placement + 12, parts[1].placement);
     composite.parts = parts, composite.parts_count = 2;
     refuse(composite, DYN_ERROR_INVALID, {"joint 'j', part 1", "not a rotation"});
@@ -162,7 +166,8 @@ TEST_F(BuilderTest, Axes) {
 }
 
 TEST_F(BuilderTest, NumbersOfADegreeOfFreedom) {
-  const double bad_nan[3] = {0, 0, nan}, negative[3] = {0, 0, -1}, large[3] = {2, 2, 2}, one[3] = {1, 1, 1}, infinite[3] = {0, 0, inf};
+  const double bad_nan[3] = {0, 0, nan}, negative[3] = {0, 0, -1}, large[3] = {2, 2, 2}, one[3] = {1, 1, 1},
+               infinite[3] = {0, 0, inf};
   struct Row {
     const double* dynJointSpec::*member;
     const char* name;
@@ -260,8 +265,10 @@ TEST_F(BuilderTest, Composites) {
 
 TEST_F(BuilderTest, Bodies) {
   for (double bad : {nan, inf, -inf})
-    refuse(DYN_ERROR_NONFINITE, dyn_builder_add_body(b, "x", "base", nullptr, bad, com0, some_inertia), {"body 'x'", "mass", "finite"});
-  refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, -0.5, com0, some_inertia), {"body 'x'", "mass is -0.5 kg", "negative"});
+    refuse(DYN_ERROR_NONFINITE, dyn_builder_add_body(b, "x", "base", nullptr, bad, com0, some_inertia),
+           {"body 'x'", "mass", "finite"});
+  refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, -0.5, com0, some_inertia),
+         {"body 'x'", "mass is -0.5 kg", "negative"});
   double com[3] = {0, 0, nan}, inertia[9];
   refuse(DYN_ERROR_NONFINITE, dyn_builder_add_body(b, "x", "base", nullptr, 1, com, some_inertia), {"body 'x'", "com[2]"});
   std::copy(some_inertia, some_inertia + 9, inertia);
@@ -270,7 +277,8 @@ TEST_F(BuilderTest, Bodies) {
   inertia[8] = 0.02, inertia[1] = 0.5;
   refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "not symmetric"});
   const double impossible[9] = {1, 0, 0, 0, 3, 0, 0, 0, 1.5};
-  refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, 1, com0, impossible), {"body 'x'", "and 3 kg m^2", "no body has one above the sum"});
+  refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, 1, com0, impossible),
+         {"body 'x'", "and 3 kg m^2", "no body has one above the sum"});
 }
 
 TEST_F(BuilderTest, GravityAndConfigurations) {
@@ -375,7 +383,8 @@ TEST(BuilderFinish, InfiniteLimitsTheRightWayRound) {
   Builder b;
   const Model m = b.joint(s).body("bx", "x").finish();
   EXPECT_EQ(-inf, dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT)[0]);
-  for (dynModelArray which : {DYN_MODEL_ARRAY_UPPER_LIMIT, DYN_MODEL_ARRAY_VELOCITY_LIMIT, DYN_MODEL_ARRAY_EFFORT_LIMIT}) EXPECT_EQ(inf, dyn_model_array(m, which)[0]);
+  for (dynModelArray which : {DYN_MODEL_ARRAY_UPPER_LIMIT, DYN_MODEL_ARRAY_VELOCITY_LIMIT, DYN_MODEL_ARRAY_EFFORT_LIMIT})
+    EXPECT_EQ(inf, dyn_model_array(m, which)[0]);
 }
 
 TEST(BuilderFinish, AgainAndFurther) {
@@ -397,7 +406,8 @@ TEST(BuilderFinish, NothingAtAll) {
   Builder b(nullptr);
   const Model m = b.finish();
   EXPECT_STREQ("", dyn_model_name(m));
-  EXPECT_TRUE(m.nq() == 0 && m.nv() == 0 && m.njoints() == 1 && m.nframes() == 1 && dyn_model_nbodies(m) == 0 && dyn_model_total_mass(m) == 0);
+  EXPECT_TRUE(m.nq() == 0 && m.nv() == 0 && m.njoints() == 1 && m.nframes() == 1 && dyn_model_nbodies(m) == 0 &&
+              dyn_model_total_mass(m) == 0);
   Data d(m);
   compute_all(m, d, State{{0}, {0}, {0}, {0}, Numbers(6, 0.0)});
   double com[3] = {1, 1, 1}, X[12], x[1] = {7};
@@ -412,10 +422,12 @@ TEST(BuilderFinish, NothingAtAll) {
   EXPECT_EQ(DYN_OK, dyn_frame_acceleration(m, d, 0, DYN_REFERENCE_WORLD, V));
   EXPECT_EQ(0, V[0]);
   double distance = 1;
-  for (dynStatus s : {dyn_cholesky_solve(m, d, nullptr, 1, nullptr), dyn_configuration_neutral(m, nullptr), dyn_configuration_random(m, 1, nullptr, nullptr, nullptr),
-                      dyn_integrate(m, nullptr, nullptr, nullptr), dyn_difference(m, nullptr, nullptr, nullptr),
-                      dyn_interpolate(m, nullptr, nullptr, 0.5, nullptr), dyn_configuration_normalize(m, nullptr), dyn_model_configuration(m, "neutral", nullptr),
-                      dyn_configuration_distance(m, nullptr, nullptr, &distance), dyn_frame_jacobian(m, d, 0, DYN_REFERENCE_WORLD, nullptr)})
+  for (dynStatus s :
+       {dyn_cholesky_solve(m, d, nullptr, 1, nullptr), dyn_configuration_neutral(m, nullptr),
+        dyn_configuration_random(m, 1, nullptr, nullptr, nullptr), dyn_integrate(m, nullptr, nullptr, nullptr),
+        dyn_difference(m, nullptr, nullptr, nullptr), dyn_interpolate(m, nullptr, nullptr, 0.5, nullptr),
+        dyn_configuration_normalize(m, nullptr), dyn_model_configuration(m, "neutral", nullptr),
+        dyn_configuration_distance(m, nullptr, nullptr, &distance), dyn_frame_jacobian(m, d, 0, DYN_REFERENCE_WORLD, nullptr)})
     EXPECT_EQ(DYN_OK, s) << dyn_last_error();
   EXPECT_EQ(0, distance);
   EXPECT_EQ(DYN_OK, take_step(m, d, DYN_INTEGRATOR_RK4, 0.1));
@@ -429,7 +441,8 @@ TEST(BuilderFinish, Huge) {
     const dynStatus s = dyn_builder_finish(b, &m);
     const Model owner(m);
     if (s != DYN_OK) {
-      EXPECT_TRUE(s == DYN_ERROR_INVALID || s == DYN_ERROR_NUMERIC || s == DYN_ERROR_NONFINITE) << what << ": " << dyn_last_error();
+      EXPECT_TRUE(s == DYN_ERROR_INVALID || s == DYN_ERROR_NUMERIC || s == DYN_ERROR_NONFINITE)
+          << what << ": " << dyn_last_error();
       return;
     }
     EXPECT_TRUE(std::isfinite(dyn_model_total_mass(owner))) << what;

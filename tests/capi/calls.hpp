@@ -1,4 +1,5 @@
-// Every function of dyn.h that works on a model and a data, as one table: those described, and algorithms from dyn_algorithm_info.
+// Every function of dyn.h that works on a model and a data, as one table: those described, and algorithms from
+// dyn_algorithm_info.
 #pragma once
 
 #include <set>
@@ -19,8 +20,15 @@ inline CallRow algorithm_row(dynAlgorithm algorithm) {
   static std::set<std::string> names;
   const std::string inputs = " " + std::string(info.inputs) + " ";
   unsigned uses = 0;
-  for (const auto& [name, bit] : {std::pair{"q", uses_q}, {"v", uses_v}, {"a", uses_a}, {"tau", uses_tau}, {"fext", uses_fext}, {"b", uses_b},
-                                  {"frame", uses_frame}, {"joint", uses_joint}, {"reference", uses_reference}})
+  for (const auto& [name, bit] : {std::pair{"q", uses_q},
+                                  {"v", uses_v},
+                                  {"a", uses_a},
+                                  {"tau", uses_tau},
+                                  {"fext", uses_fext},
+                                  {"b", uses_b},
+                                  {"frame", uses_frame},
+                                  {"joint", uses_joint},
+                                  {"reference", uses_reference}})
     if (inputs.find(" " + std::string(name) + " ") != std::string::npos) uses |= bit;
   const auto size = [=](const dynModel* m, int k) {
     const dynAlgorithmInfo x = info_of(m);
@@ -34,15 +42,25 @@ inline CallRow algorithm_row(dynAlgorithm algorithm) {
     std::copy_n(x.out, 4, arrays.out);
     return dyn_algorithm_run(m, d, algorithm, &arrays);
   };
-  return {names.insert("dyn_" + std::string(info.name)).first->c_str(), info.part, uses, Needs::nothing, false, info.outputs, size, call};
+  return {names.insert("dyn_" + std::string(info.name)).first->c_str(),
+          info.part,
+          uses,
+          Needs::nothing,
+          false,
+          info.outputs,
+          size,
+          call};
 }
 
 inline const std::vector<CallRow> call_rows = [] {
   std::vector<CallRow> rows(std::begin(described_calls), std::end(described_calls));
-  const auto described = [&](const std::string& name) { return std::any_of(rows.begin(), rows.end(), [&](const CallRow& r) { return name == r.name; }); };
+  const auto described = [&](const std::string& name) {
+    return std::any_of(rows.begin(), rows.end(), [&](const CallRow& r) { return name == r.name; });
+  };
   for (const dynAlgorithm algorithm : every<dynAlgorithm>("dynAlgorithm")) {
     const CallRow row = algorithm_row(algorithm);
-    if (algorithm != DYN_ALGORITHM_INTEGRATE && algorithm != DYN_ALGORITHM_DIFFERENCE && !described(row.name)) rows.push_back(row);
+    if (algorithm != DYN_ALGORITHM_INTEGRATE && algorithm != DYN_ALGORITHM_DIFFERENCE && !described(row.name))
+      rows.push_back(row);
   }
   return rows;
 }();

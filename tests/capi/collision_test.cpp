@@ -18,7 +18,8 @@ std::array<double, 12> at(double x, double y, double z) {
   X[9] = x, X[10] = y, X[11] = z;
   return X;
 }
-dynDistance distance(const dynGeometry& a, const std::array<double, 12>& X_a, const dynGeometry& b, const std::array<double, 12>& X_b) {
+dynDistance distance(const dynGeometry& a, const std::array<double, 12>& X_a, const dynGeometry& b,
+                     const std::array<double, 12>& X_b) {
   dynDistance d{};
   d.struct_size = sizeof d;
   EXPECT_EQ(DYN_OK, dyn_geometry_distance(&a, X_a.data(), &b, X_b.data(), nullptr, &d)) << dyn_last_error();
@@ -26,8 +27,9 @@ dynDistance distance(const dynGeometry& a, const std::array<double, 12>& X_a, co
 }
 
 TEST(ShapeDistance, ClosedForms) {
-  const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5), tube = geometry(DYN_SHAPE_TYPE_CYLINDER, 0.3, 2),
-                    pill = geometry(DYN_SHAPE_TYPE_CAPSULE, 0.3, 2), cone = geometry(DYN_SHAPE_TYPE_CONE, 1, 2), egg = geometry(DYN_SHAPE_TYPE_ELLIPSOID, 1, 2, 3),
+  const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5),
+                    tube = geometry(DYN_SHAPE_TYPE_CYLINDER, 0.3, 2), pill = geometry(DYN_SHAPE_TYPE_CAPSULE, 0.3, 2),
+                    cone = geometry(DYN_SHAPE_TYPE_CONE, 1, 2), egg = geometry(DYN_SHAPE_TYPE_ELLIPSOID, 1, 2, 3),
                     ground = geometry(DYN_SHAPE_TYPE_HALF_SPACE, 0);
   EXPECT_NEAR(1.5, distance(box, at(0, 0, 0), ball, at(0, 0, 3)).distance, 1e-12);
   EXPECT_NEAR(-0.5, distance(box, at(0, 0, 0), ball, at(1, 0, 0)).distance, 1e-12);
@@ -50,7 +52,8 @@ TEST(ShapeDistance, BadArguments) {
   dynDistance out{}, before;
   out.struct_size = sizeof out, out.distance = 7;
   before = out;
-  auto refused = [&](dynStatus status, const dynGeometry* a, const double* X, double tolerance, std::initializer_list<std::string> words) {
+  auto refused = [&](dynStatus status, const dynGeometry* a, const double* X, double tolerance,
+                     std::initializer_list<std::string> words) {
     dynDistanceOptions options;
     dyn_distance_options_init(&options);
     options.tolerance = tolerance;
@@ -99,7 +102,8 @@ TEST(ShapeDistance, BadArguments) {
 }
 
 TEST(ShapeDistance, OptionsAndTheSecondMethod) {
-  const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), tube = geometry(DYN_SHAPE_TYPE_CYLINDER, 0.5, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5);
+  const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), tube = geometry(DYN_SHAPE_TYPE_CYLINDER, 0.5, 2),
+                    ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5);
   dynDistanceOptions o;
   dyn_distance_options_init(nullptr);
   dyn_distance_options_init(&o);
@@ -107,7 +111,9 @@ TEST(ShapeDistance, OptionsAndTheSecondMethod) {
   EXPECT_EQ(1e-10, o.tolerance);
   dynDistance out{};
   out.struct_size = sizeof out;
-  auto ask = [&](const dynGeometry& a, const std::array<double, 12>& X) { return dyn_geometry_distance(&a, X.data(), &box, identity, &o, &out); };
+  auto ask = [&](const dynGeometry& a, const std::array<double, 12>& X) {
+    return dyn_geometry_distance(&a, X.data(), &box, identity, &o, &out);
+  };
   o.method = DYN_DISTANCE_METHOD_CCD;
   const dynStatus status = ask(tube, at(0, 0, 1.9));
   if (status == DYN_ERROR_UNSUPPORTED) GTEST_SKIP() << dyn_last_error();

@@ -17,14 +17,34 @@ struct Operation {
   std::function<dynStatus(const dynModel*, const double*, const double*, double, double*)> call;
 };
 const Operation operations[] = {
-    {"dyn_integrate", true, {"q", "v"}, [](auto* m, auto* x, auto* y, double, double* out) { return dyn_integrate(m, x, y, out); }},
-    {"dyn_difference", false, {"q0", "q1"}, [](auto* m, auto* x, auto* y, double, double* out) { return dyn_difference(m, x, y, out); }},
-    {"dyn_interpolate", false, {"q0", "q1"}, [](auto* m, auto* x, auto* y, double u, double* out) { return dyn_interpolate(m, x, y, u, out); }},
-    {"dyn_configuration_distance", false, {"q0", "q1"}, [](auto* m, auto* x, auto* y, double, double* out) { return dyn_configuration_distance(m, x, y, out); }},
-    {"dyn_integrate_jacobians", true, {"q", "v"},
-     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_integrate_jacobians(m, x, y, out, out ? out + dyn_model_nv(m) * dyn_model_nv(m) : nullptr); }},
-    {"dyn_difference_jacobians", false, {"q0", "q1"},
-     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_difference_jacobians(m, x, y, out, out ? out + dyn_model_nv(m) * dyn_model_nv(m) : nullptr); }},
+    {"dyn_integrate",
+     true,
+     {"q", "v"},
+     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_integrate(m, x, y, out); }},
+    {"dyn_difference",
+     false,
+     {"q0", "q1"},
+     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_difference(m, x, y, out); }},
+    {"dyn_interpolate",
+     false,
+     {"q0", "q1"},
+     [](auto* m, auto* x, auto* y, double u, double* out) { return dyn_interpolate(m, x, y, u, out); }},
+    {"dyn_configuration_distance",
+     false,
+     {"q0", "q1"},
+     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_configuration_distance(m, x, y, out); }},
+    {"dyn_integrate_jacobians",
+     true,
+     {"q", "v"},
+     [](auto* m, auto* x, auto* y, double, double* out) {
+       return dyn_integrate_jacobians(m, x, y, out, out ? out + dyn_model_nv(m) * dyn_model_nv(m) : nullptr);
+     }},
+    {"dyn_difference_jacobians",
+     false,
+     {"q0", "q1"},
+     [](auto* m, auto* x, auto* y, double, double* out) {
+       return dyn_difference_jacobians(m, x, y, out, out ? out + dyn_model_nv(m) * dyn_model_nv(m) : nullptr);
+     }},
 };
 
 class Configurations : public ::testing::Test {
@@ -33,7 +53,8 @@ class Configurations : public ::testing::Test {
   Numbers q0 = random_state(m, 51).q, q1 = random_state(m, 52).q, v = random_state(m, 53).v, out;
 
   void SetUp() override { out.assign(std::size_t(2 * m.nv() * m.nv()), -3.5); }
-  void refuse(const Operation& op, const double* x, const double* y, double u, dynStatus status, const std::vector<std::string>& fragments) {
+  void refuse(const Operation& op, const double* x, const double* y, double u, dynStatus status,
+              const std::vector<std::string>& fragments) {
     EXPECT_EQ(status, op.call(m, x, y, u, out.data())) << op.name;
     EXPECT_TRUE(says(fragments)) << op.name;
     for (double e : out) ASSERT_EQ(-3.5, e) << op.name;
@@ -43,7 +64,8 @@ class Configurations : public ::testing::Test {
 
 TEST_F(Configurations, NullAndNotFinite) {
   for (const Operation& op : operations) {
-    refuse(op, nullptr, second(op).data(), 0.5, DYN_ERROR_ARGUMENT, {op.name, std::string(op.arrays[0]) + " is NULL", "required"});
+    refuse(op, nullptr, second(op).data(), 0.5, DYN_ERROR_ARGUMENT,
+           {op.name, std::string(op.arrays[0]) + " is NULL", "required"});
     refuse(op, q0.data(), nullptr, 0.5, DYN_ERROR_ARGUMENT, {op.name, std::string(op.arrays[1]) + " is NULL"});
     for (double bad : {nan, inf, -inf})
       for (int which : {0, 1}) {
@@ -59,7 +81,8 @@ TEST_F(Configurations, NullAndNotFinite) {
   refuse(operations[2], q0.data(), q1.data(), nan, DYN_ERROR_NONFINITE, {"dyn_interpolate", "u[0]"});
   refuse(operations[2], q0.data(), q1.data(), inf, DYN_ERROR_NONFINITE, {"dyn_interpolate"});
   for (int k = 0; k < 4; ++k) {
-    EXPECT_EQ(DYN_ERROR_ARGUMENT, operations[k].call(m, q0.data(), second(operations[k]).data(), 0.5, nullptr)) << operations[k].name;
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, operations[k].call(m, q0.data(), second(operations[k]).data(), 0.5, nullptr))
+        << operations[k].name;
     EXPECT_TRUE(says({operations[k].name, "output is NULL"}));
   }
   // Jacobians: either or both may be absent
@@ -68,7 +91,8 @@ TEST_F(Configurations, NullAndNotFinite) {
 }
 
 TEST_F(Configurations, ZeroQuaternions) {
-  for (const auto& [joint, offset, n] : {std::tuple("free", 3, 4), std::tuple("ball", 0, 4), std::tuple("compound", 1, 4), std::tuple("dial", 0, 2)}) {
+  for (const auto& [joint, offset, n] :
+       {std::tuple("free", 3, 4), std::tuple("ball", 0, 4), std::tuple("compound", 1, 4), std::tuple("dial", 0, 2)}) {
     dynJointInfo info{};
     info.struct_size = sizeof info;
     ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, joint), &info));
@@ -124,7 +148,8 @@ TEST_F(Configurations, Overflow) {
   ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, "ball"), &info));
   Numbers x = q0;
   for (int k = 0; k < 4; ++k) x[std::size_t(info.idx_q + k)] *= 1e200;
-  for (const Operation& op : operations) EXPECT_EQ(DYN_OK, op.call(m, x.data(), second(op).data(), 0.5, out.data())) << op.name << dyn_last_error();
+  for (const Operation& op : operations)
+    EXPECT_EQ(DYN_OK, op.call(m, x.data(), second(op).data(), 0.5, out.data())) << op.name << dyn_last_error();
 }
 
 TEST_F(Configurations, InPlace) {

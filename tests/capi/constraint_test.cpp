@@ -33,7 +33,8 @@ struct Standing {
   }
   dynStatus solve(Numbers& ddq, Numbers& lambda, dynConstraintResult& r) {
     ddq.assign(std::size_t(m.nv()), 0), lambda.assign(12, 0);
-    return dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, with<dynConstrainedOutput>({0, ddq.data(), nullptr, lambda.data(), &r}));
+    return dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr,
+                                    with<dynConstrainedOutput>({0, ddq.data(), nullptr, lambda.data(), &r}));
   }
 };
 
@@ -42,7 +43,8 @@ TEST(Constraint, FeetStayWhereTheyAre) {
   Numbers ddq, lambda;
   dynConstraintResult r = empty_result();
   ASSERT_EQ(DYN_OK, x.solve(ddq, lambda, r)) << dyn_last_error();
-  EXPECT_TRUE(r.reason == DYN_CONSTRAINT_REASON_CONVERGED && r.rows == 12 && r.rank == 12 && r.contradiction == 0 && r.residual < 1e-11);
+  EXPECT_TRUE(r.reason == DYN_CONSTRAINT_REASON_CONVERGED && r.rows == 12 && r.rank == 12 && r.contradiction == 0 &&
+              r.residual < 1e-11);
   Numbers J(12 * std::size_t(x.m.nv())), drift(12);
   ASSERT_EQ(DYN_OK, dyn_constraint_terms(x.m, x.d, nullptr, nullptr, nullptr, J.data(), nullptr, drift.data()));
   for (std::size_t i = 0; i < 12; ++i) {
@@ -96,7 +98,8 @@ TEST(Constraint, Refusals) {
   refuse(with(point, [](auto& c) { c.restitution = 1.5; }), DYN_ERROR_ARGUMENT, {"restitution is 1.5"});
   refuse(with(point, [&](auto& c) { c.damping = nan; }), DYN_ERROR_NONFINITE, {"damping"});
   refuse(with(point, [&](auto& c) { c.placement1[3] = 2; }), DYN_ERROR_ARGUMENT, {"placement1 has no rotation"});
-  refuse(with(make(DYN_CONSTRAINT_TYPE_LOOP, foot), [](auto& c) { c.joint_type = DYN_JOINT_TYPE_FIXED; }), DYN_ERROR_ARGUMENT, {"WELD"});
+  refuse(with(make(DYN_CONSTRAINT_TYPE_LOOP, foot), [](auto& c) { c.joint_type = DYN_JOINT_TYPE_FIXED; }), DYN_ERROR_ARGUMENT,
+         {"WELD"});
   refuse(with(make(DYN_CONSTRAINT_TYPE_LOOP, foot), [](auto& c) { c.axis[2] = 0; }), DYN_ERROR_INVALID, {"axis is zero"});
   refuse(with(make(DYN_CONSTRAINT_TYPE_DISTANCE, foot), [](auto& c) { c.length = 0; }), DYN_ERROR_ARGUMENT, {"length is 0"});
   refuse(with(make(DYN_CONSTRAINT_TYPE_FRICTION, hip), [](auto& c) { c.force = -1; }), DYN_ERROR_ARGUMENT, {"force is -1"});

@@ -1,4 +1,5 @@
-// Tests the contact problem's calls: what a caller may get wrong is refused by name, with nothing written; handles; memory of the caller's.
+// Tests the contact problem's calls: what a caller may get wrong is refused by name, with nothing written; handles; memory of the
+// caller's.
 #include <functional>
 
 #include "capi/support.hpp"
@@ -57,7 +58,8 @@ TEST_F(ContactSolve, RefusesWhatIsWrong) {
   }
   refused(DYN_ERROR_NONFINITE, {"lambda[0]", "NaN"}, [&](Problem& x) { x.o.warm_start = 1, x.lambda[0] = nan; });
   refused(DYN_ERROR_ARGUMENT, {"friction[0] is -0.5"}, [](Problem& x) { x.friction[0] = -0.5; });
-  refused(DYN_ERROR_ARGUMENT, {"restitution[0] is 1.5", "0 to 1"}, [](Problem& x) { x.one[0] = 1.5, x.p.restitution = x.one.data(); });
+  refused(DYN_ERROR_ARGUMENT, {"restitution[0] is 1.5", "0 to 1"},
+          [](Problem& x) { x.one[0] = 1.5, x.p.restitution = x.one.data(); });
   refused(DYN_ERROR_ARGUMENT, {"compliance[1] is -1"}, [](Problem& x) { x.row[1] = -1, x.p.compliance = x.row.data(); });
   refused(DYN_ERROR_INVALID, {"G(1, 1)", "negative diagonal"}, [](Problem& x) { x.G[4] = -2; });
   refused(DYN_ERROR_INVALID, {"G(0, 2)", "symmetric"}, [](Problem& x) { x.G[6] = 1.1; });
@@ -78,9 +80,11 @@ TEST_F(ContactSolve, RefusesWhatIsWrong) {
   refused(DYN_ERROR_ARGUMENT, {"relaxation is 2"}, [](Problem& x) { x.o.relaxation = 2; });
   refused(DYN_ERROR_NONFINITE, {"tolerance is nan"}, [](Problem& x) { x.o.tolerance = nan; });
   refused(DYN_ERROR_ARGUMENT, {"time_budget is -1"}, [](Problem& x) { x.o.time_budget = -1; });
-  for (const auto& [lower, upper, status] : {std::tuple(1.0, 0.0, DYN_ERROR_ARGUMENT), std::tuple(nan, 0.0, DYN_ERROR_NONFINITE), std::tuple(HUGE_VAL, HUGE_VAL, DYN_ERROR_ARGUMENT)})
+  for (const auto& [lower, upper, status] : {std::tuple(1.0, 0.0, DYN_ERROR_ARGUMENT), std::tuple(nan, 0.0, DYN_ERROR_NONFINITE),
+                                             std::tuple(HUGE_VAL, HUGE_VAL, DYN_ERROR_ARGUMENT)})
     refused(status, {"lower[0]"}, [&, l = lower, u = upper](Problem& x) {
-      x.p.contacts = 0, x.p.boxes = 3, x.lower = {l, 0, 0}, x.upper = {u, 1, 1}, x.p.lower = x.lower.data(), x.p.upper = x.upper.data();
+      x.p.contacts = 0, x.p.boxes = 3, x.lower = {l, 0, 0}, x.upper = {u, 1, 1}, x.p.lower = x.lower.data(),
+      x.p.upper = x.upper.data();
     });
   Problem x;
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solver_solve(s, nullptr, nullptr, x.lambda, nullptr, &x.r));

@@ -24,12 +24,16 @@ T view_of() {
   x.struct_size = sizeof x;
   return x;
 }
-const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5), ground = geometry(DYN_SHAPE_TYPE_HALF_SPACE, 0);
+const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5),
+                  ground = geometry(DYN_SHAPE_TYPE_HALF_SPACE, 0);
 
 TEST(ShapeContacts, BoxOnTheGround) {
   dynContact c[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -1;
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 0.99).data(), nullptr, nullptr}), 0, 0, c, &count)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK,
+            dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 0.99).data(), nullptr, nullptr}), 0,
+                                  0, c, &count))
+      << dyn_last_error();
   ASSERT_EQ(4, count);
   for (int k = 0; k < 4; ++k) {
     EXPECT_NEAR(-0.01, c[k].distance, 1e-12);
@@ -39,17 +43,23 @@ TEST(ShapeContacts, BoxOnTheGround) {
     EXPECT_EQ(-1, c[k].pair);
     EXPECT_TRUE(k == 0 || c[k - 1].feature < c[k].feature);
   }
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 1.1).data(), nullptr, nullptr}), 0, 0, c, &count));
+  ASSERT_EQ(DYN_OK,
+            dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 1.1).data(), nullptr, nullptr}), 0,
+                                  0, c, &count));
   EXPECT_EQ(0, count);
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 1.1).data(), nullptr, nullptr}), 0.2, 0, c, &count));
+  ASSERT_EQ(DYN_OK,
+            dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, &box, identity, at(0, 0, 1.1).data(), nullptr, nullptr}),
+                                  0.2, 0, c, &count));
   EXPECT_EQ(4, count);
 }
 
 TEST(ShapeContacts, BadArguments) {
   dynContact c[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -7;
-  auto refused = [&](dynStatus status, const dynGeometry* a, const double* X, double margin, double tolerance, dynContact* out, int* n, std::initializer_list<std::string> words) {
-    EXPECT_EQ(status, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, a, identity, X, nullptr, nullptr}), margin, tolerance, out, n));
+  auto refused = [&](dynStatus status, const dynGeometry* a, const double* X, double margin, double tolerance, dynContact* out,
+                     int* n, std::initializer_list<std::string> words) {
+    EXPECT_EQ(status, dyn_geometry_contacts(with<dynGeometryPair>({0, &ground, a, identity, X, nullptr, nullptr}), margin,
+                                            tolerance, out, n));
     EXPECT_TRUE(says(words)) << dyn_last_error();
     EXPECT_EQ(-7, count);
   };
@@ -108,20 +118,29 @@ TEST(ShapeSweep, BulletAndErrors) {
   dynImpact i = view_of<dynImpact>();
   const dynGeometry wall = geometry(DYN_SHAPE_TYPE_BOX, 1e-4, 2, 2);
   const double motion[6] = {1e4, 0, 0, 0, 0, 0}, turn[6] = {0, 0, 0, 1, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, at(-5, 0, 0).data(), identity, motion, nullptr}), 1, 0, &i)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, at(-5, 0, 0).data(), identity, motion, nullptr}),
+                                       1, 0, &i))
+      << dyn_last_error();
   EXPECT_EQ(DYN_SWEEP_STATUS_HIT, i.status);
   EXPECT_NEAR((5 - 0.5 - 0.5e-4) / 1e4, i.time, 1e-10);
   EXPECT_NEAR(1, i.normal[0], 1e-9);
-  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, at(-5, 0, 0).data(), identity, nullptr, nullptr}), 1, 0, &i));
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, at(-5, 0, 0).data(), identity, nullptr, nullptr}),
+                                       1, 0, &i));
   EXPECT_EQ(DYN_SWEEP_STATUS_NONE, i.status);
   EXPECT_EQ(1, i.time);
-  EXPECT_EQ(DYN_ERROR_UNSUPPORTED, dyn_geometry_sweep(with<dynGeometryPair>({0, &ground, &ball, identity, at(0, 0, 1).data(), turn, nullptr}), 1, 0, &i));
+  EXPECT_EQ(
+      DYN_ERROR_UNSUPPORTED,
+      dyn_geometry_sweep(with<dynGeometryPair>({0, &ground, &ball, identity, at(0, 0, 1).data(), turn, nullptr}), 1, 0, &i));
   EXPECT_TRUE(says({"half-space"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), -1, 0, &i));
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), nan, 0, &i));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), 1, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT,
+            dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), -1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_NONFINITE,
+            dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), nan, 0, &i));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT,
+            dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, motion, nullptr}), 1, 0, nullptr));
   const double bad[6] = {0, 0, nan, 0, 0, 0};
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, bad, nullptr}), 1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_NONFINITE,
+            dyn_geometry_sweep(with<dynGeometryPair>({0, &ball, &wall, identity, identity, bad, nullptr}), 1, 0, &i));
   EXPECT_TRUE(says({"motion_a[2]"}));
 }
 
@@ -132,9 +151,15 @@ struct Scene : testing::Test {
   Numbers q = Numbers(std::size_t(m.nq()));
   static Model make() {
     Builder b("scene");
-    b.joint(Spec("f1", DYN_JOINT_TYPE_FREE_FLYER)).body("one", "f1").joint(Spec("f2", DYN_JOINT_TYPE_FREE_FLYER)).body("two", "f2");
+    b.joint(Spec("f1", DYN_JOINT_TYPE_FREE_FLYER))
+        .body("one", "f1")
+        .joint(Spec("f2", DYN_JOINT_TYPE_FREE_FLYER))
+        .body("two", "f2");
     b.joint(Spec("f3", DYN_JOINT_TYPE_FREE_FLYER)).body("three", "f3");
-    b.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {}).shape("one", DYN_SHAPE_TYPE_BOX, {1, 1, 1}).shape("two", DYN_SHAPE_TYPE_BOX, {1, 1, 1}).shape("three", DYN_SHAPE_TYPE_SPHERE, {0.5, 0, 0});
+    b.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {})
+        .shape("one", DYN_SHAPE_TYPE_BOX, {1, 1, 1})
+        .shape("two", DYN_SHAPE_TYPE_BOX, {1, 1, 1})
+        .shape("three", DYN_SHAPE_TYPE_SPHERE, {0.5, 0, 0});
     return b.finish();
   }
   void place(std::size_t i, double x, double y, double z) { q[7 * i] = x, q[7 * i + 1] = y, q[7 * i + 2] = z, q[7 * i + 6] = 1; }
@@ -202,10 +227,12 @@ TEST_F(Scene, SmoothDistances) {
 }
 
 TEST_F(Scene, Rays) {
-  const double origins[] = {0, 0, 9, 3, 0, 9, 9, 9, 9, 0, 0, 9, 0, 0, 0.5}, directions[] = {0, 0, -1, 0, 0, -2, 0, 0, -1, 0, 0, 1, 1, 0, 0};
+  const double origins[] = {0, 0, 9, 3, 0, 9, 9, 9, 9, 0, 0, 9, 0, 0, 0.5},
+               directions[] = {0, 0, -1, 0, 0, -2, 0, 0, -1, 0, 0, 1, 1, 0, 0};
   double t[5], normals[15];
   int shapes[5];
-  ASSERT_EQ(DYN_OK, dyn_rays(m, d, q.data(), with<dynRays>({0, 5, ~0u, origins, directions, inf}), t, shapes, normals)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_rays(m, d, q.data(), with<dynRays>({0, 5, ~0u, origins, directions, inf}), t, shapes, normals))
+      << dyn_last_error();
   const double expected_t[] = {9 - 1.998, (9 - 1.1) / 2, 9, inf, 0};
   const int expected[] = {2, 3, 0, -1, 1};
   for (int k = 0; k < 5; ++k) {
@@ -251,7 +278,10 @@ TEST_F(Scene, MasksSwitchPairs) {
   for (int k = 0; k < dyn_model_npairs(m); ++k) {
     int a, b;
     ASSERT_EQ(DYN_OK, dyn_model_pair(m, k, &a, &b, nullptr));
-    EXPECT_EQ(a == 1 || b == 1 ? (before[std::size_t(k)] == DYN_PAIR_REASON_TESTED ? DYN_PAIR_REASON_MASK : before[std::size_t(k)]) : before[std::size_t(k)], reasons()[std::size_t(k)]);
+    EXPECT_EQ(a == 1 || b == 1
+                  ? (before[std::size_t(k)] == DYN_PAIR_REASON_TESTED ? DYN_PAIR_REASON_MASK : before[std::size_t(k)])
+                  : before[std::size_t(k)],
+              reasons()[std::size_t(k)]);
   }
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_masks(m, d, -1, 1, 1));
   EXPECT_EQ(before, reasons());
@@ -264,7 +294,8 @@ TEST(Builder, MasksRadiusAndNothingTested) {
   b.joint(Spec("f1", DYN_JOINT_TYPE_FREE_FLYER)).body("one", "f1").joint(Spec("f2", DYN_JOINT_TYPE_FREE_FLYER)).body("two", "f2");
   dynShapeSpec s;
   dyn_shape_spec_init(&s);
-  s.body = "one", s.type = DYN_SHAPE_TYPE_BOX, s.size[0] = s.size[1] = s.size[2] = 1, s.radius = 0.25, s.contype = 2, s.conaffinity = 4;
+  s.body = "one", s.type = DYN_SHAPE_TYPE_BOX, s.size[0] = s.size[1] = s.size[2] = 1, s.radius = 0.25, s.contype = 2,
+  s.conaffinity = 4;
   ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   const double grey[4] = {0.2, 0.2, 0.2, 1}, bad[4] = {0, 0, 1.1, 1};
   ASSERT_EQ(DYN_OK, dyn_builder_set_shape_rgba(b, grey));

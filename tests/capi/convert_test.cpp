@@ -34,13 +34,19 @@ struct Peer {
 
 Peer to_peer(const dynModel* m, const Layout& l, const State& s) {
   Peer y{Sizes(m, l)};
-  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), s.a.data(), s.tau.data(), with<dynStateOutput>({0, y.q.data(), y.v.data(), y.a.data(), y.tau.data()})))
+  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), s.a.data(), s.tau.data(),
+                                             with<dynStateOutput>({0, y.q.data(), y.v.data(), y.a.data(), y.tau.data()})))
       << dyn_last_error();
   return y;
 }
 State from_peer(const dynModel* m, const Layout& l, const Peer& y) {
-  State s = {Numbers(std::size_t(dyn_model_nq(m))), Numbers(std::size_t(dyn_model_nv(m))), Numbers(std::size_t(dyn_model_nv(m))), Numbers(std::size_t(dyn_model_nv(m))), {}};
-  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_FROM_PEER, y.q.data(), y.v.data(), y.a.data(), y.tau.data(), with<dynStateOutput>({0, s.q.data(), s.v.data(), s.a.data(), s.tau.data()})))
+  State s = {Numbers(std::size_t(dyn_model_nq(m))),
+             Numbers(std::size_t(dyn_model_nv(m))),
+             Numbers(std::size_t(dyn_model_nv(m))),
+             Numbers(std::size_t(dyn_model_nv(m))),
+             {}};
+  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_FROM_PEER, y.q.data(), y.v.data(), y.a.data(), y.tau.data(),
+                                             with<dynStateOutput>({0, s.q.data(), s.v.data(), s.a.data(), s.tau.data()})))
       << dyn_last_error();
   return s;
 }
@@ -142,7 +148,8 @@ TEST(Convert, FreeJointIsTheFramesMotion) {
       ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, local));
       ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, aligned));
       ASSERT_EQ(DYN_OK, dyn_frame_classical_acceleration(m, d, frame, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, a_aligned));
-      Peer y[3] = {Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO))), Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO))), Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO)))};
+      Peer y[3] = {Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO))), Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO))),
+                   Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO)))};
       int k = 0;
       for (dynConvention c : {DYN_CONVENTION_MUJOCO, DYN_CONVENTION_DRAKE, DYN_CONVENTION_ROS}) {
         Layout l(c);
@@ -190,8 +197,10 @@ TEST(Convert, OrderAndPlaces) {
   l.nq = 13, l.nv = 10;
   Peer y(Sizes(m, l), 77);
   ASSERT_EQ(13u, y.q.size());
-  ASSERT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, with<dynStateOutput>({0, y.q.data(), y.v.data(), nullptr, nullptr})));
-  EXPECT_EQ((Numbers{77, std::cos(s.q[7]), std::sin(s.q[7]), 77, s.q[0], s.q[1], s.q[2], s.q[3], s.q[4], s.q[5], s.q[6], 77, 77}), y.q);
+  ASSERT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr,
+                                             with<dynStateOutput>({0, y.q.data(), y.v.data(), nullptr, nullptr})));
+  EXPECT_EQ((Numbers{77, std::cos(s.q[7]), std::sin(s.q[7]), 77, s.q[0], s.q[1], s.q[2], s.q[3], s.q[4], s.q[5], s.q[6], 77, 77}),
+            y.q);
   EXPECT_EQ((Numbers{s.v[6], 77, s.v[0], s.v[1], s.v[2], s.v[3], s.v[4], s.v[5], 77, 77}), y.v);
   EXPECT_EQ(77, y.a[0]);
 }
@@ -226,10 +235,14 @@ class ConvertRefused : public ::testing::Test {
   const State s = random_state(m, 1);
   Layout l{DYN_CONVENTION_MUJOCO};
   Peer y{Sizes(m, l), 1.5};
-  void refuse(const Refusal& r, dynDirection direction = DYN_DIRECTION_TO_PEER) { refuse(r, direction, direction == DYN_DIRECTION_TO_PEER ? s.q.data() : y.q.data()); }
+  void refuse(const Refusal& r, dynDirection direction = DYN_DIRECTION_TO_PEER) {
+    refuse(r, direction, direction == DYN_DIRECTION_TO_PEER ? s.q.data() : y.q.data());
+  }
   void refuse(const Refusal& r, dynDirection direction, const double* q) {
     Numbers out(100, -3.0), before = out;
-    EXPECT_EQ(r.status, dyn_state_layout_convert(m, &l, direction, q, direction == DYN_DIRECTION_TO_PEER ? s.v.data() : y.v.data(), nullptr, nullptr, with<dynStateOutput>({0, out.data(), out.data() + 50, nullptr, nullptr})))
+    EXPECT_EQ(r.status,
+              dyn_state_layout_convert(m, &l, direction, q, direction == DYN_DIRECTION_TO_PEER ? s.v.data() : y.v.data(), nullptr,
+                                       nullptr, with<dynStateOutput>({0, out.data(), out.data() + 50, nullptr, nullptr})))
         << r.what;
     EXPECT_TRUE(dyn_test::says(r.says)) << r.what;
     EXPECT_EQ(before, out) << r.what;
@@ -284,7 +297,8 @@ TEST_F(ConvertRefused, Layouts) {
     std::memcpy(&l.convention, &bad, sizeof bad);
     refuse({"convention", DYN_ERROR_ARGUMENT, {"convention"}});
   }
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT,
+            dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr));
 }
 
 TEST_F(ConvertRefused, Arrays) {
@@ -303,9 +317,11 @@ TEST_F(ConvertRefused, Arrays) {
   y.q[7] = inf;
   refuse({"infinite", DYN_ERROR_NONFINITE, {"q[7]", "'hinge'", "infinite"}}, DYN_DIRECTION_FROM_PEER);
   double out[100];
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, s.a.data(), nullptr, with<dynStateOutput>({0, nullptr, nullptr, out, nullptr})));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, s.a.data(), nullptr,
+                                                         with<dynStateOutput>({0, nullptr, nullptr, out, nullptr})));
   EXPECT_TRUE(says({"a is given without v"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, with<dynStateOutput>({0, nullptr, nullptr, nullptr, out})));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr,
+                                                         with<dynStateOutput>({0, nullptr, nullptr, nullptr, out})));
   EXPECT_TRUE(says({"tau", "output", "without tau"}));
 }
 

@@ -27,7 +27,8 @@ TEST(DataNew, NeutralAtRest) {
   Numbers q(std::size_t(m.nq()));
   ASSERT_EQ(DYN_OK, dyn_configuration_neutral(m, q.data()));
   EXPECT_TRUE(same_bits(q, field(m, d, "q")));
-  for (const char* name : {"v", "a", "tau_applied"}) EXPECT_TRUE(same_bits(Numbers(std::size_t(m.nv()), 0.0), field(m, d, name))) << name;
+  for (const char* name : {"v", "a", "tau_applied"})
+    EXPECT_TRUE(same_bits(Numbers(std::size_t(m.nv()), 0.0), field(m, d, name))) << name;
   EXPECT_EQ(0.0, field(m, d, "time")[0]);
 }
 
@@ -107,7 +108,8 @@ TEST(DataInit, EachPartKeepsToItsMemory) {
       for (const CallRow& row : call_rows) {
         Prepared p(row, m, s);
         const dynStatus status = p(m, d);
-        EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_PART || status == DYN_ERROR_STALE) << row.name << ": " << dyn_last_error();
+        EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_PART || status == DYN_ERROR_STALE)
+            << row.name << ": " << dyn_last_error();
       }
     for (std::size_t k = 0; k < 64; ++k) ASSERT_TRUE(memory[k] == 0x3c && memory[64 + size + k] == 0x3c) << bit;
   }

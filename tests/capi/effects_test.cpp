@@ -8,9 +8,11 @@ namespace {
 Model arm() {
   Builder b("arm");
   const double one = 1, two = 2, three = 3, four = 4, half = 0.5, low = -3, high = 3;
-  Spec shoulder("shoulder", DYN_JOINT_TYPE_REVOLUTE), elbow("elbow", DYN_JOINT_TYPE_REVOLUTE, "shoulder", {0, 0, 1}), finger("finger", DYN_JOINT_TYPE_PRISMATIC, "elbow");
+  Spec shoulder("shoulder", DYN_JOINT_TYPE_REVOLUTE), elbow("elbow", DYN_JOINT_TYPE_REVOLUTE, "shoulder", {0, 0, 1}),
+      finger("finger", DYN_JOINT_TYPE_PRISMATIC, "elbow");
   shoulder.about(0, 1, 0), elbow.about(0, 1, 0);
-  shoulder.armature = &one, shoulder.damping = &two, shoulder.friction = &three, shoulder.stiffness = &four, shoulder.spring_reference = &half;
+  shoulder.armature = &one, shoulder.damping = &two, shoulder.friction = &three, shoulder.stiffness = &four,
+  shoulder.spring_reference = &half;
   shoulder.lower = &low, shoulder.upper = &high;
   elbow.damping = &four;
   finger.mimic = "shoulder";
@@ -32,11 +34,14 @@ struct Effects : testing::Test {
     EXPECT_EQ(DYN_OK, dyn_data_effects(m, d, joint, &effects));
     return effects;
   }
-  void set(int joint, std::uint32_t effects) { ASSERT_EQ(DYN_OK, dyn_data_set_effects(m, d, joint, effects)) << dyn_last_error(); }
+  void set(int joint, std::uint32_t effects) {
+    ASSERT_EQ(DYN_OK, dyn_data_set_effects(m, d, joint, effects)) << dyn_last_error();
+  }
 };
 
 TEST_F(Effects, NewDataHasTheDefault) {
-  const std::uint32_t of_joints = DYN_EFFECT_ARMATURE | DYN_EFFECT_DAMPING | DYN_EFFECT_SPRINGS | DYN_EFFECT_FRICTION | DYN_EFFECT_LIMITS;
+  const std::uint32_t of_joints =
+      DYN_EFFECT_ARMATURE | DYN_EFFECT_DAMPING | DYN_EFFECT_SPRINGS | DYN_EFFECT_FRICTION | DYN_EFFECT_LIMITS;
   EXPECT_EQ(std::uint32_t(DYN_EFFECT_DEFAULT), on(1));
   EXPECT_EQ(std::uint32_t(DYN_EFFECT_DEFAULT), on(2));
   EXPECT_EQ(of_joints, on(0));  // in steps

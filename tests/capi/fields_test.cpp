@@ -29,11 +29,52 @@ TEST(Fields, TableIsSound) {
     EXPECT_EQ(0u, info.part & ~dynParts(DYN_PART_ALL)) << info.name;
     if (std::strlen(info.producer)) call_row(info.producer);  // is a call
   }
-  for (const char* name : {"q", "v", "a", "tau_applied", "time", "placements", "J", "dJ", "com", "vcom", "acom", "Jcom", "tau", "nle", "g",
-                           "static_torque", "ddq", "M", "Minv", "coriolis", "kinetic", "potential", "mechanical", "Ag", "dAg", "Ig", "hg", "dhg",
-                           "dh_dq", "dhdot_dq", "dhdot_dv", "regressor", "static_regressor", "kinetic_energy_regressor", "potential_energy_regressor", "dvcom_dq", "dg_dq", "dstatic_torque_dq",
-                           "dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv",
-                           "lambda_d2tau_dqdq", "lambda_d2tau_dvdv", "lambda_d2tau_dqdv", "lambda_d2tau_dadq"})
+  for (const char* name : {"q",
+                           "v",
+                           "a",
+                           "tau_applied",
+                           "time",
+                           "placements",
+                           "J",
+                           "dJ",
+                           "com",
+                           "vcom",
+                           "acom",
+                           "Jcom",
+                           "tau",
+                           "nle",
+                           "g",
+                           "static_torque",
+                           "ddq",
+                           "M",
+                           "Minv",
+                           "coriolis",
+                           "kinetic",
+                           "potential",
+                           "mechanical",
+                           "Ag",
+                           "dAg",
+                           "Ig",
+                           "hg",
+                           "dhg",
+                           "dh_dq",
+                           "dhdot_dq",
+                           "dhdot_dv",
+                           "regressor",
+                           "static_regressor",
+                           "kinetic_energy_regressor",
+                           "potential_energy_regressor",
+                           "dvcom_dq",
+                           "dg_dq",
+                           "dstatic_torque_dq",
+                           "dtau_dq",
+                           "dtau_dv",
+                           "ddq_dq",
+                           "ddq_dv",
+                           "lambda_d2tau_dqdq",
+                           "lambda_d2tau_dvdv",
+                           "lambda_d2tau_dqdv",
+                           "lambda_d2tau_dadq"})
     EXPECT_TRUE(names.count(name)) << name;
 }
 
@@ -96,7 +137,8 @@ TEST(Freshness, StaleFreshStale) {
     Data d(m);
     const State s = random_state(m, 34), t = random_state(m, 35);
     EXPECT_EQ(DYN_ERROR_STALE, field_status(m, d, info.name)) << who;
-    EXPECT_TRUE(says({"dyn_data_array", info.name, "not computed for the current state", std::string("call ") + info.producer})) << who;
+    EXPECT_TRUE(says({"dyn_data_array", info.name, "not computed for the current state", std::string("call ") + info.producer}))
+        << who;
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()));
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, s.tau.data()));
     EXPECT_EQ(DYN_ERROR_STALE, field_status(m, d, info.name)) << who;
@@ -117,18 +159,54 @@ TEST(Freshness, StaleFreshStale) {
     Prepared other(row, m, s);
     other.x.q = nullptr;
     ASSERT_EQ(DYN_OK, other(m, d)) << dyn_last_error();
-    EXPECT_FALSE(same_bits(first, field(m, d, info.name)) && std::string(info.name) != "kinetic" && std::string(info.name) != "lambda") << who;  // no constraint, no force
+    EXPECT_FALSE(same_bits(first, field(m, d, info.name)) && std::string(info.name) != "kinetic" &&
+                 std::string(info.name) != "lambda")
+        << who;  // no constraint, no force
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()));
     EXPECT_EQ(DYN_ERROR_STALE, field_status(m, d, info.name)) << who;
     ASSERT_EQ(DYN_OK, p(m, d));
     EXPECT_TRUE(same_bits(first, field(m, d, info.name))) << who;
 
     // v, a and tau matter to what depends on them, and to nothing else
-    const std::set<std::string> of_v = {"dJ", "vcom", "acom", "tau", "nle", "ddq", "coriolis", "kinetic", "mechanical", "dAg", "hg", "dhg", "dh_dq",
-                                        "dhdot_dq", "dhdot_dv", "regressor", "kinetic_energy_regressor", "dvcom_dq", "lambda_d2tau_dqdq", "lambda_d2tau_dvdv",
-                                        "lambda_d2tau_dqdv", "lambda_d2tau_dadq", "dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv", "constrained_ddq", "lambda"},
-                                of_a = {"acom", "tau", "dhg", "dhdot_dq", "regressor", "lambda_d2tau_dqdq", "lambda_d2tau_dvdv", "lambda_d2tau_dqdv",
-                                        "lambda_d2tau_dadq", "dtau_dq", "dtau_dv"},
+    const std::set<std::string> of_v = {"dJ",
+                                        "vcom",
+                                        "acom",
+                                        "tau",
+                                        "nle",
+                                        "ddq",
+                                        "coriolis",
+                                        "kinetic",
+                                        "mechanical",
+                                        "dAg",
+                                        "hg",
+                                        "dhg",
+                                        "dh_dq",
+                                        "dhdot_dq",
+                                        "dhdot_dv",
+                                        "regressor",
+                                        "kinetic_energy_regressor",
+                                        "dvcom_dq",
+                                        "lambda_d2tau_dqdq",
+                                        "lambda_d2tau_dvdv",
+                                        "lambda_d2tau_dqdv",
+                                        "lambda_d2tau_dadq",
+                                        "dtau_dq",
+                                        "dtau_dv",
+                                        "ddq_dq",
+                                        "ddq_dv",
+                                        "constrained_ddq",
+                                        "lambda"},
+                                of_a = {"acom",
+                                        "tau",
+                                        "dhg",
+                                        "dhdot_dq",
+                                        "regressor",
+                                        "lambda_d2tau_dqdq",
+                                        "lambda_d2tau_dvdv",
+                                        "lambda_d2tau_dqdv",
+                                        "lambda_d2tau_dadq",
+                                        "dtau_dq",
+                                        "dtau_dv"},
                                 of_tau = {"ddq", "ddq_dq", "ddq_dv", "constrained_ddq", "lambda"};
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, t.tau.data()));
     EXPECT_EQ(of_tau.count(info.name) ? DYN_ERROR_STALE : DYN_OK, field_status(m, d, info.name)) << who;

@@ -62,15 +62,17 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
   for (std::size_t k = 0; k < got.rows.size(); ++k) {
     const auto &x = got.rows[k], &y = expected.rows[k];
     if (x.status != DYN_OK || x.name == "time") continue;
-    if (forces && (x.name == "tau" || x.name == "static_torque" || x.name == "dstatic_torque_dq" || x.name == "ddq" || x.name == "constrained_ddq" || x.name.starts_with("dtau_") ||
-                   x.name.starts_with("ddq_")))
+    if (forces && (x.name == "tau" || x.name == "static_torque" || x.name == "dstatic_torque_dq" || x.name == "ddq" ||
+                   x.name == "constrained_ddq" || x.name.starts_with("dtau_") || x.name.starts_with("ddq_")))
       continue;
     if (x.name.starts_with("lambda_")) continue;  // of another lambda
     ASSERT_EQ(x.bits.size(), y.bits.size());
     double scale = 1, off = 0;
     for (std::size_t i = 0; i < x.bits.size(); ++i)
-      if (x.bits[i] != y.bits[i]) scale = std::max(scale, std::abs(y.bits[i])), off = std::max(off, std::abs(x.bits[i] - y.bits[i]));
-    ASSERT_LE(off, 1e-12 * scale * (1 + size) * (1 + size) * worst_M) << x.name << " is not that of the state, sequence " << sequence;
+      if (x.bits[i] != y.bits[i])
+        scale = std::max(scale, std::abs(y.bits[i])), off = std::max(off, std::abs(x.bits[i] - y.bits[i]));
+    ASSERT_LE(off, 1e-12 * scale * (1 + size) * (1 + size) * worst_M)
+        << x.name << " is not that of the state, sequence " << sequence;
   }
 }
 
@@ -88,7 +90,8 @@ void run(std::uint64_t first, std::uint64_t last) {
     if (g.below(50) == 0) {  // another data, with some parts only
       dyn_data_free(data[std::size_t(own)].d);
       data[std::size_t(own)].d = nullptr;
-      ASSERT_EQ(DYN_OK, dyn_data_new(m, g.below(4) ? dynParts(DYN_PART_ALL) : dynParts(g.next() & DYN_PART_ALL), &data[std::size_t(own)].d));
+      ASSERT_EQ(DYN_OK, dyn_data_new(m, g.below(4) ? dynParts(DYN_PART_ALL) : dynParts(g.next() & DYN_PART_ALL),
+                                     &data[std::size_t(own)].d));
     }
     {  // forget the forces of the sequence before
       const State s = random_state(m, g.next());
@@ -104,7 +107,8 @@ void run(std::uint64_t first, std::uint64_t last) {
       ASSERT_TRUE(s >= DYN_OK && s <= DYN_ERROR_INTERNAL && s != DYN_ERROR_INTERNAL) << row.name;
       ++statuses[s];
       if (s == DYN_OK) {
-        for (const Numbers& out : p.results()) ASSERT_TRUE(may_be_infinite(row) || finite(out)) << row.name << " sequence " << sequence;
+        for (const Numbers& out : p.results())
+          ASSERT_TRUE(may_be_infinite(row) || finite(out)) << row.name << " sequence " << sequence;
         if (row.uses & uses_fext && p.x.fext) forces = true;
       } else {
         const std::uint32_t size = p.array.struct_size;
@@ -121,8 +125,8 @@ void run(std::uint64_t first, std::uint64_t last) {
     if (::testing::Test::HasFatalFailure()) return;
   }
   EXPECT_GT(calls, 5 * (last - first));
-  for (dynStatus s : {DYN_OK, DYN_ERROR_ARGUMENT, DYN_ERROR_HANDLE, DYN_ERROR_MODEL, DYN_ERROR_NONFINITE, DYN_ERROR_STALE, DYN_ERROR_PART,
-                      DYN_ERROR_NUMERIC})
+  for (dynStatus s : {DYN_OK, DYN_ERROR_ARGUMENT, DYN_ERROR_HANDLE, DYN_ERROR_MODEL, DYN_ERROR_NONFINITE, DYN_ERROR_STALE,
+                      DYN_ERROR_PART, DYN_ERROR_NUMERIC})
     EXPECT_GT(statuses[s], 0u) << dyn_status_name(s);
 }
 
@@ -136,7 +140,8 @@ TEST(Fuzz, Builders) {
     Random g{seed};
     Builder b;
     std::vector<std::string> names = {"universe", "nobody", ""};
-    Spec parts[3] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC), Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL)};
+    Spec parts[3] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC),
+                     Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL)};
     for (int k = g.below(6) + 1; k-- > 0;) {
       const std::string name = g.below(12) ? "j" + std::to_string(names.size()) : names[std::size_t(g.below(int(names.size())))];
       const std::string parent = g.below(6) ? names.back() : names[std::size_t(g.below(int(names.size())))];
@@ -175,7 +180,8 @@ TEST(Fuzz, Builders) {
     for (const CallRow& row : call_rows) {
       Prepared p(row, m, s);
       const dynStatus status = p(m, d);
-      ASSERT_TRUE(status == DYN_OK || status == DYN_ERROR_STALE || status == DYN_ERROR_NUMERIC) << row.name << dyn_last_error() << seed;
+      ASSERT_TRUE(status == DYN_OK || status == DYN_ERROR_STALE || status == DYN_ERROR_NUMERIC)
+          << row.name << dyn_last_error() << seed;
       if (status != DYN_OK) continue;
       for (const Numbers& out : p.results()) ASSERT_TRUE(may_be_infinite(row) || finite(out)) << row.name << " seed " << seed;
     }

@@ -128,7 +128,8 @@ const ModelFunction model_functions[] = {
     {"dyn_model_frame_name", [](auto* m) { return dyn_model_frame_name(m, 0) == nullptr; }},
     {"dyn_model_joint_id", [](auto* m) { return dyn_model_joint_id(m, "universe") == -1; }},
     {"dyn_model_frame_id", [](auto* m) { return dyn_model_frame_id(m, "universe") == -1; }},
-    {"dyn_model_frame_id_of_type", [](auto* m) { return dyn_model_frame_id_of_type(m, "universe", DYN_FRAME_TYPE_OP_FRAME) == -1; }},
+    {"dyn_model_frame_id_of_type",
+     [](auto* m) { return dyn_model_frame_id_of_type(m, "universe", DYN_FRAME_TYPE_OP_FRAME) == -1; }},
     {"dyn_model_joint_info", [](auto* m) { return keeps(dyn_model_joint_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_frame_info", [](auto* m) { return keeps(dyn_model_frame_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_nshapes", [](auto* m) { return dyn_model_nshapes(m) == -1; }},
@@ -197,7 +198,8 @@ const ModelFunction model_functions[] = {
     {"dyn_interpolate", [](auto* m) { return dyn_interpolate(m, out, out, 0.5, out) == DYN_ERROR_HANDLE; }},
     {"dyn_configuration_distance", [](auto* m) { return dyn_configuration_distance(m, out, out, out) == DYN_ERROR_HANDLE; }},
     {"dyn_configuration_neutral", [](auto* m) { return dyn_configuration_neutral(m, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_configuration_random", [](auto* m) { return dyn_configuration_random(m, 1, nullptr, nullptr, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_configuration_random",
+     [](auto* m) { return dyn_configuration_random(m, 1, nullptr, nullptr, out) == DYN_ERROR_HANDLE; }},
     {"dyn_configuration_normalize", [](auto* m) { return dyn_configuration_normalize(m, out) == DYN_ERROR_HANDLE; }},
     {"dyn_configuration_is_normalized",
      [](auto* m) {
@@ -218,7 +220,8 @@ const ModelFunction model_functions[] = {
      [](auto* m) {
        dynStateLayout layout;
        dyn_state_layout_init(&layout);
-       return dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, out, out, out, out, with<dynStateOutput>({0, out, out, out, out})) == DYN_ERROR_HANDLE;
+       return dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, out, out, out, out,
+                                       with<dynStateOutput>({0, out, out, out, out})) == DYN_ERROR_HANDLE;
      }},
 };
 
@@ -245,8 +248,8 @@ TEST(Handles, EveryFunctionOfABuilder) {
   Data d(m);
   const Spec spec("j", DYN_JOINT_TYPE_REVOLUTE);
   const double gravity[3] = {0, 0, -1}, com[3] = {}, q[1] = {};
-  for (void* handle : {static_cast<void*>(nullptr), static_cast<void*>(freed_builder), static_cast<void*>(m.m), static_cast<void*>(d.d),
-                       static_cast<void*>(zeros)}) {
+  for (void* handle : {static_cast<void*>(nullptr), static_cast<void*>(freed_builder), static_cast<void*>(m.m),
+                       static_cast<void*>(d.d), static_cast<void*>(zeros)}) {
     dynBuilder* b = static_cast<dynBuilder*>(handle);
     const std::string word = !handle ? "dyn_builder_new" : handle == freed_builder ? "freed" : "no handle";
     auto refused = [&](dynStatus s) {
@@ -328,52 +331,63 @@ TEST(Handles, TablesAreComplete) {
   std::stringstream text;
   text << file.rdbuf();
   const std::string header = text.str();
-  std::set<std::string> declared, tested = {
-      // no handle, or a maker or a destroyer of one: tested by name elsewhere
-      "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init", "dyn_ik_options_init", "dyn_model_load",
-      "dyn_model_load_string", "dyn_model_from_buffer", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_set_gravity",
-      "dyn_builder_add_joint", "dyn_builder_add_body", "dyn_builder_add_frame", "dyn_builder_add_configuration", "dyn_builder_finish", "dyn_data_free",
-      "dyn_builder_set_shape_rgba", "dyn_builder_lock", "dyn_builder_keep_subtree", "dyn_builder_remove_subtree",
-      "dyn_effect_count", "dyn_data_effect_info", "dyn_field_count", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
-      // structs_test.cpp
-      "dyn_save_options_init", "dyn_centroidal_derivatives_init", "dyn_second_order_derivatives_init", "dyn_aba_derivatives_init", "dyn_state_output_init", "dyn_ik_output_init",
-      "dyn_constrained_output_init", "dyn_constraint_derivatives_init", "dyn_geometry_pair_init", "dyn_rays_init", "dyn_qp_init", "dyn_height_field_init",
-      // numbers alone: inertial_parameters_test.cpp
-      "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
-      "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
-      // collision_test.cpp
-      "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_add_shape", "dyn_geometry_distance", "dyn_distance_options_init", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
-      // contact_test.cpp
-      "dyn_geometry_contacts", "dyn_geometry_ray", "dyn_geometry_closest_point", "dyn_geometry_sweep", "dyn_data_set_shape_masks", "dyn_data_shape_masks",
-      // broad_phase_test.cpp
-      "dyn_broad_phase_new", "dyn_broad_phase_free", "dyn_broad_phase_insert", "dyn_broad_phase_update", "dyn_broad_phase_remove", "dyn_broad_phase_pairs",
-      "dyn_broad_phase_query", "dyn_broad_phase_ray",
-      // contact_solver_test.cpp
-      "dyn_contact_problem_init", "dyn_contact_options_init", "dyn_contact_solver_new", "dyn_contact_solver_size", "dyn_contact_solver_init",
-      "dyn_contact_solver_free", "dyn_contact_solver_solve", "dyn_contact_solver_residuals", "dyn_contact_compliance", "dyn_contact_stiffness_hertz",
-      "dyn_contact_problem_qp",
-      // stepping_test.cpp
-      "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance", "dyn_data_reset",
-      // tests/simulation
-      "dyn_model_state_size", "dyn_data_save_state", "dyn_data_restore_state", "dyn_data_step_contacts", "dyn_data_ledger", "dyn_data_set_shape_material", "dyn_data_shape_material",
-      // tests/simulation/driving_test.cpp
-      "dyn_actuator_init", "dyn_builder_add_actuator", "dyn_builder_set_gravity_compensation", "dyn_builder_set_medium", "dyn_builder_add_pair", "dyn_data_set_control",
-      "dyn_data_apply_wrench", "dyn_data_clear_wrenches", "dyn_data_set_gravity",
-      // effects_test.cpp
-      "dyn_batch_set_effects",
-      // constraint_test.cpp
-      "dyn_constraint_init", "dyn_constraint_options_init", "dyn_project_options_init", "dyn_builder_add_constraint", "dyn_builder_set_constraint_slots", "dyn_builder_set_contact_capacity",
-      "dyn_data_anchor_constraint",
-      // tests/mesh
-      "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays", "dyn_mesh_hull",
-      "dyn_mesh_from_height_field", "dyn_mesh_rgb",
-      // batch_test.cpp
-      "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_algorithm_info",
-      // reflection_test.cpp
-      "dyn_algorithm_run", "dyn_enum_count", "dyn_enum_id", "dyn_enum_info", "dyn_enum_value_info", "dyn_joint_type_info", "dyn_shape_type_info",
-      "dyn_constraint_type_info", "dyn_integrator_info", "dyn_effect_type_info", "dyn_contact_solver_type_info", "dyn_interface_json",
-      // rollout_test.cpp
-      "dyn_rollout_init", "dyn_batch_rollout", "dyn_sensor_size"};
+  std::set<std::string> declared,
+      tested = {
+          // no handle, or a maker or a destroyer of one: tested by name elsewhere
+          "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init",
+          "dyn_ik_options_init", "dyn_model_load", "dyn_model_load_string", "dyn_model_from_buffer", "dyn_model_free",
+          "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_set_gravity", "dyn_builder_add_joint",
+          "dyn_builder_add_body", "dyn_builder_add_frame", "dyn_builder_add_configuration", "dyn_builder_finish", "dyn_data_free",
+          "dyn_builder_set_shape_rgba", "dyn_builder_lock", "dyn_builder_keep_subtree", "dyn_builder_remove_subtree",
+          "dyn_effect_count", "dyn_data_effect_info", "dyn_field_count", "dyn_field_info", "dyn_field_id",
+          "dyn_state_layout_init",
+          // structs_test.cpp
+          "dyn_save_options_init", "dyn_centroidal_derivatives_init", "dyn_second_order_derivatives_init",
+          "dyn_aba_derivatives_init", "dyn_state_output_init", "dyn_ik_output_init", "dyn_constrained_output_init",
+          "dyn_constraint_derivatives_init", "dyn_geometry_pair_init", "dyn_rays_init", "dyn_qp_init", "dyn_height_field_init",
+          // numbers alone: inertial_parameters_test.cpp
+          "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia",
+          "dyn_log_cholesky_from_parameters", "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian",
+          "dyn_is_physically_consistent",
+          // collision_test.cpp
+          "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_add_shape", "dyn_geometry_distance",
+          "dyn_distance_options_init", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
+          // contact_test.cpp
+          "dyn_geometry_contacts", "dyn_geometry_ray", "dyn_geometry_closest_point", "dyn_geometry_sweep",
+          "dyn_data_set_shape_masks", "dyn_data_shape_masks",
+          // broad_phase_test.cpp
+          "dyn_broad_phase_new", "dyn_broad_phase_free", "dyn_broad_phase_insert", "dyn_broad_phase_update",
+          "dyn_broad_phase_remove", "dyn_broad_phase_pairs", "dyn_broad_phase_query", "dyn_broad_phase_ray",
+          // contact_solver_test.cpp
+          "dyn_contact_problem_init", "dyn_contact_options_init", "dyn_contact_solver_new", "dyn_contact_solver_size",
+          "dyn_contact_solver_init", "dyn_contact_solver_free", "dyn_contact_solver_solve", "dyn_contact_solver_residuals",
+          "dyn_contact_compliance", "dyn_contact_stiffness_hertz", "dyn_contact_problem_qp",
+          // stepping_test.cpp
+          "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
+          "dyn_data_reset",
+          // tests/simulation
+          "dyn_model_state_size", "dyn_data_save_state", "dyn_data_restore_state", "dyn_data_step_contacts", "dyn_data_ledger",
+          "dyn_data_set_shape_material", "dyn_data_shape_material",
+          // tests/simulation/driving_test.cpp
+          "dyn_actuator_init", "dyn_builder_add_actuator", "dyn_builder_set_gravity_compensation", "dyn_builder_set_medium",
+          "dyn_builder_add_pair", "dyn_data_set_control", "dyn_data_apply_wrench", "dyn_data_clear_wrenches",
+          "dyn_data_set_gravity",
+          // effects_test.cpp
+          "dyn_batch_set_effects",
+          // constraint_test.cpp
+          "dyn_constraint_init", "dyn_constraint_options_init", "dyn_project_options_init", "dyn_builder_add_constraint",
+          "dyn_builder_set_constraint_slots", "dyn_builder_set_contact_capacity", "dyn_data_anchor_constraint",
+          // tests/mesh
+          "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays",
+          "dyn_mesh_hull", "dyn_mesh_from_height_field", "dyn_mesh_rgb",
+          // batch_test.cpp
+          "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_algorithm_info",
+          // reflection_test.cpp
+          "dyn_algorithm_run", "dyn_enum_count", "dyn_enum_id", "dyn_enum_info", "dyn_enum_value_info", "dyn_joint_type_info",
+          "dyn_shape_type_info", "dyn_constraint_type_info", "dyn_integrator_info", "dyn_effect_type_info",
+          "dyn_contact_solver_type_info", "dyn_interface_json",
+          // rollout_test.cpp
+          "dyn_rollout_init", "dyn_batch_rollout", "dyn_sensor_size"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {
     const std::size_t open = header.find('(', at), begin = header.find_last_of(" *", open) + 1;
     declared.insert(header.substr(begin, open - begin));

@@ -32,7 +32,9 @@ struct Arm {
   dynIkOptions o = make_options();
   dynIkResult r{};
 
-  explicit Arm(int links) : m(build(links)), d(m), tip(dyn_model_frame_id(m, "tip")), q(std::size_t(links)) { r.struct_size = sizeof r; }
+  explicit Arm(int links) : m(build(links)), d(m), tip(dyn_model_frame_id(m, "tip")), q(std::size_t(links)) {
+    r.struct_size = sizeof r;
+  }
   static Model build(int links) {
     Builder b("arm");
     std::string parent;
@@ -47,7 +49,9 @@ struct Arm {
     return b.finish();
   }
   void solve(const std::vector<dynIkTask>& tasks) {
-    EXPECT_EQ(DYN_OK, dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, with<dynIkOutput>({0, q.data(), residuals.data(), &r}))) << dyn_last_error();
+    EXPECT_EQ(DYN_OK,
+              dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, with<dynIkOutput>({0, q.data(), residuals.data(), &r})))
+        << dyn_last_error();
     EXPECT_TRUE(same_bits(q, field(m, d, "q")));
     double X[12];
     EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, tip, X)) << "placements are of the solution";
@@ -142,7 +146,8 @@ TEST(Ik, PostureInTheNullSpace) {
       for (std::size_t k = 0; k < u.size(); ++k) sum += u[k] * v[k];
       return sum;
     };
-    for (std::size_t k = 0; k < g.size(); ++k) g[k] = weights[k] * weights[k] * (a.q[k] - posture[k]), x[k] = J[6 * k], y[k] = J[6 * k + 1];
+    for (std::size_t k = 0; k < g.size(); ++k)
+      g[k] = weights[k] * weights[k] * (a.q[k] - posture[k]), x[k] = J[6 * k], y[k] = J[6 * k + 1];
     const double before = std::sqrt(dot(g, g)), xy = dot(x, y) / dot(x, x);
     for (std::size_t k = 0; k < g.size(); ++k) y[k] -= xy * x[k];
     for (const Numbers* row : {&x, &y}) {
@@ -175,7 +180,9 @@ TEST(Ik, CentreOfMassOverFixedFeet) {
   dynIkResult r{};
   r.struct_size = sizeof r;
   Numbers residuals(2 * tasks.size());
-  ASSERT_EQ(DYN_OK, dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, with<dynIkOutput>({0, q.data(), residuals.data(), &r}))) << dyn_last_error();
+  ASSERT_EQ(DYN_OK,
+            dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, with<dynIkOutput>({0, q.data(), residuals.data(), &r})))
+      << dyn_last_error();
   EXPECT_EQ(DYN_IK_REASON_CONVERGED, r.reason) << r.residual_linear;
   EXPECT_LE(r.iterations, 10);
   ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, nullptr, nullptr, com.data(), nullptr, nullptr));
@@ -193,7 +200,8 @@ TEST(Ik, LimitsOfAFreeFlyer) {
   const Model m = all_types();
   Data d(m);
   const State s = random_state(m, 3);
-  Numbers lower(dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT) + m.nq()), upper(dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT), dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT) + m.nq());
+  Numbers lower(dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT) + m.nq()),
+      upper(dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT), dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT) + m.nq());
   for (std::size_t k = 0; k < 3; ++k) lower[k] = -0.2, upper[k] = 0.1;
   dynIkOptions o = make_options();
   o.lower = lower.data(), o.upper = upper.data();
@@ -219,12 +227,14 @@ TEST(Ik, WhatCannotBeReachedIsALeastSquaresOptimum) {
     r.struct_size = sizeof r;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const State s = random_state(m, seed);
-      std::vector<dynIkTask> tasks = {make(DYN_IK_TASK_TYPE_POSE, m.nframes() - 1), at(m.nframes() - 1, 2, 0.3 * double(seed), 1)};
+      std::vector<dynIkTask> tasks = {make(DYN_IK_TASK_TYPE_POSE, m.nframes() - 1),
+                                      at(m.nframes() - 1, 2, 0.3 * double(seed), 1)};
       tasks[0].target[10] = 3;
       dynIkOptions o = make_options();
       o.restarts = 2, o.seed = seed;
       Numbers q(s.q), again(s.q);
-      ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, with<dynIkOutput>({0, q.data(), nullptr, &r}))) << dyn_last_error();
+      ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, with<dynIkOutput>({0, q.data(), nullptr, &r})))
+          << dyn_last_error();
       EXPECT_NE(DYN_IK_REASON_CONVERGED, r.reason);
       EXPECT_NE(DYN_IK_REASON_MAX_ITERATIONS, r.reason) << name;
       EXPECT_LE(r.optimality, 1e-5 * (1 + r.cost)) << name << " " << seed;
@@ -263,7 +273,8 @@ struct IkRefused : ::testing::Test {
   void expect(dynStatus status, const std::vector<std::string>& fragments) {
     const Snapshot before(m, d);
     Numbers solution(std::size_t(m.nq()), 7), residuals(6, 7);
-    EXPECT_EQ(status, dyn_ik(m, d, q, tasks.data(), count, &o, with<dynIkOutput>({0, solution.data(), residuals.data(), &r}))) << fragments[0];
+    EXPECT_EQ(status, dyn_ik(m, d, q, tasks.data(), count, &o, with<dynIkOutput>({0, solution.data(), residuals.data(), &r})))
+        << fragments[0];
     EXPECT_TRUE(says(fragments));
     EXPECT_TRUE(says({"dyn_ik"}));
     EXPECT_EQ("", before.differs(Snapshot(m, d), status == DYN_ERROR_NUMERIC));
@@ -281,7 +292,8 @@ TEST_F(IkRefused, Tasks) {
     tasks = good;
   };
   for (double bad : {nan, inf, -inf}) {
-    with(0, [&](dynIkTask& t) { t.target[4] = bad; }, DYN_ERROR_NONFINITE, {"target[4]", "task 0", bad != bad ? "NaN" : "infinite"});
+    with(0, [&](dynIkTask& t) { t.target[4] = bad; }, DYN_ERROR_NONFINITE,
+         {"target[4]", "task 0", bad != bad ? "NaN" : "infinite"});
     with(1, [&](dynIkTask& t) { t.target[10] = bad; }, DYN_ERROR_NONFINITE, {"target[1]", "task 1"});
     with(0, [&](dynIkTask& t) { t.weight = bad; }, DYN_ERROR_NONFINITE, {"weight[0]", "task 0"});
     weights[5] = bad;
@@ -300,7 +312,8 @@ TEST_F(IkRefused, Tasks) {
   with(1, [](dynIkTask& t) { t.struct_size = 8; }, DYN_ERROR_SIZE, {"struct_size", "dynIkTask", "8"});
   with(1, [](dynIkTask& t) { t.struct_size += 8; }, DYN_ERROR_SIZE, {"struct_size of task 1", "the first"});
   for (int type : {0, -1, 6, 1000})
-    with(1, [&](dynIkTask& t) { std::memcpy(&t.type, &type, sizeof type); }, DYN_ERROR_ARGUMENT, {"type of task 1 is " + std::to_string(type)});
+    with(1, [&](dynIkTask& t) { std::memcpy(&t.type, &type, sizeof type); }, DYN_ERROR_ARGUMENT,
+         {"type of task 1 is " + std::to_string(type)});
   std::fill_n(posture.begin() + 3, 4, 0.0);
   expect(DYN_ERROR_QUATERNION, {"quaternion", "free"});
   posture = s.q;
@@ -332,7 +345,8 @@ TEST_F(IkRefused, OptionsResultsAndStart) {
   Numbers lower(std::size_t(m.nq()), -1), upper(std::size_t(m.nq()), 1);
   for (double bad : {2.0, nan}) {
     lower[8] = bad;
-    with([&](dynIkOptions& x) { x.lower = lower.data(), x.upper = upper.data(); }, DYN_ERROR_ARGUMENT, {"lower[8]", "upper[8]", "lower <= upper"});
+    with([&](dynIkOptions& x) { x.lower = lower.data(), x.upper = upper.data(); }, DYN_ERROR_ARGUMENT,
+         {"lower[8]", "upper[8]", "lower <= upper"});
   }
   r.struct_size = 4;
   expect(DYN_ERROR_SIZE, {"struct_size", "dynIkResult"});
@@ -364,7 +378,8 @@ TEST_F(IkRefused, NothingIsBroken) {
   const Model rock = b.finish();
   Data still(rock);
   dynIkTask t = at(rock.nframes() - 1, 1, 0);
-  ASSERT_EQ(DYN_OK, dyn_ik(rock, still, nullptr, &t, 1, nullptr, with<dynIkOutput>({0, nullptr, nullptr, &r}))) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_ik(rock, still, nullptr, &t, 1, nullptr, with<dynIkOutput>({0, nullptr, nullptr, &r})))
+      << dyn_last_error();
   EXPECT_EQ(DYN_IK_REASON_LOCAL_MINIMUM, r.reason);
 }
 

@@ -1,5 +1,5 @@
-// Tests dyn_model_image and dyn_model_from_buffer: a model in memory that is only read gives the same bits as the one on the heap, wherever it lies,
-// and nothing that was damaged is taken.
+// Tests dyn_model_image and dyn_model_from_buffer: a model in memory that is only read gives the same bits as the one on the
+// heap, wherever it lies, and nothing that was damaged is taken.
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -14,7 +14,8 @@ struct Robot {
   const char* name;
   dynBase base;
   Model load() const { return robot(name, base); }
-} const robots[] = {{"panda", DYN_BASE_FIXED}, {"go2", DYN_BASE_FLOATING}, {"gripper", DYN_BASE_FIXED}, {"humanoid", DYN_BASE_FLOATING}};
+} const robots[] = {
+    {"panda", DYN_BASE_FIXED}, {"go2", DYN_BASE_FLOATING}, {"gripper", DYN_BASE_FIXED}, {"humanoid", DYN_BASE_FLOATING}};
 
 std::vector<char> image_of(const dynModel* m, uint32_t flags = 0) {
   size_t size = 0;
@@ -27,7 +28,10 @@ std::vector<char> image_of(const dynModel* m, uint32_t flags = 0) {
 // Pages that can't be written, with the bytes `at` into the first one.
 class Flash {
  public:
-  explicit Flash(const std::vector<char>& bytes, size_t at = 0) : size_(bytes.size() + at), memory_(mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)), at_(at) {
+  explicit Flash(const std::vector<char>& bytes, size_t at = 0)
+      : size_(bytes.size() + at),
+        memory_(mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)),
+        at_(at) {
     std::memcpy(static_cast<char*>(memory_) + at, bytes.data(), bytes.size());
     mprotect(memory_, size_, PROT_READ);
   }

@@ -27,7 +27,8 @@ const Row rows[] = {
        return s;
      }},
     {"dyn_body_regressor", "velocity", 6, 60, [](const double* v, double* Y) { return dyn_body_regressor(v, still.data(), Y); }},
-    {"dyn_body_regressor", "acceleration", 6, 60, [](const double* a, double* Y) { return dyn_body_regressor(still.data(), a, Y); }},
+    {"dyn_body_regressor", "acceleration", 6, 60,
+     [](const double* a, double* Y) { return dyn_body_regressor(still.data(), a, Y); }},
 };
 
 // Good input of any of them: the parameters of a unit ball twice as heavy, or its pseudo-inertia.
@@ -90,7 +91,8 @@ TEST(InertialParameters, BodiesThatCannotExist) {
     EXPECT_EQ(DYN_OK, dyn_is_physically_consistent(pi, &consistent));
     EXPECT_EQ(0, consistent);
     EXPECT_EQ(DYN_ERROR_INVALID, dyn_log_cholesky_from_parameters(pi, theta));
-    EXPECT_TRUE(says({"dyn_log_cholesky_from_parameters", pi == rod ? "pseudo-inertia is not positive definite" : "mass is not positive"}));
+    EXPECT_TRUE(says(
+        {"dyn_log_cholesky_from_parameters", pi == rod ? "pseudo-inertia is not positive definite" : "mass is not positive"}));
     EXPECT_EQ(777, theta[0]);
   }
   Numbers J = good(rows[1]), pi(10);

@@ -18,7 +18,8 @@ const Input inputs[] = {
     {uses_tau, "tau", [](Prepared& p) -> Numbers& { return p.s.tau; }, [](Prepared& p) -> const double*& { return p.x.tau; }},
     {uses_fext, "fext", [](Prepared& p) -> Numbers& { return p.s.fext; }, [](Prepared& p) -> const double*& { return p.x.fext; }},
     {uses_b, "b", [](Prepared& p) -> Numbers& { return p.b; }, [](Prepared& p) -> const double*& { return p.x.b; }},
-    {uses_lambda, "lambda", [](Prepared& p) -> Numbers& { return p.b; }, [](Prepared& p) -> const double*& { return p.x.lambda; }},
+    {uses_lambda, "lambda", [](Prepared& p) -> Numbers& { return p.b; },
+     [](Prepared& p) -> const double*& { return p.x.lambda; }},
 };
 
 // A data with everything computed for one state; calls come with another.
@@ -50,7 +51,8 @@ TEST_F(Refused, NotFinite) {
           Prepared p(row, m, other);
           in.numbers(p)[at] = bad;
           expect(p, DYN_ERROR_NONFINITE,
-                 {row.name, std::string(in.name) + "[" + std::to_string(at) + "]", std::isnan(bad) ? "NaN" : "infinite", "finite number"});
+                 {row.name, std::string(in.name) + "[" + std::to_string(at) + "]", std::isnan(bad) ? "NaN" : "infinite",
+                  "finite number"});
           ++cases;
         }
     }
@@ -70,7 +72,8 @@ TEST_F(Refused, NotTheUniversesForce) {
 
 TEST_F(Refused, ZeroQuaternion) {
   // joint, first index in q, numbers
-  for (const auto& [joint, offset, n] : {std::tuple("free", 3, 4), std::tuple("ball", 0, 4), std::tuple("compound", 1, 4), std::tuple("dial", 0, 2)}) {
+  for (const auto& [joint, offset, n] :
+       {std::tuple("free", 3, 4), std::tuple("ball", 0, 4), std::tuple("compound", 1, 4), std::tuple("dial", 0, 2)}) {
     dynJointInfo info{};
     info.struct_size = sizeof info;
     ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, joint), &info));
@@ -79,7 +82,8 @@ TEST_F(Refused, ZeroQuaternion) {
       for (double zero : {0.0, -0.0}) {
         Prepared p(row, m, other);
         std::fill_n(p.s.q.begin() + info.idx_q + offset, n, zero);
-        expect(p, DYN_ERROR_QUATERNION, {row.name, joint, n == 4 ? "quaternion" : "(cos, sin)", "zero", "norm 1", "dyn_configuration_neutral"});
+        expect(p, DYN_ERROR_QUATERNION,
+               {row.name, joint, n == 4 ? "quaternion" : "(cos, sin)", "zero", "norm 1", "dyn_configuration_neutral"});
       }
     }
   }
@@ -91,12 +95,14 @@ TEST_F(Refused, Ids) {
       if (row.uses & uses_frame && (bad < 0 || bad >= m.nframes())) {
         Prepared p(row, m, other);
         p.x.frame = bad;
-        expect(p, DYN_ERROR_ARGUMENT, {row.name, "frame " + std::to_string(bad), "0 to " + std::to_string(m.nframes() - 1), "dyn_model_frame_id"});
+        expect(p, DYN_ERROR_ARGUMENT,
+               {row.name, "frame " + std::to_string(bad), "0 to " + std::to_string(m.nframes() - 1), "dyn_model_frame_id"});
       }
       if (row.uses & uses_joint && (bad < 0 || bad >= m.njoints())) {
         Prepared p(row, m, other);
         p.x.joint = bad;
-        expect(p, DYN_ERROR_ARGUMENT, {row.name, "joint " + std::to_string(bad), "0 to " + std::to_string(m.njoints() - 1), "dyn_model_joint_id"});
+        expect(p, DYN_ERROR_ARGUMENT,
+               {row.name, "joint " + std::to_string(bad), "0 to " + std::to_string(m.njoints() - 1), "dyn_model_joint_id"});
       }
     }
 }
@@ -107,7 +113,8 @@ TEST_F(Refused, References) {
       for (int bad : {-1, 3, 1000}) {
         Prepared p(row, m, other);
         std::memcpy(&p.x.reference, &bad, sizeof bad);
-        expect(p, DYN_ERROR_ARGUMENT, {row.name, "reference is " + std::to_string(bad), "DYN_REFERENCE_LOCAL, _WORLD, _LOCAL_WORLD_ALIGNED"});
+        expect(p, DYN_ERROR_ARGUMENT,
+               {row.name, "reference is " + std::to_string(bad), "DYN_REFERENCE_LOCAL, _WORLD, _LOCAL_WORLD_ALIGNED"});
       }
 }
 
@@ -180,10 +187,27 @@ TEST(Parts, Absent) {
   for (const bool mimic : {true, false}) {
     const Model m = all_types(mimic);
     const State s = random_state(m, 5), other = random_state(m, 6);
-    static const char* const names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
-                                        "CHOLESKY", "MINV", "CORIOLIS", "ENERGY", "FRAMES", "CENTROIDAL",
-                                        "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION",
-                                        "CONSTRAINTS", "CONSTRAINT_DERIVATIVES", "SIMULATION"};
+    static const char* const names[] = {"KINEMATICS",
+                                        "JACOBIANS",
+                                        "COM",
+                                        "INVERSE",
+                                        "FORWARD",
+                                        "MASS",
+                                        "CHOLESKY",
+                                        "MINV",
+                                        "CORIOLIS",
+                                        "ENERGY",
+                                        "FRAMES",
+                                        "CENTROIDAL",
+                                        "INVERSE_DERIVATIVES",
+                                        "FORWARD_DERIVATIVES",
+                                        "REGRESSOR",
+                                        "IK",
+                                        "SECOND_ORDER",
+                                        "COLLISION",
+                                        "CONSTRAINTS",
+                                        "CONSTRAINT_DERIVATIVES",
+                                        "SIMULATION"};
     int refused = 0;
     for (const CallRow& row : call_rows)
       for (unsigned bit = 0; bit < std::size(names); ++bit) {
@@ -191,7 +215,8 @@ TEST(Parts, Absent) {
         ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()));
         // a part brings what it includes
         dynParts has = 1u << bit;
-        if (has & DYN_PART_SIMULATION) has |= DYN_PART_FORWARD | DYN_PART_CONSTRAINTS | (dyn_model_npairs(m) > 0 ? DYN_PART_COLLISION : 0);
+        if (has & DYN_PART_SIMULATION)
+          has |= DYN_PART_FORWARD | DYN_PART_CONSTRAINTS | (dyn_model_npairs(m) > 0 ? DYN_PART_COLLISION : 0);
         if (has & DYN_PART_CONSTRAINT_DERIVATIVES) has |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;
         if (has & DYN_PART_CONSTRAINTS) has |= DYN_PART_FORWARD | DYN_PART_INVERSE | DYN_PART_KINEMATICS;
         if (mimic && has & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) has |= DYN_PART_CHOLESKY;
@@ -201,8 +226,9 @@ TEST(Parts, Absent) {
         if (has & DYN_PART_MINV) has |= DYN_PART_CHOLESKY | DYN_PART_FORWARD;
         if (has & DYN_PART_CHOLESKY) has |= DYN_PART_MASS;
         if (has & DYN_PART_IK) has |= DYN_PART_COM;
-        if (has & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR |
-                   DYN_PART_IK | DYN_PART_COLLISION)) has |= DYN_PART_KINEMATICS;
+        if (has & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES |
+                   DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK | DYN_PART_COLLISION))
+          has |= DYN_PART_KINEMATICS;
         Prepared p(row, m, other);
         const Snapshot before(m, d);
         if ((row.part & has) == row.part) {
@@ -212,7 +238,8 @@ TEST(Parts, Absent) {
             EXPECT_TRUE(says({row.name, "mimic", "DYN_PART_CHOLESKY", "dyn_data_new"}));
             EXPECT_EQ("", before.differs(Snapshot(m, d))) << row.name;
           } else {
-            EXPECT_EQ(row.needs == Needs::nothing ? DYN_OK : DYN_ERROR_STALE, status) << row.name << " " << names[bit] << ": " << dyn_last_error();
+            EXPECT_EQ(row.needs == Needs::nothing ? DYN_OK : DYN_ERROR_STALE, status)
+                << row.name << " " << names[bit] << ": " << dyn_last_error();
           }
           continue;
         }
@@ -233,7 +260,8 @@ TEST(Parts, Absent) {
 TEST(Parts, AllTermsAsksOnlyForWhatItNeeds) {
   const Model m = all_types(false);
   Data d(m, DYN_PART_MASS | DYN_PART_INVERSE);
-  EXPECT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_MASS | DYN_TERM_NLE | DYN_TERM_GRAVITY_TORQUE, nullptr, nullptr, nullptr)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_MASS | DYN_TERM_NLE | DYN_TERM_GRAVITY_TORQUE, nullptr, nullptr, nullptr))
+      << dyn_last_error();
   EXPECT_EQ(DYN_ERROR_PART, dyn_all_terms(m, d, DYN_TERM_MASS | DYN_TERM_COM, nullptr, nullptr, nullptr));
   EXPECT_TRUE(says({"DYN_PART_COM"}));
 }
@@ -259,7 +287,8 @@ TEST(Stale, NamesTheCallToMake) {
     // one level short
     if (row.needs == Needs::velocity || row.needs == Needs::acceleration) {
       const State t = random_state(m, 8);
-      ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, t.q.data(), row.needs == Needs::acceleration ? t.v.data() : nullptr, nullptr));
+      ASSERT_EQ(DYN_OK,
+                dyn_forward_kinematics(m, d, t.q.data(), row.needs == Needs::acceleration ? t.v.data() : nullptr, nullptr));
       p.refill();
       EXPECT_EQ(DYN_ERROR_STALE, p(m, d)) << row.name;
       EXPECT_TRUE(says({"dyn_forward_kinematics with q", row.needs == Needs::acceleration ? "a" : "v"}));
@@ -295,7 +324,8 @@ TEST(Quaternions, AnyNormButZero) {
   Data unit(m);
   compute_all(m, unit, s);
   const Numbers M = field(m, unit, "M"), tau = field(m, unit, "tau"), ddq = field(m, unit, "ddq");
-  const std::pair<const char*, std::pair<int, int>> blocks[] = {{"free", {3, 4}}, {"ball", {0, 4}}, {"compound", {1, 4}}, {"dial", {0, 2}}};
+  const std::pair<const char*, std::pair<int, int>> blocks[] = {
+      {"free", {3, 4}}, {"ball", {0, 4}}, {"compound", {1, 4}}, {"dial", {0, 2}}};
   for (double scale : {2.0, 1e-8, 1e8, 1e-200, 1e200, 0x1p-1020, 1e308, -1.0}) {
     State t = s;
     for (const auto& [name, block] : blocks) {
@@ -314,7 +344,8 @@ TEST(Quaternions, AnyNormButZero) {
     compute_all(m, d, t);
     auto near = [&](const Numbers& a, const Numbers& b, const char* what) {
       double worst = 0, size = 0;
-      for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, std::abs(a[k] - b[k])), size = std::max(size, std::abs(a[k]));
+      for (std::size_t k = 0; k < a.size(); ++k)
+        worst = std::max(worst, std::abs(a[k] - b[k])), size = std::max(size, std::abs(a[k]));
       EXPECT_LE(worst, 1e-11 * size) << what << " at " << scale;
     };
     near(M, field(m, d, "M"), "M"), near(tau, field(m, d, "tau"), "tau"), near(ddq, field(m, d, "ddq"), "ddq");

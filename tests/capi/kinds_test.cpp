@@ -109,8 +109,10 @@ TEST(Reflection, EffectsNameTheirArrays) {
     dyn_joint_spec_init(&spec);
     const double one = 1, com[3] = {}, inertia[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     spec.name = "joint", spec.type = DYN_JOINT_TYPE_REVOLUTE;
-    const std::pair<dynModelArray, const double**> members[] = {{DYN_MODEL_ARRAY_ARMATURE, &spec.armature}, {DYN_MODEL_ARRAY_DAMPING, &spec.damping},
-                                                                {DYN_MODEL_ARRAY_FRICTION, &spec.friction}, {DYN_MODEL_ARRAY_STIFFNESS, &spec.stiffness}};
+    const std::pair<dynModelArray, const double**> members[] = {{DYN_MODEL_ARRAY_ARMATURE, &spec.armature},
+                                                                {DYN_MODEL_ARRAY_DAMPING, &spec.damping},
+                                                                {DYN_MODEL_ARRAY_FRICTION, &spec.friction},
+                                                                {DYN_MODEL_ARRAY_STIFFNESS, &spec.stiffness}};
     for (const auto& [array, member] : members)
       if (array == info.array) *member = &one;
     ASSERT_EQ(dyn_builder_add_joint(builder, &spec), DYN_OK) << dyn_last_error();
@@ -127,7 +129,8 @@ TEST(Reflection, EffectsNameTheirArrays) {
   EXPECT_GE(arrays, 4);
   dynEffectTypeInfo info = {};
   info.struct_size = sizeof info;
-  for (const std::uint32_t bit : {0u, 3u, 1u << 30, 1u << 31}) EXPECT_EQ(dyn_effect_type_info(bit, &info), DYN_ERROR_ARGUMENT) << bit;
+  for (const std::uint32_t bit : {0u, 3u, 1u << 30, 1u << 31})
+    EXPECT_EQ(dyn_effect_type_info(bit, &info), DYN_ERROR_ARGUMENT) << bit;
 }
 
 TEST(Reflection, ContactSolversHaveInfos) {

@@ -96,7 +96,8 @@ TEST(Names, FrameTypes) {
   Builder b;
   b.joint(Spec("arm", DYN_JOINT_TYPE_REVOLUTE)).body("arm", "arm");  // a link and a joint of one name
   const Model m = b.finish();
-  const int joint = dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_JOINT), body = dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_BODY);
+  const int joint = dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_JOINT),
+            body = dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_BODY);
   EXPECT_TRUE(joint > 0 && body > 0 && joint != body);
   EXPECT_EQ(joint, dyn_model_frame_id(m, "arm"));
   EXPECT_EQ(-1, dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_SENSOR));
@@ -159,7 +160,8 @@ TEST(Info, SizesAndIndices) {
 
 TEST(Info, Arrays) {
   const Model m = all_types();
-  for (int which = DYN_MODEL_ARRAY_LOWER_LIMIT; which <= DYN_MODEL_ARRAY_SPRING_REFERENCE; ++which) EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
+  for (int which = DYN_MODEL_ARRAY_LOWER_LIMIT; which <= DYN_MODEL_ARRAY_SPRING_REFERENCE; ++which)
+    EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
   for (int bad : {-1, 10, 1000}) {
     dynModelArray which;
     std::memcpy(&which, &bad, sizeof which);

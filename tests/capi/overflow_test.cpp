@@ -35,9 +35,16 @@ void expect_finite_frames(const dynModel* m, dynData* d, const std::string& wher
       {"jacobian", [&](int f, dynReference r) { return dyn_frame_jacobian(m, d, f, r, x.data()); }},
       {"djacobian", [&](int f, dynReference r) { return dyn_frame_jacobian_time_variation(m, d, f, r, x.data()); }},
       {"velocity by q", [&](int f, dynReference r) { return dyn_frame_velocity_derivatives(m, d, f, r, x.data(), nullptr); }},
-      {"acceleration by q", [&](int f, dynReference r) { return dyn_frame_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr); }},
-      {"classical by q", [&](int f, dynReference r) { return dyn_frame_classical_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr); }},
-      {"classical by v", [&](int f, dynReference r) { return dyn_frame_classical_acceleration_derivatives(m, d, f, r, nullptr, x.data(), nullptr); }},
+      {"acceleration by q",
+       [&](int f, dynReference r) { return dyn_frame_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr); }},
+      {"classical by q",
+       [&](int f, dynReference r) {
+         return dyn_frame_classical_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr);
+       }},
+      {"classical by v",
+       [&](int f, dynReference r) {
+         return dyn_frame_classical_acceleration_derivatives(m, d, f, r, nullptr, x.data(), nullptr);
+       }},
       {"hessian", [&](int f, dynReference r) { return dyn_frame_kinematic_hessian(m, d, f, r, x.data()); }},
   };
   for (const auto& [name, query] : queries)
@@ -68,12 +75,14 @@ void sweep(const Model& m, double size, int& refused) {
       if (kind & uses_tau) blow_up(m, p.s.tau, false, size, 4);
       if (kind & uses_fext) blow_up(m, p.s.fext, false, size, 5);
       if (kind & (uses_b | uses_lambda)) blow_up(m, p.b, false, size, 6);
-      const std::string where = std::string(dyn_model_name(m)) + " " + row.name + " " + std::to_string(kind) + " at " + std::to_string(std::log10(size));
+      const std::string where = std::string(dyn_model_name(m)) + " " + row.name + " " + std::to_string(kind) + " at " +
+                                std::to_string(std::log10(size));
       const Snapshot before(m, d);
       const dynStatus status = p(m, d);
       if (status == DYN_OK) {
         for (const Numbers& x : p.results()) EXPECT_TRUE(may_be_infinite(row) || finite(x)) << where;
-        for (const auto& r : Snapshot(m, d).rows) EXPECT_TRUE(std::string(r.name) == "distances" || finite(r.bits)) << where << ": " << r.name;  // infinite: not tested
+        for (const auto& r : Snapshot(m, d).rows)
+          EXPECT_TRUE(std::string(r.name) == "distances" || finite(r.bits)) << where << ": " << r.name;  // infinite: not tested
         if (std::string(row.name) == "dyn_forward_kinematics") expect_finite_frames(m, d, where);
         continue;
       }
@@ -88,18 +97,21 @@ void sweep(const Model& m, double size, int& refused) {
 
 TEST(Overflow, OneIn200) {
   int refused = 0;
-  for (const Model& m : {all_types(), all_types(false), robot("panda"), robot("go2", DYN_BASE_FLOATING)}) sweep(m, 1e200, refused);
+  for (const Model& m : {all_types(), all_types(false), robot("panda"), robot("go2", DYN_BASE_FLOATING)})
+    sweep(m, 1e200, refused);
   EXPECT_GT(refused, 20);
 }
 TEST(Overflow, Largest) {
   int refused = 0;
-  for (const Model& m : {all_types(), all_types(false), robot("humanoid", DYN_BASE_FLOATING), robot("gripper")}) sweep(m, 1.7e308, refused);
+  for (const Model& m : {all_types(), all_types(false), robot("humanoid", DYN_BASE_FLOATING), robot("gripper")})
+    sweep(m, 1.7e308, refused);
   EXPECT_GT(refused, 20);
 }
 TEST(Overflow, SquaresNearTheLimit) {
   int refused = 0;
   for (double size : {1e100, 1e150, 1e154})
-    for (const Model& m : {all_types(), all_types(false), robot("panda"), robot("humanoid", DYN_BASE_FLOATING)}) sweep(m, size, refused);
+    for (const Model& m : {all_types(), all_types(false), robot("panda"), robot("humanoid", DYN_BASE_FLOATING)})
+      sweep(m, size, refused);
 }
 
 // The state itself may be huge (nothing is computed when it is set); what is computed from it is finite or refused.
@@ -118,12 +130,15 @@ TEST(Overflow, HeldState) {
           ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()));
           Prepared p(row, m, s);
           p.x.q = p.x.v = p.x.a = p.x.tau = nullptr;
-          const std::string where = std::string(dyn_model_name(m)) + " " + row.name + " " + std::to_string(kind) + " at " + std::to_string(std::log10(size));
+          const std::string where = std::string(dyn_model_name(m)) + " " + row.name + " " + std::to_string(kind) + " at " +
+                                    std::to_string(std::log10(size));
           const dynStatus status = p(m, d);
-          EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC || status == DYN_ERROR_STALE) << where << ": " << dyn_last_error();
+          EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC || status == DYN_ERROR_STALE)
+              << where << ": " << dyn_last_error();
           EXPECT_TRUE(status == DYN_OK || p.untouched()) << where;
           for (const Numbers& x : p.results()) EXPECT_TRUE(may_be_infinite(row) || finite(x)) << where;
-          for (const auto& r : Snapshot(m, d).rows) EXPECT_TRUE(std::string(r.name) == "distances" || finite(r.bits)) << where << ": " << r.name;  // infinite: not tested
+          for (const auto& r : Snapshot(m, d).rows)
+            EXPECT_TRUE(std::string(r.name) == "distances" || finite(r.bits)) << where << ": " << r.name;  // infinite: not tested
           if (std::string(row.name) == "dyn_step") continue;
           EXPECT_TRUE(same_bits(s.q, field(m, d, "q")) && same_bits(s.v, field(m, d, "v"))) << where;
         }
@@ -206,9 +221,12 @@ TEST(Singular, NamesTheJointAndTakesTheStateBack) {
     const std::pair<const char*, Call> calls[] = {
         {"dyn_aba", [&](dynData* d, const double* q) { return dyn_aba(m, d, q, nullptr, nullptr, nullptr, nullptr); }},
         {"dyn_minv", [&](dynData* d, const double* q) { return dyn_minv(m, d, q, nullptr); }},
-        {"dyn_all_terms CHOLESKY", [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_CHOLESKY, q, nullptr, nullptr); }},
-        {"dyn_all_terms MINV", [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_MINV, q, nullptr, nullptr); }},
-        {"dyn_all_terms ALL", [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_ALL, q, nullptr, nullptr); }},
+        {"dyn_all_terms CHOLESKY",
+         [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_CHOLESKY, q, nullptr, nullptr); }},
+        {"dyn_all_terms MINV",
+         [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_MINV, q, nullptr, nullptr); }},
+        {"dyn_all_terms ALL",
+         [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_ALL, q, nullptr, nullptr); }},
     };
     for (const auto& [name, call] : calls) {
       Data d(m);

@@ -90,12 +90,15 @@ TEST(Reflection, TheInterfaceNamesEveryFunction) {
   const std::regex function(R"(DYN_API [^;(]*\b(dyn_\w+)\()");
   for (std::sregex_iterator i(text.begin(), text.end(), function), end; i != end; ++i)
     EXPECT_NE(json.find("{\"name\":\"" + (*i)[1].str() + "\",\"returns\":"), std::string::npos) << (*i)[1];
-  EXPECT_NE(json.find(R"({"name":"dyn_frame_velocity","returns":"dynStatus","parameters":[{"name":"model","type":"const dynModel*"},{"name":"data","type":"dynData*"},)"
-                      R"({"name":"frame","type":"int"},{"name":"reference","type":"dynReference"},{"name":"velocity","type":"double","length":[6]}])"),
-            std::string::npos);
+  EXPECT_NE(
+      json.find(
+          R"({"name":"dyn_frame_velocity","returns":"dynStatus","parameters":[{"name":"model","type":"const dynModel*"},{"name":"data","type":"dynData*"},)"
+          R"({"name":"frame","type":"int"},{"name":"reference","type":"dynReference"},{"name":"velocity","type":"double","length":[6]}])"),
+      std::string::npos);
 }
 
-// Data with the part of an algorithm, and no other, computes it; data without is refused. Fields tell the same part of their producer.
+// Data with the part of an algorithm, and no other, computes it; data without is refused. Fields tell the same part of their
+// producer.
 TEST(Reflection, AlgorithmsNameThePartThatTheyNeed) {
   dynLoadOptions options;
   dyn_load_options_init(&options);
@@ -110,8 +113,10 @@ TEST(Reflection, AlgorithmsNameThePartThatTheyNeed) {
     std::vector<double> out[4];
     dynBatchArrays arrays;
     dyn_batch_arrays_init(&arrays);
-    arrays.q = arrays.v = arrays.a = arrays.tau = arrays.q1 = arrays.b = q.data(), arrays.joint = arrays.frame = 1, arrays.dt = 1e-3;
-    for (int k = 0; k < info.outputs; ++k) out[k].resize(std::size_t(info.rows[k] * info.cols[k] * info.pages[k])), arrays.out[k] = out[k].data();
+    arrays.q = arrays.v = arrays.a = arrays.tau = arrays.q1 = arrays.b = q.data(), arrays.joint = arrays.frame = 1,
+    arrays.dt = 1e-3;
+    for (int k = 0; k < info.outputs; ++k)
+      out[k].resize(std::size_t(info.rows[k] * info.cols[k] * info.pages[k])), arrays.out[k] = out[k].data();
     const auto with_parts = [&](dynParts parts) {
       dynData* data = nullptr;
       EXPECT_EQ(dyn_data_new(model, parts, &data), DYN_OK);
@@ -121,7 +126,8 @@ TEST(Reflection, AlgorithmsNameThePartThatTheyNeed) {
     };
     EXPECT_EQ(with_parts(info.part ? info.part : dynParts(DYN_PART_FRAMES)), DYN_OK) << dyn_last_error();
     if (!info.part) return;
-    EXPECT_EQ(with_parts(info.part == DYN_PART_MASS || info.part == DYN_PART_INVERSE ? DYN_PART_ENERGY : DYN_PART_INVERSE), DYN_ERROR_PART);
+    EXPECT_EQ(with_parts(info.part == DYN_PART_MASS || info.part == DYN_PART_INVERSE ? DYN_PART_ENERGY : DYN_PART_INVERSE),
+              DYN_ERROR_PART);
     for (int k = 0; k < dyn_field_count(); ++k) {
       dynFieldInfo field = {};
       field.struct_size = sizeof field;

@@ -1,4 +1,5 @@
-// Tests rollouts: simulations are what calls of dyn_step on a data give, bit for bit, whatever the number of threads; sensors; one that fails; cancelling; arguments.
+// Tests rollouts: simulations are what calls of dyn_step on a data give, bit for bit, whatever the number of threads; sensors;
+// one that fails; cancelling; arguments.
 #include "capi/batch.hpp"
 
 namespace dyn_test {
@@ -17,7 +18,8 @@ struct Case {
   static constexpr int n = 12, steps = 60, every = 3, records = steps / every, capacity = 64;
   const dynModel* m;
   std::size_t nq, nv, state;
-  std::vector<dynSensorType> sensor{DYN_SENSOR_TYPE_PLACEMENT, DYN_SENSOR_TYPE_VELOCITY, DYN_SENSOR_TYPE_IMU, DYN_SENSOR_TYPE_FORCE, DYN_SENSOR_TYPE_COM, DYN_SENSOR_TYPE_ENERGY};
+  std::vector<dynSensorType> sensor{DYN_SENSOR_TYPE_PLACEMENT, DYN_SENSOR_TYPE_VELOCITY, DYN_SENSOR_TYPE_IMU,
+                                    DYN_SENSOR_TYPE_FORCE,     DYN_SENSOR_TYPE_COM,      DYN_SENSOR_TYPE_ENERGY};
   std::vector<std::int32_t> frame;
   Numbers q0, v0, tau, q, v, sensors;
   std::vector<dynContactForce> contacts;
@@ -26,7 +28,8 @@ struct Case {
   std::vector<dynStatus> status;
   dynRollout x;
 
-  explicit Case(const dynModel* model) : m(model), nq(std::size_t(dyn_model_nq(m))), nv(std::size_t(dyn_model_nv(m))), state(dyn_model_state_size(m)) {
+  explicit Case(const dynModel* model)
+      : m(model), nq(std::size_t(dyn_model_nq(m))), nv(std::size_t(dyn_model_nv(m))), state(dyn_model_state_size(m)) {
     frame.assign(sensor.size(), dyn_model_frame_id_of_type(m, "FL_foot", DYN_FRAME_TYPE_BODY));
     for (int k = 0; k < n; ++k) {
       Numbers start(nq, 0.0), speed(nv, 0.0);
@@ -39,12 +42,14 @@ struct Case {
     tau = g.numbers(int(std::size_t(n) * records * nv));
     for (std::size_t k = 0; k < tau.size(); ++k) tau[k] *= k % nv < 6 ? 0 : 3;
     const std::size_t rows = std::size_t(n) * records;
-    q.assign(rows * nq, -7), v.assign(rows * nv, -7), sensors.assign(rows * 33, -7), contacts.resize(rows * capacity), counts.assign(rows, -7);
+    q.assign(rows * nq, -7), v.assign(rows * nv, -7), sensors.assign(rows * 33, -7), contacts.resize(rows * capacity),
+        counts.assign(rows, -7);
     states.assign(std::size_t(n) * state, 0), status.assign(n, DYN_ERROR_INTERNAL);
     dyn_rollout_init(&x);
     x.steps = steps, x.every = every, x.sensors = int(sensor.size()), x.sensor = sensor.data(), x.sensor_frame = frame.data();
     x.q0 = q0.data(), x.v0 = v0.data(), x.tau = tau.data(), x.q = q.data(), x.v = v.data(), x.sensor_data = sensors.data();
-    x.contact_capacity = capacity, x.contacts = contacts.data(), x.contact_count = counts.data(), x.final_states = states.data(), x.status = status.data();
+    x.contact_capacity = capacity, x.contacts = contacts.data(), x.contact_count = counts.data(), x.final_states = states.data(),
+    x.status = status.data();
   }
   Case(const Case&) = delete;
   void bend(Numbers& start, const std::string& leg) const {
@@ -56,7 +61,9 @@ struct Case {
     }
   }
   dynStatus operator()(dynBatch* batch) const { return dyn_batch_rollout(batch, n, &x); }
-  const double* record(const Numbers& all, int k, int r, std::size_t size) const { return all.data() + (std::size_t(k) * records + std::size_t(r)) * size; }
+  const double* record(const Numbers& all, int k, int r, std::size_t size) const {
+    return all.data() + (std::size_t(k) * records + std::size_t(r)) * size;
+  }
 };
 
 bool same(const double* a, const double* b, std::size_t n) { return std::memcmp(a, b, n * sizeof(double)) == 0; }
@@ -73,10 +80,12 @@ TEST(Rollout, IsWhatStepsAre) {
   int touching = 0;
   for (int k = 0; k < Case::n; ++k) {
     const Data d(m);
-    ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, alone.q0.data() + std::size_t(k) * alone.nq, alone.v0.data() + std::size_t(k) * alone.nv, nullptr, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, alone.q0.data() + std::size_t(k) * alone.nq,
+                                         alone.v0.data() + std::size_t(k) * alone.nv, nullptr, nullptr));
     for (int r = 0; r < Case::records; ++r) {
       ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, alone.record(alone.tau, k, r, alone.nv)));
-      for (int i = 0; i < Case::every; ++i) ASSERT_EQ(DYN_OK, take_step(m, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3)) << dyn_last_error();
+      for (int i = 0; i < Case::every; ++i)
+        ASSERT_EQ(DYN_OK, take_step(m, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3)) << dyn_last_error();
       ASSERT_TRUE(same(field(m, d, "q").data(), alone.record(alone.q, k, r, alone.nq), alone.nq)) << k << " " << r;
       ASSERT_TRUE(same(field(m, d, "v").data(), alone.record(alone.v, k, r, alone.nv), alone.nv)) << k << " " << r;
       int count = 0;
@@ -84,7 +93,9 @@ TEST(Rollout, IsWhatStepsAre) {
       ASSERT_EQ(DYN_OK, dyn_data_step_contacts(m, d, contacts.data(), Case::capacity, &count));
       const std::size_t row = std::size_t(k) * Case::records + std::size_t(r);
       ASSERT_EQ(count, alone.counts[row]);
-      for (int c = 0; c < count; ++c) ASSERT_TRUE(same(contacts[std::size_t(c)].force_on_b, alone.contacts[row * Case::capacity + std::size_t(c)].force_on_b, 3));
+      for (int c = 0; c < count; ++c)
+        ASSERT_TRUE(
+            same(contacts[std::size_t(c)].force_on_b, alone.contacts[row * Case::capacity + std::size_t(c)].force_on_b, 3));
       touching += count;
     }
   }
@@ -99,7 +110,9 @@ TEST(Rollout, GoesOnWhereItEnded) {
   const auto half = [&](Case& c, int from) {
     c.x.steps = Case::steps / 2;
     Numbers tau;
-    for (int k = 0; k < Case::n; ++k) tau.insert(tau.end(), whole.record(whole.tau, k, from, whole.nv), whole.record(whole.tau, k, from + Case::records / 2, whole.nv));
+    for (int k = 0; k < Case::n; ++k)
+      tau.insert(tau.end(), whole.record(whole.tau, k, from, whole.nv),
+                 whole.record(whole.tau, k, from + Case::records / 2, whole.nv));
     c.tau = tau, c.x.tau = c.tau.data();
   };
   half(first, 0), half(second, Case::records / 2);
@@ -113,7 +126,8 @@ TEST(Rollout, GoesOnWhereItEnded) {
     }
 }
 
-// Standing: the floor carries the weight, an accelerometer at rest feels minus gravity, placement and velocity are those of the frame.
+// Standing: the floor carries the weight, an accelerometer at rest feels minus gravity, placement and velocity are those of the
+// frame.
 TEST(Rollout, SensorsAreRight) {
   const Model m = scene();
   const Batch batch(m, 2);
@@ -227,7 +241,8 @@ TEST(Rollout, Arguments) {
   refused(DYN_ERROR_ARGUMENT, {"sensor_frame is NULL"}, [](Case& c) { c.x.sensor_frame = nullptr; });
   refused(DYN_ERROR_ARGUMENT, {"sensor[2] is 7"}, [](Case& c) { c.sensor[2] = dynSensorType(7); });
   refused(DYN_ERROR_ARGUMENT, {"sensor_frame[1] is -1"}, [](Case& c) { c.frame[1] = -1; });
-  refused(DYN_ERROR_ARGUMENT, {"sensor_frame[3]", "no link"}, [&](Case& c) { c.frame[3] = dyn_model_frame_id(m, "FL_hip_joint"); });
+  refused(DYN_ERROR_ARGUMENT, {"sensor_frame[3]", "no link"},
+          [&](Case& c) { c.frame[3] = dyn_model_frame_id(m, "FL_hip_joint"); });
   dynStepOptions options;
   dyn_step_options_init(&options);
   options.dt = -1;

@@ -12,8 +12,9 @@ struct Plain {
   double size[3], depth;  // depth: the way out of itself
 };
 constexpr Plain plain[] = {
-    {DYN_SHAPE_TYPE_SPHERE, 1, {0.5, 0, 0}, 1},      {DYN_SHAPE_TYPE_CAPSULE, 2, {0.3, 2, 0}, 0.6}, {DYN_SHAPE_TYPE_BOX, 3, {1, 2, 3}, 1},
-    {DYN_SHAPE_TYPE_CYLINDER, 2, {0.5, 3, 0}, 1},    {DYN_SHAPE_TYPE_CONE, 2, {0.5, 9, 0}, 0},      {DYN_SHAPE_TYPE_ELLIPSOID, 3, {0.3, 0.4, 0.5}, 0.6},
+    {DYN_SHAPE_TYPE_SPHERE, 1, {0.5, 0, 0}, 1}, {DYN_SHAPE_TYPE_CAPSULE, 2, {0.3, 2, 0}, 0.6},
+    {DYN_SHAPE_TYPE_BOX, 3, {1, 2, 3}, 1},      {DYN_SHAPE_TYPE_CYLINDER, 2, {0.5, 3, 0}, 1},
+    {DYN_SHAPE_TYPE_CONE, 2, {0.5, 9, 0}, 0},   {DYN_SHAPE_TYPE_ELLIPSOID, 3, {0.3, 0.4, 0.5}, 0.6},
 };
 dynGeometry geometry(const Plain& p) {
   dynGeometry g;
@@ -30,14 +31,19 @@ dynDistance with_itself(const dynGeometry& g) {
   EXPECT_EQ(DYN_OK, dyn_geometry_distance(&g, identity, &g, identity, nullptr, &d)) << dyn_last_error();
   dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -1;
-  EXPECT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &g, &g, identity, identity, nullptr, nullptr}), 0, 0, contacts, &count)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &g, &g, identity, identity, nullptr, nullptr}), 0, 0,
+                                          contacts, &count))
+      << dyn_last_error();
   EXPECT_TRUE(count >= 0 && count <= DYN_MAX_CONTACTS_PER_PAIR);
   for (int k = 0; k < count; ++k)
-    for (const double x : {contacts[k].distance, contacts[k].position[0], contacts[k].position[1], contacts[k].position[2], contacts[k].normal[2]}) EXPECT_TRUE(std::isfinite(x));
+    for (const double x :
+         {contacts[k].distance, contacts[k].position[0], contacts[k].position[1], contacts[k].position[2], contacts[k].normal[2]})
+      EXPECT_TRUE(std::isfinite(x));
   const double motion[6] = {1, 0, 0, 0, 0, 0};
   dynImpact impact{};
   impact.struct_size = sizeof impact;
-  EXPECT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &g, &g, identity, identity, nullptr, motion}), 1, 0, &impact)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &g, &g, identity, identity, nullptr, motion}), 1, 0, &impact))
+      << dyn_last_error();
   EXPECT_EQ(DYN_SWEEP_STATUS_HIT, impact.status);
   EXPECT_EQ(0, impact.time);
   return d;
@@ -115,7 +121,8 @@ TEST(ZeroPairs, IsAWarning) {
         dynReportEntry e{};
         e.struct_size = sizeof e;
         ASSERT_EQ(DYN_OK, dyn_model_report_entry(m, k, &e));
-        found += e.level == DYN_REPORT_LEVEL_WARNING && std::string(e.message).find("no pair of the collision shapes is tested") != std::string::npos;
+        found += e.level == DYN_REPORT_LEVEL_WARNING &&
+                 std::string(e.message).find("no pair of the collision shapes is tested") != std::string::npos;
       }
       EXPECT_EQ(shapes >= 2, found);
     }

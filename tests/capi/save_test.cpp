@@ -1,4 +1,5 @@
-// Tests dyn_model_save and dyn_model_save_memory at the boundary: arguments, the report, strict, what stays when nothing is written.
+// Tests dyn_model_save and dyn_model_save_memory at the boundary: arguments, the report, strict, what stays when nothing is
+// written.
 #include <filesystem>
 #include <fstream>
 
@@ -11,7 +12,9 @@ namespace fs = std::filesystem;
 
 struct Lines {
   std::vector<std::pair<dynReportLevel, std::string>> all;
-  static void add(void* context, dynReportLevel level, const char* message) { static_cast<Lines*>(context)->all.emplace_back(level, message); }
+  static void add(void* context, dynReportLevel level, const char* message) {
+    static_cast<Lines*>(context)->all.emplace_back(level, message);
+  }
   bool lost() const {
     for (const auto& l : all)
       if (l.first == DYN_REPORT_LEVEL_WARNING) return true;
@@ -65,7 +68,8 @@ TEST_F(Save, ArgumentsAreChecked) {
 TEST_F(Save, StrictWritesNothing) {
   const Model m = all_types();
   Lines lines, strict;
-  ASSERT_EQ(DYN_OK, dyn_model_save(m, file("m.xml").c_str(), with<dynSaveOptions>({0, 0, Lines::add, &lines}))) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_model_save(m, file("m.xml").c_str(), with<dynSaveOptions>({0, 0, Lines::add, &lines})))
+      << dyn_last_error();
   ASSERT_TRUE(lines.lost());
   const auto before = fs::file_size(file("m.xml"));
   EXPECT_EQ(DYN_ERROR_STRICT, dyn_model_save(m, file("m.xml").c_str(), with<dynSaveOptions>({0, 1, Lines::add, &strict})));

@@ -18,7 +18,8 @@ class Solve : public ::testing::TestWithParam<bool> {  // with mimic joints or w
   void expect_stale(const char* after) {
     Numbers x(s.v.size(), 0.5);
     EXPECT_EQ(DYN_ERROR_STALE, dyn_cholesky_solve(m, d, s.a.data(), 1, x.data())) << after;
-    EXPECT_TRUE(says({"dyn_cholesky_solve", "the factor of M", "not computed for the current state", "call dyn_cholesky"})) << after;
+    EXPECT_TRUE(says({"dyn_cholesky_solve", "the factor of M", "not computed for the current state", "call dyn_cholesky"}))
+        << after;
     for (double e : x) EXPECT_EQ(0.5, e) << after;
   }
   void factorize(const Numbers& q) {

@@ -74,7 +74,8 @@ TEST(Stepping, AnAccuracyIsKept) {
       ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f.m, f.d, &o));
       ASSERT_EQ(DYN_OK, dyn_advance(f.m, f.d, 0.05)) << dyn_last_error();
       double distance;
-      ASSERT_EQ(DYN_OK, dyn_configuration_distance(f.m, field(f.m, f.d, "q").data(), field(reference.m, reference.d, "q").data(), &distance));
+      ASSERT_EQ(DYN_OK, dyn_configuration_distance(f.m, field(f.m, f.d, "q").data(), field(reference.m, reference.d, "q").data(),
+                                                   &distance));
       EXPECT_LE(distance, 10 * accuracy);
       EXPECT_LE(report_of(f.m, f.d).error_estimate, accuracy);
       EXPECT_EQ(0.05, report_of(f.m, f.d).time);
@@ -149,9 +150,11 @@ TEST(Stepping, AFailureKeepsWhatWasReached) {
 
 // A named configuration is set with all that it states beside q; what it does not state is zero.
 TEST(Reset, GoesToTheBeginningOrToAKey) {
-  const char* text = "<mujoco><option timestep='0.004' integrator='RK4'/><worldbody><body pos='0 0 1'><joint name='j' type='slide' axis='0 0 1' ref='1'/>"
-                     "<geom type='sphere' size='.1'/></body></worldbody><actuator><motor name='a' joint='j'/></actuator>"
-                     "<keyframe><key name='k' qpos='2' qvel='3' ctrl='4' time='5'/></keyframe></mujoco>";
+  const char* text =
+      "<mujoco><option timestep='0.004' integrator='RK4'/><worldbody><body pos='0 0 1'><joint name='j' type='slide' axis='0 0 1' "
+      "ref='1'/>"
+      "<geom type='sphere' size='.1'/></body></worldbody><actuator><motor name='a' joint='j'/></actuator>"
+      "<keyframe><key name='k' qpos='2' qvel='3' ctrl='4' time='5'/></keyframe></mujoco>";
   dynModel* m = nullptr;
   dynData* d = nullptr;
   ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();

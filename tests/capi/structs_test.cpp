@@ -65,48 +65,100 @@ S& as(void* p) {
   return *static_cast<S*>(p);
 }
 
-#define READ(S, init_function, field, ...) \
-  {#S, {sizeof(S), alignof(S), offsetof(S, field), [](void* p, std::uint32_t size) { (init_function)(static_cast<S*>(p), size); }, [](Robot& r, void* memory) -> dynStatus { S& s = as<S>(memory); __VA_ARGS__ }}}
-#define READ_KIND(S, init_function, kind, field, ...) \
-  {#S, {sizeof(S), alignof(S), offsetof(S, field), [](void* p, std::uint32_t size) { (init_function)(static_cast<S*>(p), size, kind); }, [](Robot& r, void* memory) -> dynStatus { S& s = as<S>(memory); __VA_ARGS__ }}}
-#define WRITTEN(S, field, ...) \
-  {#S, {sizeof(S), alignof(S), offsetof(S, field), nullptr, [](Robot& r, void* memory) -> dynStatus { S* s = &as<S>(memory); __VA_ARGS__ }}}
+#define READ(S, init_function, field, ...)                                                                                       \
+  {                                                                                                                              \
+    #S, {                                                                                                                        \
+      sizeof(S), alignof(S), offsetof(S, field), [](void* p, std::uint32_t size) { (init_function)(static_cast<S*>(p), size); }, \
+          [](Robot& r, void* memory) -> dynStatus {                                                                              \
+            S& s = as<S>(memory);                                                                                                \
+            __VA_ARGS__                                                                                                          \
+          }                                                                                                                      \
+    }                                                                                                                            \
+  }
+#define READ_KIND(S, init_function, kind, field, ...)                                           \
+  {                                                                                             \
+    #S, {                                                                                       \
+      sizeof(S), alignof(S), offsetof(S, field),                                                \
+          [](void* p, std::uint32_t size) { (init_function)(static_cast<S*>(p), size, kind); }, \
+          [](Robot& r, void* memory) -> dynStatus {                                             \
+            S& s = as<S>(memory);                                                               \
+            __VA_ARGS__                                                                         \
+          }                                                                                     \
+    }                                                                                           \
+  }
+#define WRITTEN(S, field, ...)                                                                      \
+  {                                                                                                 \
+    #S, {                                                                                           \
+      sizeof(S), alignof(S), offsetof(S, field), nullptr, [](Robot& r, void* memory) -> dynStatus { \
+        S* s = &as<S>(memory);                                                                      \
+        __VA_ARGS__                                                                                 \
+      }                                                                                             \
+    }                                                                                               \
+  }
 
 const std::map<std::string, Row> rows = {
-    READ(dynLoadOptions, dyn_load_options_init, srdf, dynModel* m = nullptr; (void)r; const dynStatus status = dyn_model_load_string("<robot name='r'><link name='a'/></robot>", &s, &m); dyn_model_free(m); return status;),
-    READ(dynSaveOptions, dyn_save_options_init, context, size_t n = 0; return dyn_model_save_memory(r.m, DYN_FORMAT_URDF, &s, nullptr, 0, &n);),
-    READ(dynJointSpec, dyn_joint_spec_init, rotor_inertia, (void)r; Builder b; s.name = "j"; return dyn_builder_add_joint(b, &s);),
-    READ(dynShapeSpec, dyn_shape_spec_init, surface, (void)r; Builder b; s.body = "universe"; s.size[0] = s.size[1] = s.size[2] = 1; return dyn_builder_add_shape(b, &s);),
+    READ(dynLoadOptions, dyn_load_options_init, srdf, dynModel* m = nullptr; (void)r;
+         const dynStatus status = dyn_model_load_string("<robot name='r'><link name='a'/></robot>", &s, &m); dyn_model_free(m);
+         return status;),
+    READ(dynSaveOptions, dyn_save_options_init, context, size_t n = 0;
+         return dyn_model_save_memory(r.m, DYN_FORMAT_URDF, &s, nullptr, 0, &n);),
+    READ(dynJointSpec, dyn_joint_spec_init, rotor_inertia, (void)r; Builder b; s.name = "j";
+         return dyn_builder_add_joint(b, &s);),
+    READ(dynShapeSpec, dyn_shape_spec_init, surface, (void)r; Builder b; s.body = "universe";
+         s.size[0] = s.size[1] = s.size[2] = 1; return dyn_builder_add_shape(b, &s);),
     READ(dynStateLayout, dyn_state_layout_init, child_frame, return dyn_state_layout_sizes(r.m, &s, nullptr, nullptr);),
-    READ(dynStateOutput, dyn_state_output_init, tau, s.q = r.out; const double q[2] = {}; dynStateLayout l; dyn_state_layout_init(&l); return dyn_state_layout_convert(r.m, &l, DYN_DIRECTION_TO_PEER, q, nullptr, nullptr, nullptr, &s);),
-    READ(dynCentroidalDerivatives, dyn_centroidal_derivatives_init, dhdot_da, s.dh_dq = r.out; return dyn_centroidal_derivatives(r.m, r.d, nullptr, nullptr, nullptr, &s);),
-    READ(dynSecondOrderDerivatives, dyn_second_order_derivatives_init, dadq, s.dqdq = r.out; return dyn_rnea_second_order_derivatives(r.m, r.d, nullptr, nullptr, nullptr, nullptr, &s);),
-    READ(dynAbaDerivatives, dyn_aba_derivatives_init, ddq_dtau, s.ddq_dq = r.out; return dyn_aba_derivatives(r.m, r.d, nullptr, nullptr, nullptr, nullptr, &s);),
-    READ(dynIkTask, dyn_ik_task_init, weight, s.frame = dyn_model_frame_id(r.m, "la"); s.type = DYN_IK_TASK_TYPE_POSITION; dynIkResult result; result.struct_size = sizeof result;
+    READ(dynStateOutput, dyn_state_output_init, tau, s.q = r.out; const double q[2] = {}; dynStateLayout l;
+         dyn_state_layout_init(&l);
+         return dyn_state_layout_convert(r.m, &l, DYN_DIRECTION_TO_PEER, q, nullptr, nullptr, nullptr, &s);),
+    READ(dynCentroidalDerivatives, dyn_centroidal_derivatives_init, dhdot_da, s.dh_dq = r.out;
+         return dyn_centroidal_derivatives(r.m, r.d, nullptr, nullptr, nullptr, &s);),
+    READ(dynSecondOrderDerivatives, dyn_second_order_derivatives_init, dadq, s.dqdq = r.out;
+         return dyn_rnea_second_order_derivatives(r.m, r.d, nullptr, nullptr, nullptr, nullptr, &s);),
+    READ(dynAbaDerivatives, dyn_aba_derivatives_init, ddq_dtau, s.ddq_dq = r.out;
+         return dyn_aba_derivatives(r.m, r.d, nullptr, nullptr, nullptr, nullptr, &s);),
+    READ(dynIkTask, dyn_ik_task_init, weight, s.frame = dyn_model_frame_id(r.m, "la"); s.type = DYN_IK_TASK_TYPE_POSITION;
+         dynIkResult result; result.struct_size = sizeof result;
          return dyn_ik(r.m, r.d, nullptr, &s, 1, nullptr, with<dynIkOutput>({0, nullptr, nullptr, &result}));),
-    READ(dynIkOptions, dyn_ik_options_init, tolerance_linear, dynIkTask t; dyn_ik_task_init(&t); t.type = DYN_IK_TASK_TYPE_COM; dynIkResult result; result.struct_size = sizeof result;
+    READ(dynIkOptions, dyn_ik_options_init, tolerance_linear, dynIkTask t; dyn_ik_task_init(&t); t.type = DYN_IK_TASK_TYPE_COM;
+         dynIkResult result; result.struct_size = sizeof result;
          return dyn_ik(r.m, r.d, nullptr, &t, 1, &s, with<dynIkOutput>({0, nullptr, nullptr, &result}));),
-    READ(dynIkOutput, dyn_ik_output_init, result, dynIkTask t; dyn_ik_task_init(&t); return dyn_ik(r.m, r.d, nullptr, &t, 1, nullptr, &s);),
-    READ_KIND(dynConstraint, dyn_constraint_init, DYN_CONSTRAINT_TYPE_POINT, stiffness, s.first = dyn_model_frame_id(r.m, "la"); return dyn_data_set_constraint(r.m, r.d, 0, &s);),
-    READ(dynConstraintOptions, dyn_constraint_options_init, tolerance, return dyn_constrained_dynamics(r.m, r.d, nullptr, nullptr, nullptr, nullptr, &s, nullptr);),
-    READ(dynConstrainedOutput, dyn_constrained_output_init, result, s.ddq = r.out; return dyn_constrained_dynamics(r.m, r.d, nullptr, nullptr, nullptr, nullptr, nullptr, &s);),
-    READ(dynConstraintDerivatives, dyn_constraint_derivatives_init, lambda_dq, s.ddq_dq = r.out; return dyn_constrained_dynamics_derivatives(r.m, r.d, nullptr, nullptr, nullptr, nullptr, nullptr, &s);),
-    READ(dynProjectOptions, dyn_project_options_init, tolerance, return dyn_project(r.m, r.d, nullptr, nullptr, &s, nullptr, nullptr, nullptr);),
-    READ(dynGeometry, dyn_geometry_init, surface, s.size[0] = 1; dynRayHit hit; hit.struct_size = sizeof hit; return dyn_geometry_ray(&s, r.X, r.x, r.x, &hit);),
-    READ(dynGeometryPair, dyn_geometry_pair_init, motion_a, s.a = s.b = &r.ball; s.placement_a = s.placement_b = r.X; dynImpact i; i.struct_size = sizeof i; return dyn_geometry_sweep(&s, 1, 0, &i);),
-    READ(dynRays, dyn_rays_init, max_t, s.count = 1; s.origins = s.directions = r.x; return dyn_rays(r.m, r.d, nullptr, &s, nullptr, nullptr, nullptr);),
-    READ(dynDistanceOptions, dyn_distance_options_init, struct_size, dynDistance d; d.struct_size = sizeof d; return dyn_geometry_distance(&r.ball, r.X, &r.ball, r.X, &s, &d);),
-    READ(dynContactProblem, dyn_contact_problem_init, restitution, s.contacts = 1; s.G = r.G; s.g = r.g; dynContactReport report; report.struct_size = sizeof report;
-         return dyn_contact_solver_solve(r.solver, &s, nullptr, r.lambda, nullptr, &report);),
-    READ(dynContactOptions, dyn_contact_options_init, time_budget, dynContactProblem p; dyn_contact_problem_init(&p); p.contacts = 1; p.G = r.G; p.g = r.g; dynContactReport report; report.struct_size = sizeof report;
+    READ(dynIkOutput, dyn_ik_output_init, result, dynIkTask t; dyn_ik_task_init(&t);
+         return dyn_ik(r.m, r.d, nullptr, &t, 1, nullptr, &s);),
+    READ_KIND(dynConstraint, dyn_constraint_init, DYN_CONSTRAINT_TYPE_POINT, stiffness, s.first = dyn_model_frame_id(r.m, "la");
+              return dyn_data_set_constraint(r.m, r.d, 0, &s);),
+    READ(dynConstraintOptions, dyn_constraint_options_init, tolerance,
+         return dyn_constrained_dynamics(r.m, r.d, nullptr, nullptr, nullptr, nullptr, &s, nullptr);),
+    READ(dynConstrainedOutput, dyn_constrained_output_init, result, s.ddq = r.out;
+         return dyn_constrained_dynamics(r.m, r.d, nullptr, nullptr, nullptr, nullptr, nullptr, &s);),
+    READ(dynConstraintDerivatives, dyn_constraint_derivatives_init, lambda_dq, s.ddq_dq = r.out;
+         return dyn_constrained_dynamics_derivatives(r.m, r.d, nullptr, nullptr, nullptr, nullptr, nullptr, &s);),
+    READ(dynProjectOptions, dyn_project_options_init, tolerance,
+         return dyn_project(r.m, r.d, nullptr, nullptr, &s, nullptr, nullptr, nullptr);),
+    READ(dynGeometry, dyn_geometry_init, surface, s.size[0] = 1; dynRayHit hit; hit.struct_size = sizeof hit;
+         return dyn_geometry_ray(&s, r.X, r.x, r.x, &hit);),
+    READ(dynGeometryPair, dyn_geometry_pair_init, motion_a, s.a = s.b = &r.ball; s.placement_a = s.placement_b = r.X; dynImpact i;
+         i.struct_size = sizeof i; return dyn_geometry_sweep(&s, 1, 0, &i);),
+    READ(dynRays, dyn_rays_init, max_t, s.count = 1; s.origins = s.directions = r.x;
+         return dyn_rays(r.m, r.d, nullptr, &s, nullptr, nullptr, nullptr);),
+    READ(dynDistanceOptions, dyn_distance_options_init, struct_size, dynDistance d; d.struct_size = sizeof d;
+         return dyn_geometry_distance(&r.ball, r.X, &r.ball, r.X, &s, &d);),
+    READ(dynContactProblem, dyn_contact_problem_init, restitution, s.contacts = 1; s.G = r.G; s.g = r.g; dynContactReport report;
+         report.struct_size = sizeof report; return dyn_contact_solver_solve(r.solver, &s, nullptr, r.lambda, nullptr, &report);),
+    READ(dynContactOptions, dyn_contact_options_init, time_budget, dynContactProblem p; dyn_contact_problem_init(&p);
+         p.contacts = 1; p.G = r.G; p.g = r.g; dynContactReport report; report.struct_size = sizeof report;
          return dyn_contact_solver_solve(r.solver, &p, &s, r.lambda, nullptr, &report);),
-    READ(dynQp, dyn_qp_init, H, dynContactProblem p; dyn_contact_problem_init(&p); p.contacts = 1; p.G = r.G; p.g = r.g; return dyn_contact_problem_qp(&p, 8, 1, &s);),
-    READ_KIND(dynActuator, dyn_actuator_init, DYN_ACTUATOR_TYPE_MOTOR, act_range, (void)r; Builder b; b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); return dyn_builder_add_actuator(b, "m", &s, "j");),
+    READ(dynQp, dyn_qp_init, H, dynContactProblem p; dyn_contact_problem_init(&p); p.contacts = 1; p.G = r.G; p.g = r.g;
+         return dyn_contact_problem_qp(&p, 8, 1, &s);),
+    READ_KIND(dynActuator, dyn_actuator_init, DYN_ACTUATOR_TYPE_MOTOR, act_range, (void)r; Builder b;
+              b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); return dyn_builder_add_actuator(b, "m", &s, "j");),
     READ(dynStepOptions, dyn_step_options_init, sleep_speed, return dyn_data_set_step_options(r.m, r.d, &s);),
-    READ(dynMeshOptions, dyn_mesh_options_init, relative_to, (void)r; dynMesh* mesh = nullptr; return dyn_mesh_load("/nowhere/m.stl", &s, &mesh);),
-    READ(dynHeightField, dyn_height_field_init, bottom, (void)r; const double h[4] = {1, 1, 1, 1}; s.columns = s.rows = 2; s.heights = h; s.step_x = s.step_y = 1; dynMesh* mesh = nullptr;
+    READ(dynMeshOptions, dyn_mesh_options_init, relative_to, (void)r; dynMesh* mesh = nullptr;
+         return dyn_mesh_load("/nowhere/m.stl", &s, &mesh);),
+    READ(dynHeightField, dyn_height_field_init, bottom, (void)r; const double h[4] = {1, 1, 1, 1}; s.columns = s.rows = 2;
+         s.heights = h; s.step_x = s.step_y = 1; dynMesh* mesh = nullptr;
          const dynStatus status = dyn_mesh_from_height_field(&s, &mesh); dyn_mesh_free(mesh); return status;),
-    READ(dynBatchArrays, dyn_batch_arrays_init, status, s.q = r.x; s.out[0] = r.out; return dyn_batch_run(r.batch, DYN_ALGORITHM_CRBA, 1, &s);),
+    READ(dynBatchArrays, dyn_batch_arrays_init, status, s.q = r.x; s.out[0] = r.out;
+         return dyn_batch_run(r.batch, DYN_ALGORITHM_CRBA, 1, &s);),
     READ(dynRollout, dyn_rollout_init, final_states, s.q = r.out; return dyn_batch_rollout(r.batch, 1, &s);),
 
     WRITTEN(dynArray, data, return dyn_data_array(r.m, r.d, dyn_field_id("q"), s);),
@@ -116,14 +168,18 @@ const std::map<std::string, Row> rows = {
     WRITTEN(dynShapeInfo, material, return dyn_model_shape_info(r.m, 0, s);),
     WRITTEN(dynEffectInfo, bytes, return dyn_data_effect_info(r.m, r.d, 0, s);),
     WRITTEN(dynFieldInfo, sentence, (void)r; return dyn_field_info(0, s);),
-    WRITTEN(dynIkResult, cost, dynIkTask t; dyn_ik_task_init(&t); t.type = DYN_IK_TASK_TYPE_COM; return dyn_ik(r.m, r.d, nullptr, &t, 1, nullptr, with<dynIkOutput>({0, nullptr, nullptr, s}));),
-    WRITTEN(dynConstraintResult, condition, return dyn_constraint_impulse(r.m, r.d, nullptr, nullptr, nullptr, nullptr, nullptr, s);),
+    WRITTEN(dynIkResult, cost, dynIkTask t; dyn_ik_task_init(&t); t.type = DYN_IK_TASK_TYPE_COM;
+            return dyn_ik(r.m, r.d, nullptr, &t, 1, nullptr, with<dynIkOutput>({0, nullptr, nullptr, s}));),
+    WRITTEN(dynConstraintResult, condition,
+            return dyn_constraint_impulse(r.m, r.d, nullptr, nullptr, nullptr, nullptr, nullptr, s);),
     WRITTEN(dynConstraintReport, error, return dyn_constraint_report(r.m, r.d, nullptr, s, nullptr, 0);),
     WRITTEN(dynDistance, point_b, return dyn_geometry_distance(&r.ball, r.X, &r.ball, r.X, nullptr, s);),
     WRITTEN(dynRayHit, normal, return dyn_geometry_ray(&r.ball, r.X, r.x, r.x, s);),
     WRITTEN(dynClosestPoint, normal, return dyn_geometry_closest_point(&r.ball, r.X, r.x, s);),
-    WRITTEN(dynImpact, point_b, return dyn_geometry_sweep(with<dynGeometryPair>({0, &r.ball, &r.ball, r.X, r.X, nullptr, nullptr}), 1, 0, s);),
-    WRITTEN(dynContactReport, energy, dynContactProblem p; dyn_contact_problem_init(&p); p.contacts = 1; p.G = r.G; p.g = r.g; return dyn_contact_solver_solve(r.solver, &p, nullptr, r.lambda, nullptr, s);),
+    WRITTEN(dynImpact, point_b,
+            return dyn_geometry_sweep(with<dynGeometryPair>({0, &r.ball, &r.ball, r.X, r.X, nullptr, nullptr}), 1, 0, s);),
+    WRITTEN(dynContactReport, energy, dynContactProblem p; dyn_contact_problem_init(&p); p.contacts = 1; p.G = r.G; p.g = r.g;
+            return dyn_contact_solver_solve(r.solver, &p, nullptr, r.lambda, nullptr, s);),
     WRITTEN(dynStepReport, residual, return dyn_data_step_report(r.m, r.d, s);),
     WRITTEN(dynErrorLedger, cone, return dyn_data_ledger(r.m, r.d, s);),
     WRITTEN(dynMeshInfo, area, return dyn_mesh_info(r.surfaces.field, s);),
@@ -162,7 +218,9 @@ struct Memory {
     const auto size = std::uint32_t(n);
     std::memcpy(bytes, &size, sizeof size);
   }
-  bool all(std::size_t from, std::size_t to, unsigned char value) const { return std::all_of(bytes + from, bytes + to, [&](unsigned char b) { return b == value; }); }
+  bool all(std::size_t from, std::size_t to, unsigned char value) const {
+    return std::all_of(bytes + from, bytes + to, [&](unsigned char b) { return b == value; });
+  }
   bool kept_from(std::size_t n) const { return all(n, sizeof bytes, 0xa5); }
 };
 
@@ -204,7 +262,8 @@ TEST(Structs, OlderProgramsAreServed) {
     row.init(now.bytes, std::uint32_t(row.size)), row.init(older.bytes, std::uint32_t(row.older));
     const dynStatus expected = name == "dynIkOutput" ? DYN_ERROR_ARGUMENT : row.call(r, now.bytes);  // its last field is required
     EXPECT_EQ(expected, row.call(r, older.bytes)) << name << ": " << dyn_last_error();
-    EXPECT_TRUE(expected != DYN_ERROR_SIZE && (expected != DYN_ERROR_ARGUMENT || name == "dynIkOutput")) << name << ": " << dyn_last_error();
+    EXPECT_TRUE(expected != DYN_ERROR_SIZE && (expected != DYN_ERROR_ARGUMENT || name == "dynIkOutput"))
+        << name << ": " << dyn_last_error();
   }
 }
 
@@ -228,7 +287,8 @@ TEST(Structs, NewerProgramsAreServedWhereTheyAskForNothingNew) {
 
 TEST(Structs, SizesThatNoHeaderHasAreRefused) {
   for (const auto& [name, row] : rows)
-    for (const std::size_t size : {std::size_t(0), std::size_t(4), std::size_t(8), row.size - 1, std::size_t(4104), std::size_t(0xa5a5a5a5)}) {
+    for (const std::size_t size :
+         {std::size_t(0), std::size_t(4), std::size_t(8), row.size - 1, std::size_t(4104), std::size_t(0xa5a5a5a5)}) {
       Robot r;
       Memory m;
       if (row.init) row.init(m.bytes, std::uint32_t(row.size));

@@ -118,8 +118,8 @@ inline Model all_types(bool mimic = true) {
   b.joint(Spec("zyx", DYN_JOINT_TYPE_SPHERICAL_ZYX, "free", at)).body("b8", "zyx");
   b.joint(Spec("plane", DYN_JOINT_TYPE_PLANAR, "zyx", at).about(0, 1, 1)).body("b9", "plane");
   b.joint(Spec("carriage", DYN_JOINT_TYPE_TRANSLATION, "plane", at)).body("b10", "carriage");
-  Spec parts[] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_FIXED, nullptr, at), Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL),
-                  Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)};
+  Spec parts[] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_FIXED, nullptr, at),
+                  Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL), Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)};
   Spec compound("compound", DYN_JOINT_TYPE_COMPOSITE, "free", at);
   compound.parts = parts, compound.parts_count = 4;
   b.joint(compound).body("b11", "compound");
@@ -131,7 +131,9 @@ inline Model all_types(bool mimic = true) {
     second.mimic = "follower", second.mimic_ratio = 2;
     b.joint(follower).body("b14", "follower").joint(second).body("b15", "second");
   }
-  b.shape("trunk", DYN_SHAPE_TYPE_BOX, {0.1, 0.05, 0.02}).shape("b4", DYN_SHAPE_TYPE_CYLINDER, {0.02, 0.1, 0}).shape("b7", DYN_SHAPE_TYPE_ELLIPSOID, {0.02, 0.03, 0.04});
+  b.shape("trunk", DYN_SHAPE_TYPE_BOX, {0.1, 0.05, 0.02})
+      .shape("b4", DYN_SHAPE_TYPE_CYLINDER, {0.02, 0.1, 0})
+      .shape("b7", DYN_SHAPE_TYPE_ELLIPSOID, {0.02, 0.03, 0.04});
   b.shape("b10", DYN_SHAPE_TYPE_CAPSULE, {0.02, 0.1, 0}).shape("b13", DYN_SHAPE_TYPE_SPHERE, {0.03, 0, 0});
   EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "tool", "weld", nullptr, DYN_FRAME_TYPE_OP_FRAME));
   EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "imu", "trunk", nullptr, DYN_FRAME_TYPE_SENSOR));
@@ -143,7 +145,8 @@ inline Model chain(int n) {
   std::string parent;
   for (int k = 0; k < n; ++k) {
     const std::string name = "j" + std::to_string(k);
-    b.joint(Spec(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.empty() ? nullptr : parent.c_str(), {0, 0, k ? 0.1 : 0.0}).about(k % 2, 1, 0));
+    b.joint(Spec(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.empty() ? nullptr : parent.c_str(), {0, 0, k ? 0.1 : 0.0})
+                .about(k % 2, 1, 0));
     b.body(("l" + std::to_string(k)).c_str(), name.c_str(), 0.5);
     parent = name;
   }
@@ -202,7 +205,8 @@ inline State random_state(const dynModel* m, std::uint64_t seed) {
   s.q.resize(std::size_t(dyn_model_nq(m)));
   EXPECT_EQ(DYN_OK, dyn_configuration_random(m, seed, nullptr, nullptr, s.q.data())) << dyn_last_error();
   Random g{seed};
-  s.v = g.numbers(dyn_model_nv(m)), s.a = g.numbers(dyn_model_nv(m)), s.tau = g.numbers(dyn_model_nv(m)), s.fext = g.numbers(6 * dyn_model_njoints(m));
+  s.v = g.numbers(dyn_model_nv(m)), s.a = g.numbers(dyn_model_nv(m)), s.tau = g.numbers(dyn_model_nv(m)),
+  s.fext = g.numbers(6 * dyn_model_njoints(m));
   return s;
 }
 
@@ -238,7 +242,8 @@ inline dynStatus compute_derivatives(const dynModel* m, dynData* d, const double
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, s.tau.data()));
-  ASSERT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr, nullptr))
+      << dyn_last_error();
   ASSERT_EQ(DYN_OK, compute_derivatives(m, d, s.fext.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_ALL, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));
@@ -310,7 +315,8 @@ struct Snapshot {
       query("frame placement", 12, [&](double* x) { return dyn_frame_placement(m, d, frame, x); });
       query("frame velocity", 6, [&](double* x) { return dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, x); });
       query("frame acceleration", 6, [&](double* x) { return dyn_frame_acceleration(m, d, frame, DYN_REFERENCE_WORLD, x); });
-      query("frame Jacobian", std::size_t(6 * nv), [&](double* x) { return dyn_frame_jacobian(m, d, frame, DYN_REFERENCE_LOCAL, x); });
+      query("frame Jacobian", std::size_t(6 * nv),
+            [&](double* x) { return dyn_frame_jacobian(m, d, frame, DYN_REFERENCE_LOCAL, x); });
     }
     query("subtree com", 3, [&](double* x) { return dyn_subtree_com(m, d, dyn_model_njoints(m) - 1, x, nullptr); });
     const Numbers ones(std::size_t(nv), 1.0);

@@ -20,7 +20,10 @@ struct Surfaces {
   ~Surfaces() { dyn_mesh_free(pyramid), dyn_mesh_free(field), dyn_mesh_free(hull); }
   // what a shape of this type is made of; NULL: of numbers, or not to be had
   const dynMesh* of(dynShapeType type) const {
-    return type == DYN_SHAPE_TYPE_TRIANGLES ? pyramid : type == DYN_SHAPE_TYPE_HEIGHT_FIELD ? field : type == DYN_SHAPE_TYPE_CONVEX ? hull : nullptr;
+    return type == DYN_SHAPE_TYPE_TRIANGLES      ? pyramid
+           : type == DYN_SHAPE_TYPE_HEIGHT_FIELD ? field
+           : type == DYN_SHAPE_TYPE_CONVEX       ? hull
+                                                 : nullptr;
   }
 };
 

@@ -21,7 +21,10 @@ struct Boxes {
   std::vector<bool> there;
 
   Boxes(Index capacity, std::ptrdiff_t pairs, double margin)
-      : memory(std::aligned_alloc(64, BroadPhase::bytes(capacity, pairs)), std::free), tree(capacity, pairs, margin, memory.get()), box(std::size_t(capacity)), there(std::size_t(capacity)) {}
+      : memory(std::aligned_alloc(64, BroadPhase::bytes(capacity, pairs)), std::free),
+        tree(capacity, pairs, margin, memory.get()),
+        box(std::size_t(capacity)),
+        there(std::size_t(capacity)) {}
   Index insert(const Bounds& b) {
     const Index id = tree.insert(b);
     EXPECT_EQ(std::find(there.begin(), there.end(), false) - there.begin(), id);

@@ -63,7 +63,10 @@ bool liar(const Shape&, const Pose&, const Shape&, const Pose&, double, collisio
   return true;
 }
 TEST(Second, IsMeasured) {
-  const Scene s = {cylinder(1, 2), make(Type::Ellipsoid, Vec::make(1, 2, 3), 0), Pose::identity(), {Mat3<double>::identity(), Vec::make(1.9, 0, 0)}};
+  const Scene s = {cylinder(1, 2),
+                   make(Type::Ellipsoid, Vec::make(1, 2, 3), 0),
+                   Pose::identity(),
+                   {Mat3<double>::identity(), Vec::make(1.9, 0, 0)}};
   collision::Options o;
   o.fallback = stubborn, o.fallback_first = true;
   EXPECT_TRUE(query(s, o).from_fallback);

@@ -21,7 +21,9 @@ void sheet(Faceted& f) {
     }
   f.finish(false);
 }
-void field(Faceted& f) { f.finish_field(std::vector<double>((cells + 1) * (cells + 1), 0.0), cells + 1, cells + 1, cell, cell, -1); }
+void field(Faceted& f) {
+  f.finish_field(std::vector<double>((cells + 1) * (cells + 1), 0.0), cells + 1, cells + 1, cell, cell, -1);
+}
 template <class F>
 void on_each_floor(F&& f) {
   Faceted floors[2];
@@ -57,7 +59,9 @@ TEST(Floor, PushesUpwards) {
         Pose B = {g.pick(3) ? g.rotation() : g.quarter_turns(), Vec::zero()};
         const double depth = 0.5 * std::pow(10, -g.uniform(1, 5));
         const int over = g.pick(3);
-        const Vec target = over == 0 ? Vec::make(0.1, -0.2, -depth) : over == 1 ? Vec::make(0.1, g.uniform(-0.2, 0.2), -depth) : Vec::make(g.uniform(-0.2, 0.2), g.uniform(-0.2, 0.2), -depth);
+        const Vec target = over == 0   ? Vec::make(0.1, -0.2, -depth)
+                           : over == 1 ? Vec::make(0.1, g.uniform(-0.2, 0.2), -depth)
+                                       : Vec::make(g.uniform(-0.2, 0.2), g.uniform(-0.2, 0.2), -depth);
         B.p = target - lowest(s, B);
         const Result r = query(floor, Pose::identity(), s.shape, B), back = query(s.shape, B, floor, Pose::identity());
         ASSERT_NEAR(1, r.normal[2], 1e-5);
@@ -83,23 +87,27 @@ TEST(Floor, RockingBoxIsThatOnAPlane) {
     for (int i = 0; i < 1000; ++i) {
       SCOPED_TRACE(i);
       const double t = 1e-3 * i;
-      Pose B = {exp3(Vec::make(0, 0, t)) * exp3(Vec::make(0.002 * std::sin(40 * t), 0.01 * std::sin(70 * t + 1), 0)), Vec::zero()};
+      Pose B = {exp3(Vec::make(0, 0, t)) * exp3(Vec::make(0.002 * std::sin(40 * t), 0.01 * std::sin(70 * t + 1), 0)),
+                Vec::zero()};
       B.p = Vec::make(t - 0.5, 0.3 * t, -5e-4 - lowest(crate, B)[2]);
-      const Manifold m = manifold(floor, Pose::identity(), crate.shape, B), expected = manifold(plane.shape, Pose::identity(), crate.shape, B);
+      const Manifold m = manifold(floor, Pose::identity(), crate.shape, B),
+                     expected = manifold(plane.shape, Pose::identity(), crate.shape, B);
       ASSERT_NEAR(1, m.normal[2], 1e-9);
       ASSERT_EQ(expected.count, m.count);
       ++points[m.count];
       for (int k = 0; k < m.count; ++k) {
         double apart = shape::infinity, depth = 0;
         for (int j = 0; j < m.count; ++j)
-          if (const double d = shape::norm(m.points[k].position - expected.points[j].position); d < apart) apart = d, depth = expected.points[j].distance;
+          if (const double d = shape::norm(m.points[k].position - expected.points[j].position); d < apart)
+            apart = d, depth = expected.points[j].distance;
         ASSERT_LE(apart, 1e-6);
         ASSERT_NEAR(depth, m.points[k].distance, 1e-6);
       }
       // a point that stays keeps its number
       for (int k = 0; k < m.count && i > 0; ++k)
         for (int j = 0; j < before.count; ++j)
-          if (shape::norm(m.points[k].position - before.points[j].position) < 3e-3) ++all, kept += m.points[k].feature == before.points[j].feature;
+          if (shape::norm(m.points[k].position - before.points[j].position) < 3e-3)
+            ++all, kept += m.points[k].feature == before.points[j].feature;
       before = m;
     }
     EXPECT_GT(points[2], 50);
@@ -116,15 +124,19 @@ TEST(Floor, CylinderIsThatOnAPlane) {
       SCOPED_TRACE(i);
       const double t = 0.01 * i;
       const bool lying = i % 2;
-      const Pose B = {exp3(Vec::make(0, 0, t)) * (lying ? exp3(Vec::make(pi / 2, 0, 0)) * exp3(Vec::make(0, 0, 3 * t)) : Mat3<double>::identity()),
+      const Pose B = {exp3(Vec::make(0, 0, t)) *
+                          (lying ? exp3(Vec::make(pi / 2, 0, 0)) * exp3(Vec::make(0, 0, 3 * t)) : Mat3<double>::identity()),
                       Vec::make(0.2 * t - 0.3, 0.1 * t, (lying ? 0.2 : 0.25) - 4e-4)};
-      const Manifold m = manifold(floor, Pose::identity(), drum.shape, B), expected = manifold(plane.shape, Pose::identity(), drum.shape, B);
+      const Manifold m = manifold(floor, Pose::identity(), drum.shape, B),
+                     expected = manifold(plane.shape, Pose::identity(), drum.shape, B);
       ASSERT_NEAR(1, m.normal[2], 1e-9);
       ASSERT_EQ(lying ? 2 : 8, m.count);
       for (int k = 0; k < m.count; ++k) {
         ASSERT_NEAR(-4e-4, m.points[k].distance, 1e-6);
         if (!lying) continue;
-        ASSERT_LE(std::min(shape::norm(m.points[k].position - expected.points[0].position), shape::norm(m.points[k].position - expected.points[1].position)), 1e-6);
+        ASSERT_LE(std::min(shape::norm(m.points[k].position - expected.points[0].position),
+                           shape::norm(m.points[k].position - expected.points[1].position)),
+                  1e-6);
       }
     }
   });
@@ -137,7 +149,8 @@ TEST(Floor, StackedBoxesKeepTheirPoints) {
   for (int i = 0; i < 1000; ++i) {
     SCOPED_TRACE(i);
     Chance g{std::uint64_t(i)};
-    const Pose A = {exp3(g.direction() * 1e-4), Vec::make(0, 0, 0.2)}, B = {exp3(Vec::make(0, 0, 0.1)) * exp3(g.direction() * 1e-4), Vec::make(0.05, 0.03, 0.5995)};
+    const Pose A = {exp3(g.direction() * 1e-4), Vec::make(0, 0, 0.2)},
+               B = {exp3(Vec::make(0, 0, 0.1)) * exp3(g.direction() * 1e-4), Vec::make(0.05, 0.03, 0.5995)};
     const Manifold m = manifold(crate.shape, A, crate.shape, B);
     ASSERT_NEAR(1, std::abs(m.normal[2]), 1e-6);
     ASSERT_GE(m.count, 4);
@@ -149,7 +162,8 @@ TEST(Floor, StackedBoxesKeepTheirPoints) {
       ASSERT_EQ(before.points[k].feature, m.points[k].feature);
       ASSERT_LE(shape::norm(before.points[k].position - m.points[k].position), 2e-3);
       // each at its own depth: where the planes of both faces are
-      const Vec on_a = A.act_inverse(m.points[k].position - m.normal * (m.points[k].distance / 2)), on_b = B.act_inverse(m.points[k].position + m.normal * (m.points[k].distance / 2));
+      const Vec on_a = A.act_inverse(m.points[k].position - m.normal * (m.points[k].distance / 2)),
+                on_b = B.act_inverse(m.points[k].position + m.normal * (m.points[k].distance / 2));
       ASSERT_NEAR(0.2, on_a[2], 1e-9);
       ASSERT_NEAR(-0.2, on_b[2], 1e-9);
     }

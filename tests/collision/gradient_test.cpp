@@ -9,9 +9,9 @@ namespace {
 
 Pose moved(const Pose& X, const Vec& linear, const Vec& angular) { return {exp3(angular) * X.R, X.p + linear}; }
 
-// Differences over steps from 1e-5 down. Takes the first that gives the slope to 1e-6, else the best, and returns its error. Where
-// the nearest point changes its piece within a step, the second derivative jumps. Then one-sided differences count if the other
-// side is off by no more than a second derivative allows.
+// Differences over steps from 1e-5 down. Takes the first that gives the slope to 1e-6, else the best, and returns its error.
+// Where the nearest point changes its piece within a step, the second derivative jumps. Then one-sided differences count if the
+// other side is off by no more than a second derivative allows.
 double error(const Scene& s, double slope, int k) {
   collision::Options exact;
   exact.tolerance = 1e-15;
@@ -25,11 +25,13 @@ double error(const Scene& s, double slope, int k) {
   const double here = at(0), arm = 1 + std::min(size_of(s.a), size_of(s.b)), max_bend = arm * arm / std::abs(here);
   double least = shape::infinity;
   for (double h = 1e-5; h > 5e-10 && least > 1e-6; h /= 10) {
-    const double up = at(h), up2 = at(2 * h), down = at(-h), down2 = at(-2 * h), central = (up - down) / (2 * h), far = (up2 - down2) / (4 * h);
+    const double up = at(h), up2 = at(2 * h), down = at(-h), down2 = at(-2 * h), central = (up - down) / (2 * h),
+                 far = (up2 - down2) / (4 * h);
     // Richardson extrapolation cancels the third derivative
     least = std::min(least, std::abs(central + (central - far) / 3 - slope));
     auto one_sided = [&](double near, double twice, double other, double step) {
-      if (std::abs((here - other) / step - slope) <= max_bend * h) least = std::min(least, std::abs((4 * near - 3 * here - twice) / (2 * step) - slope));
+      if (std::abs((here - other) / step - slope) <= max_bend * h)
+        least = std::min(least, std::abs((4 * near - 3 * here - twice) / (2 * step) - slope));
     };
     one_sided(up, up2, down, h), one_sided(down, down2, up, -h);
   }
@@ -51,7 +53,8 @@ void compare(Type a, Type b, Case c, int count, Tally& tally) {
     for (int k = 0; k < 12; ++k) {
       const Force<double>& f = k < 6 ? g.a : g.b;
       const Vec& part = k % 6 < 3 ? f.linear : f.angular;
-      ASSERT_LE(error(s, part[k % 3], k), 1e-6) << name_of(c) << ' ' << i << ", along " << k << ": " << part[k % 3] << "; distance " << r.distance;
+      ASSERT_LE(error(s, part[k % 3], k), 1e-6)
+          << name_of(c) << ' ' << i << ", along " << k << ": " << part[k % 3] << "; distance " << r.distance;
     }
   }
 }
@@ -60,8 +63,8 @@ void compare_all(std::pair<Type, Type> pair, int random) {
   Tally plain, hard;
   compare(pair.first, pair.second, Case::Random, random, plain);
   for (Case c : {Case::Touching, Case::NearlyTouching, Case::Deep}) compare(pair.first, pair.second, c, random / 10, hard);
-  std::printf("%-12s %-12s smooth: %ld of %ld random poses, %ld of %ld touching, nearly touching, and deep ones\n", name_of(pair.first), name_of(pair.second),
-              plain.smooth, plain.poses, hard.smooth, hard.poses);
+  std::printf("%-12s %-12s smooth: %ld of %ld random poses, %ld of %ld touching, nearly touching, and deep ones\n",
+              name_of(pair.first), name_of(pair.second), plain.smooth, plain.poses, hard.smooth, hard.poses);
   EXPECT_GE(plain.smooth, 0.99 * double(plain.poses));
 }
 

@@ -40,7 +40,8 @@ struct HullData {
     }
     hull.vertices = Index(kept.size()), hull.faces = Index(faces.size());
     hull.center = sum * (1.0 / hull.vertices);
-    while (x.size() < std::size_t(Hull::padded(hull.vertices))) x.push_back(x.back()), y.push_back(y.back()), z.push_back(z.back());
+    while (x.size() < std::size_t(Hull::padded(hull.vertices)))
+      x.push_back(x.back()), y.push_back(y.back()), z.push_back(z.back());
     std::vector<std::vector<Index>> next(kept.size());
     face_start.push_back(0);
     for (auto& f : faces) {

@@ -24,7 +24,8 @@ TEST(Libccd, ToleranceIsALength) {
       o.tolerance = 1e-15;
       const double exact = query(s, o).distance;
       for (o.tolerance = 1e-2; o.tolerance > 1e-13; o.tolerance /= 10)
-        ASSERT_NEAR(exact, query(s, o).distance, o.tolerance * smaller(s) + 1e-13) << name_of(a) << ' ' << name_of(b) << ' ' << i << ", tolerance " << o.tolerance;
+        ASSERT_NEAR(exact, query(s, o).distance, o.tolerance * smaller(s) + 1e-13)
+            << name_of(a) << ' ' << name_of(b) << ' ' << i << ", tolerance " << o.tolerance;
     }
 }
 
@@ -42,7 +43,8 @@ TEST(Libccd, CoincidentCentresAndSizeRatiosTakeFewSteps) {
 
 // Corners of a small box far from the centre of a large one, not a point near the large one's centre.
 TEST(Libccd, ContactPositionsOnALargeBox) {
-  const Solid cubes[] = {box(0.2, 0.2, 0.2), make_convex(corners(0.2, 0.2, 0.2))}, grounds[] = {box(200, 200, 2), make_convex(corners(200, 200, 2))};
+  const Solid cubes[] = {box(0.2, 0.2, 0.2), make_convex(corners(0.2, 0.2, 0.2))},
+              grounds[] = {box(200, 200, 2), make_convex(corners(200, 200, 2))};
   for (const Solid& cube : cubes)
     for (const Solid& ground : grounds) {
       collision::Manifold m;
@@ -66,7 +68,8 @@ TEST(Libccd, NeedlesAndFlakes) {
       std::vector<Vec> p;
       for (int k = 0; k < 8; ++k) p.push_back(hadamard(g.direction(), Vec::make(1, i % 2 ? thin : 0.7, thin)));
       const Solid flake = make_convex(p);
-      for (const Solid& other : {box(0.5, 0.4, 0.3), cylinder(0.2, 0.5), make(Type::Ellipsoid, Vec::make(0.2, 0.3, 0.4), 0), flake}) {
+      for (const Solid& other :
+           {box(0.5, 0.4, 0.3), cylinder(0.2, 0.5), make(Type::Ellipsoid, Vec::make(0.2, 0.3, 0.4), 0), flake}) {
         Scene s = {flake, other, {g.rotation(), Vec::zero()}, {g.rotation(), g.direction() * g.uniform(0.5, 2)}};
         const Result r = query(s);
         const Faults f = faults(s, r, false);

@@ -66,9 +66,11 @@ TEST(Manifold, BoxOnAPlane) {
 
 TEST(Manifold, BoxOnABox) {
   Scene s = {box(2, 2, 2), box(2, 2, 2), at(0, 0, 0), at(0, 0, 1.99)};
-  expect_points(manifold(s, 0.01), {Vec::make(1, 1, 0.995), Vec::make(-1, 1, 0.995), Vec::make(1, -1, 0.995), Vec::make(-1, -1, 0.995)});
+  expect_points(manifold(s, 0.01),
+                {Vec::make(1, 1, 0.995), Vec::make(-1, 1, 0.995), Vec::make(1, -1, 0.995), Vec::make(-1, -1, 0.995)});
   s.B.p = Vec::make(0.5, 1.5, 1.99);
-  expect_points(manifold(s, 0.01), {Vec::make(1, 1, 0.995), Vec::make(-0.5, 1, 0.995), Vec::make(1, 0.5, 0.995), Vec::make(-0.5, 0.5, 0.995)});
+  expect_points(manifold(s, 0.01),
+                {Vec::make(1, 1, 0.995), Vec::make(-0.5, 1, 0.995), Vec::make(1, 0.5, 0.995), Vec::make(-0.5, 0.5, 0.995)});
   // rotated by 45 degrees: the corners of an octagon
   s.B = {turn(shape::axis(2), std::acos(-1.0) / 4), Vec::make(0, 0, 1.99)};
   const double t = std::sqrt(2.0) - 1;
@@ -170,7 +172,8 @@ TEST(Manifold, HoldsOfEveryPair) {
       EXPECT_GE(c.distance, x.r.distance - tolerance);
       EXPECT_TRUE(i == 0 || m.points[i - 1].feature < c.feature);
       // on both shapes, or within one that slopes away from the other
-      const double a = outside(x.s.a, x.s.A, c.position - m.normal * (c.distance / 2)), b = outside(x.s.b, x.s.B, c.position + m.normal * (c.distance / 2));
+      const double a = outside(x.s.a, x.s.A, c.position - m.normal * (c.distance / 2)),
+                   b = outside(x.s.b, x.s.B, c.position + m.normal * (c.distance / 2));
       EXPECT_LE(std::max(a, b), tolerance);
       EXPECT_GE(std::min(a, b), x.r.distance - x.margin - tolerance);
     }
@@ -206,8 +209,9 @@ TEST(Manifold, ExchangedAndMoved) {
         if (of.points[i].distance <= x.r.distance + 0.2 * (x.margin - x.r.distance)) out.push_back(points[i]);
       return out;
     };
-    differ += apart(near(m, positions(m)), positions(other)) > tolerance || apart(near(other, positions(other)), positions(m)) > tolerance ||
-              apart(near(m, positions(m)), back) > tolerance || apart(near(moved, back), positions(m)) > tolerance;
+    differ += apart(near(m, positions(m)), positions(other)) > tolerance ||
+              apart(near(other, positions(other)), positions(m)) > tolerance || apart(near(m, positions(m)), back) > tolerance ||
+              apart(near(moved, back), positions(m)) > tolerance;
     bool same = m.count == moved.count;
     for (int i = 0; same && i < m.count; ++i) same = m.points[i].feature == moved.points[i].feature;
     equal_ids += same;
@@ -231,7 +235,9 @@ TEST(Manifold, ContinuousAndPersistent) {
     for (int i = 0; i < m.count; ++i) {
       if (m.points[i].distance > 0.9 * x.margin) continue;
       ++all;
-      for (int k = 0; k < n.count; ++k) kept += n.points[k].feature == m.points[i].feature && shape::norm(n.points[k].position - m.points[i].position) < 0.01 * x.size;
+      for (int k = 0; k < n.count; ++k)
+        kept += n.points[k].feature == m.points[i].feature &&
+                shape::norm(n.points[k].position - m.points[i].position) < 0.01 * x.size;
     }
   });
   EXPECT_GT(all, 1000);
@@ -243,8 +249,11 @@ TEST(Manifold, SpansTheOverlap) {
   Chance g(5);
   int seen = 0;
   for (int k = 0; k < samples(100); ++k) {
-    Scene s = {box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1), g.pick(2) ? box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1) : make_convex(corners(g.uniform(0.5, 2), g.uniform(0.5, 2), 1)),
-               at(0, 0, 0), {turn(shape::axis(2), g.uniform(0, 6)), Vec::make(g.uniform(-0.7, 0.7), g.uniform(-0.7, 0.7), 0.999)}};
+    Scene s = {
+        box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1),
+        g.pick(2) ? box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1) : make_convex(corners(g.uniform(0.5, 2), g.uniform(0.5, 2), 1)),
+        at(0, 0, 0),
+        {turn(shape::axis(2), g.uniform(0, 6)), Vec::make(g.uniform(-0.7, 0.7), g.uniform(-0.7, 0.7), 0.999)}};
     const Manifold m = manifold(s, 1e-3);
     if (m.count == 0) continue;  // side by side
     if (m.normal[2] < 0.5) {     // nearly so: sideways is shorter than 1e-3 upwards
@@ -275,7 +284,10 @@ TEST(Manifold, SpansTheOverlap) {
 TEST(Manifold, ThinnedOut) {
   for (double angle : {0.1, 0.3, 0.35})
     for (double tilt : {0.0, 1e-3}) {
-      Scene s = {cylinder(1, 1), cylinder(1, 1), at(0, 0, 0), {turn(shape::axis(1), tilt) * turn(shape::axis(2), angle), Vec::make(0.01, 0.02, 0.999)}};
+      Scene s = {cylinder(1, 1),
+                 cylinder(1, 1),
+                 at(0, 0, 0),
+                 {turn(shape::axis(1), tilt) * turn(shape::axis(2), angle), Vec::make(0.01, 0.02, 0.999)}};
       const Manifold m = manifold(s, 0.1);
       EXPECT_EQ(8, m.count);
       double deepest = 1, reach = 0;

@@ -25,7 +25,8 @@ ModelPtr with_shapes(std::uint64_t seed) {
     });
     std::sort(types.begin(), types.end());
     dyn::Shape shape;
-    shape.type = types[std::size_t(dice.below(int(types.size())))], shape.body = s.name, shape.placement = placement(dice.pose(0.1));
+    shape.type = types[std::size_t(dice.below(int(types.size())))], shape.body = s.name,
+    shape.placement = placement(dice.pose(0.1));
     shape.size = {dice.in(0.05, 0.2), dice.in(0.05, 0.2), dice.in(0.05, 0.2)};
     b.shape(shape);
   }
@@ -72,7 +73,8 @@ TEST(Pairs, GradientIsTheDerivative) {
         ++seen;
         if (std::abs(near[p] - far[p]) > 1e-6) continue;  // near a kink, where another feature becomes nearest
         ++compared;
-        EXPECT_NEAR((4 * near[p] - far[p]) / 3, gradient(p, k), 2e-6) << "tree " << seed << ", pair " << p << " at distance " << d0[p];
+        EXPECT_NEAR((4 * near[p] - far[p]) / 3, gradient(p, k), 2e-6)
+            << "tree " << seed << ", pair " << p << " at distance " << d0[p];
       }
     }
   }
@@ -99,7 +101,8 @@ TEST(Pairs, BodiesParentsAndTheFloor) {
     b.shape(s);
   };
   shape("floor", DYN_SHAPE_TYPE_HALF_SPACE);
-  shape("base", DYN_SHAPE_TYPE_BOX), shape("base", DYN_SHAPE_TYPE_SPHERE), shape("arm", DYN_SHAPE_TYPE_BOX, DYN_SHAPE_ROLE_VISUAL);
+  shape("base", DYN_SHAPE_TYPE_BOX), shape("base", DYN_SHAPE_TYPE_SPHERE),
+      shape("arm", DYN_SHAPE_TYPE_BOX, DYN_SHAPE_ROLE_VISUAL);
   shape("arm", DYN_SHAPE_TYPE_SPHERE), shape("hand", DYN_SHAPE_TYPE_BOX), shape("hand", DYN_SHAPE_TYPE_MESH);
   const ModelPtr m = b.finish();
   std::vector<std::pair<Index, Index>> tested, meshes;
@@ -159,8 +162,8 @@ void build_arm_on_a_plinth(Builder& b) {
 }
 
 TEST(Pairs, TheWorldIsNobodysParent) {
-  const std::vector<std::string> expected = {"universe arm", "universe hand", "universe sledge", "plinth hand", "plinth sledge", "wall arm", "wall hand", "wall sledge",
-                                             "arm sledge", "hand sledge"};
+  const std::vector<std::string> expected = {"universe arm", "universe hand", "universe sledge", "plinth hand", "plinth sledge",
+                                             "wall arm",     "wall hand",     "wall sledge",     "arm sledge",  "hand sledge"};
   Builder b("arm");
   build_arm_on_a_plinth(b);
   const ModelPtr m = b.finish();
@@ -169,12 +172,15 @@ TEST(Pairs, TheWorldIsNobodysParent) {
   Builder again(*m);
   again.remove("slide");
   const ModelPtr less = again.finish();
-  EXPECT_EQ((std::vector<std::string>{"universe arm", "universe hand", "plinth hand", "wall arm", "wall hand"}), tested_pairs(*less));
+  EXPECT_EQ((std::vector<std::string>{"universe arm", "universe hand", "plinth hand", "wall arm", "wall hand"}),
+            tested_pairs(*less));
   Builder cart("cart");
   JointSpec fixed;
   fixed.name = "mount", fixed.type = DYN_JOINT_TYPE_FIXED;
   cart.attach(*less, "its_", &fixed);
-  EXPECT_EQ((std::vector<std::string>{"mount its_arm", "mount its_hand", "its_plinth its_hand", "its_wall its_arm", "its_wall its_hand"}), tested_pairs(*cart.finish()));
+  EXPECT_EQ((std::vector<std::string>{"mount its_arm", "mount its_hand", "its_plinth its_hand", "its_wall its_arm",
+                                      "its_wall its_hand"}),
+            tested_pairs(*cart.finish()));
 }
 
 // More shapes than pairs are listed for: the same results.
@@ -193,7 +199,9 @@ TEST(Pairs, TheWorldIsNobodysParentAmongMany) {
   for (Index i = 0; i < 6; ++i)
     for (Index j = i + 1; j < 6; ++j) {
       Index pair;
-      const auto link = [&](Index geom) { return std::string(many->string(many->frames()[many->shapes()[many->geoms()[geom].shape].frame].name)); };
+      const auto link = [&](Index geom) {
+        return std::string(many->string(many->frames()[many->shapes()[many->geoms()[geom].shape].frame].name));
+      };
       if (collision::is_tested(*many, w.d, i, j, pair)) found.push_back(link(i) + " " + link(j));
     }
   EXPECT_EQ(tested_pairs(*few), found);
@@ -228,7 +236,8 @@ VectorXd within_limits(const Model& m, Random& random) {
   return q;
 }
 
-// Not tested: shapes of one tree, or of trees that do not fly, which overlap in the neutral configuration and in nearly all others.
+// Not tested: shapes of one tree, or of trees that do not fly, which overlap in the neutral configuration and in nearly all
+// others.
 TEST(Pairs, WhatOverlapsNearlyEverywhereIsNotTested) {
   int taken = 0, at_neutral = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
@@ -255,7 +264,8 @@ TEST(Pairs, WhatOverlapsNearlyEverywhereIsNotTested) {
     }
     for (Index k = 0; k < m->n.pairs; ++k) {
       const Index a = root(m->pairs()[k].a), b = root(m->pairs()[k].b);
-      const bool counts = neutral[std::size_t(k)] && (a == b || !(flies(a) || flies(b)));  // a free flyer's overlap is not permanent
+      const bool counts =
+          neutral[std::size_t(k)] && (a == b || !(flies(a) || flies(b)));  // a free flyer's overlap is not permanent
       const bool off = m->pairs()[k].reason == DYN_PAIR_REASON_OVERLAPS;
       taken += off, at_neutral += counts;
       const bool always = counts && overlaps[std::size_t(k)] == 200, often = counts && overlaps[std::size_t(k)] >= 150;
@@ -282,7 +292,8 @@ TEST(Pairs, FiltersOfShapes) {
     }
     for (const char* link : {"plinth", "arm", "hand"}) {
       dyn::Shape s;
-      s.body = link, s.type = DYN_SHAPE_TYPE_SPHERE, s.size = {0.1, 0, 0}, s.filter = std::string(link) == "plinth" ? first : others;
+      s.body = link, s.type = DYN_SHAPE_TYPE_SPHERE, s.size = {0.1, 0, 0},
+      s.filter = std::string(link) == "plinth" ? first : others;
       b.shape(s);
     }
     const ModelPtr m = b.finish(), again = Builder(*m).finish();

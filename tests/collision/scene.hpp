@@ -88,7 +88,9 @@ struct Chance {
     return {x, y, cross(x, y)};
   }
   Solid shape(Type t, double scale, double thin = 1) {
-    const double rounding = t == Type::Sphere || t == Type::Capsule ? scale * uniform(0.1, 0.6) : pick(4) == 0 ? scale * uniform(0.01, 0.3) : 0;
+    const double rounding = t == Type::Sphere || t == Type::Capsule ? scale * uniform(0.1, 0.6)
+                            : pick(4) == 0                          ? scale * uniform(0.01, 0.3)
+                                                                    : 0;
     if (t != Type::Convex) {
       double s[3] = {scale * uniform(0.2, 1), scale * uniform(0.2, 1), scale * uniform(0.2, 1)};
       s[pick(3)] *= thin;
@@ -172,7 +174,9 @@ inline Scene scene(Type ta, Type tb, Case c, std::uint64_t seed) {
     double p[3];
     for (int i = 0; i < 3; ++i) {
       const Vec n = shape::axis(i);
-      const double step = ta == Type::HalfSpace || tb == Type::HalfSpace ? 1 : reach(s.a, {s.A.R, Vec::zero()}, n) + reach(s.b, {s.B.R, Vec::zero()}, -n);
+      const double step = ta == Type::HalfSpace || tb == Type::HalfSpace
+                              ? 1
+                              : reach(s.a, {s.A.R, Vec::zero()}, n) + reach(s.b, {s.B.R, Vec::zero()}, -n);
       const double steps[] = {0, 1, -1, 0.5, 1 + 1e-9, 1 - 1e-12, 1.5, g.uniform(-1, 1)};
       p[i] = step * steps[g.pick(8)];
     }

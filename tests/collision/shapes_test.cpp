@@ -130,10 +130,12 @@ TEST_P(Shapes, MomentsAgainstChords) {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
         const double px = box.lower[0] + (i + 0.5) * step[0], py = box.lower[1] + (j + 0.5) * step[1], area = step[0] * step[1];
-        const shape::Hit in = x.ray(Vec::make(px, py, -2 * reach), shape::axis(2)), out = x.ray(Vec::make(px, py, 2 * reach), -shape::axis(2));
+        const shape::Hit in = x.ray(Vec::make(px, py, -2 * reach), shape::axis(2)),
+                         out = x.ray(Vec::make(px, py, 2 * reach), -shape::axis(2));
         if (!(in.t < shape::infinity && out.t < shape::infinity)) continue;
         const double a = in.t - 2 * reach, b = 2 * reach - out.t, dm = (b - a) * area;
-        m += dm, q[0] += dm * px * px, q[1] += dm * py * py, q[2] += area * (b * b * b - a * a * a) / 3, h += area * (b * b - a * a) / 2;
+        m += dm, q[0] += dm * px * px, q[1] += dm * py * py, q[2] += area * (b * b * b - a * a * a) / 3,
+            h += area * (b * b - a * a) / 2;
       }
     const Inertia<double> Y = x.mass_properties(2);
     const double scale = 2 * m;

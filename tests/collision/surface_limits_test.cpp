@@ -36,7 +36,8 @@ TEST(Surfaces, MeshOfABoxIsTheBox) {
       if (e.unique && r.unique) {
         ASSERT_LE(shape::norm(e.normal - r.normal), 1e-5);
       }
-      if (c.shape.type != Type::Sphere && c.shape.type != Type::HalfSpace) tied += e.unique && !r.unique;  // two triangles of a side, within rounding
+      if (c.shape.type != Type::Sphere && c.shape.type != Type::HalfSpace)
+        tied += e.unique && !r.unique;  // two triangles of a side, within rounding
       ++apart;
     } else if (e.distance > -0.02) {  // through one side
       ASSERT_LE(r.distance, 1e-12);
@@ -129,7 +130,8 @@ TEST(Surfaces, InsideOfAClosedMeshIsAnOverlap) {
   box_mesh(m, 2, 2, 2);
   sphere_mesh(small, 6, 0.1);
   const Pose A = Pose::identity(), B = {Mat3<double>::identity(), Vec::make(0.5, 0.1, -0.2)};
-  const Result r = query(m.shape, A, box(0.2, 0.2, 0.2).shape, B), s = query(m.shape, A, sphere(0.1).shape, B), t = query(m.shape, A, small.shape, B), u = query(small.shape, B, m.shape, A);
+  const Result r = query(m.shape, A, box(0.2, 0.2, 0.2).shape, B), s = query(m.shape, A, sphere(0.1).shape, B),
+               t = query(m.shape, A, small.shape, B), u = query(small.shape, B, m.shape, A);
   EXPECT_EQ(Status::Penetrating, r.status);
   EXPECT_NEAR(-0.6, r.distance, 1e-9);
   EXPECT_NEAR(1, r.normal[0], 1e-9);

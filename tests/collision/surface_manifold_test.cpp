@@ -76,7 +76,8 @@ TEST(SurfaceManifold, BoxOnAFineSheetHasFourCorners) {
 TEST(SurfaceManifold, FlatHeightFieldIsAPlane) {
   Faceted field;
   field.finish_field(std::vector<double>(31 * 31, 0.25), 31, 31, 0.2, 0.2, -1);
-  const Solid plane = make(Type::HalfSpace, Vec::zero(), 0), solids[] = {box(1, 2, 1), cylinder(0.5, 1), make(Type::Cone, Vec::make(0.5, 0.5, 0.5), 0)};
+  const Solid plane = make(Type::HalfSpace, Vec::zero(), 0),
+              solids[] = {box(1, 2, 1), cylinder(0.5, 1), make(Type::Cone, Vec::make(0.5, 0.5, 0.5), 0)};
   for (const Solid& s : solids) {
     const Pose B = at(0.03, 0.04, 0.25 + 0.5 - 2e-3);
     const Manifold m = manifold(field.shape, at(0, 0, 0), s.shape, B, 0.01);

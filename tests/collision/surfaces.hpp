@@ -29,7 +29,8 @@ struct Faceted {
     tree = std::get<Held<shape::TriangleTree>>(surface->held).view();
     shape = {Type::Triangles, radius, Vec::zero(), nullptr, &tree};
   }
-  void finish_field(const std::vector<double>& heights, Index columns, Index rows, double step_x, double step_y, double bottom, double radius = 0) {
+  void finish_field(const std::vector<double>& heights, Index columns, Index rows, double step_x, double step_y, double bottom,
+                    double radius = 0) {
     surface = height_grid(heights.data(), columns, rows, step_x, step_y, bottom);
     grid = std::get<Held<shape::Grid>>(surface->held).view();
     shape = {Type::HeightField, radius, Vec::zero(), nullptr, nullptr, &grid};
@@ -93,7 +94,9 @@ inline void hills(Faceted& f, Chance& g, Index columns, Index rows) {
   f.finish_field(h, columns, rows, 0.25, 0.2, -0.5);
 }
 
-inline Result query(const Shape& a, const Pose& A, const Shape& b, const Pose& B, const collision::Options& o = {}) { return collision::distance(a, A, b, B, workspace(), o); }
+inline Result query(const Shape& a, const Pose& A, const Shape& b, const Pose& B, const collision::Options& o = {}) {
+  return collision::distance(a, A, b, B, workspace(), o);
+}
 
 // Least distance over the pieces.
 inline double every_piece(const Faceted& a, const Pose& A, const Shape& b, const Pose& B) {

@@ -113,7 +113,9 @@ TEST(Surfaces, NearestPointAgainstAllTriangles) {
     for (int k = 0; k < 1000; ++k) {
       const Vec p = g.direction() * g.uniform(0, 2);
       double expected = shape::infinity;
-      for (Index t = 0; t < s.count(); ++t) expected = std::min(expected, shape::norm(p - shape::nearest_of_triangle(s.corner(t, 0), s.corner(t, 1), s.corner(t, 2), p)));
+      for (Index t = 0; t < s.count(); ++t)
+        expected =
+            std::min(expected, shape::norm(p - shape::nearest_of_triangle(s.corner(t, 0), s.corner(t, 1), s.corner(t, 2), p)));
       with(s, [&]<class S>(const S& x) {
         const shape::Nearest n = x.nearest(p);
         ASSERT_NEAR(1, shape::norm(n.normal), 1e-12);
@@ -187,7 +189,8 @@ TEST(Surfaces, SupportAndBoundsAgainstAllVertices) {
       with(s, [&](const auto& x) {
         ASSERT_NEAR(most, dot(d, x.support(d)), 1e-14);
         const Pose X = random_pose(g, 1);
-        ASSERT_NEAR(x.bounds(X).upper[0], X.p[0] + dot(x.support(transpose_times(X.R, shape::axis(0))), transpose_times(X.R, shape::axis(0))), 1e-14);
+        ASSERT_NEAR(x.bounds(X).upper[0],
+                    X.p[0] + dot(x.support(transpose_times(X.R, shape::axis(0))), transpose_times(X.R, shape::axis(0))), 1e-14);
       });
     }
   });
@@ -209,7 +212,8 @@ TEST(Surfaces, GradientAgainstDifferences) {
       auto at = [&](double t) {
         const Eigen::AngleAxisd turn(t, Eigen::Vector3d(w[0], w[1], w[2]));
         const Eigen::Matrix3d R = turn.toRotationMatrix();
-        const Mat3<double> T = {Vec::make(R(0, 0), R(1, 0), R(2, 0)), Vec::make(R(0, 1), R(1, 1), R(2, 1)), Vec::make(R(0, 2), R(1, 2), R(2, 2))};
+        const Mat3<double> T = {Vec::make(R(0, 0), R(1, 0), R(2, 0)), Vec::make(R(0, 1), R(1, 1), R(2, 1)),
+                                Vec::make(R(0, 2), R(1, 2), R(2, 2))};
         return query(s.shape, A, b.shape, {T * B.R, B.p + v * t}).distance;
       };
       const double h = 1e-5, central = (at(h) - at(-h)) / (2 * h), wide = (at(2 * h) - at(-2 * h)) / (4 * h);

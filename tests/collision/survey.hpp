@@ -52,7 +52,8 @@ class BruteForce {
   const Scene& s_;
 
   static Vec at(int face, int i, int j) {
-    const double x = std::tan(0.78539816339744831 * ((2 * i + 1.0) / side - 1)), y = std::tan(0.78539816339744831 * ((2 * j + 1.0) / side - 1));
+    const double x = std::tan(0.78539816339744831 * ((2 * i + 1.0) / side - 1)),
+                 y = std::tan(0.78539816339744831 * ((2 * j + 1.0) / side - 1));
     const double c[3] = {1, x, y};
     const int k = face / 2;
     const Vec d = Vec::make(c[(3 - k) % 3], c[(4 - k) % 3], c[(5 - k) % 3]);
@@ -73,11 +74,13 @@ inline double smaller(const Scene& s) { return std::min(size_of(s.a), size_of(s.
 inline Faults faults(const Scene& s, const Result& r, bool brute = true) {
   Faults f = {r.status == Status::Failed, 0, 0, 0};
   if (r.distance == -shape::infinity) return f;  // half-spaces
-  f.failed = f.failed || !std::isfinite(r.distance) || !(std::abs(shape::norm(r.normal) - 1) < 1e-12) || !std::isfinite(dot(r.point_a, r.point_b));
+  f.failed = f.failed || !std::isfinite(r.distance) || !(std::abs(shape::norm(r.normal) - 1) < 1e-12) ||
+             !std::isfinite(dot(r.point_a, r.point_b));
   if (f.failed) return f;
   const double small = smaller(s), rounding = 2e-15 * (size_of(s.a) + size_of(s.b) + shape::norm(s.A.p) + shape::norm(s.B.p));
   auto beyond_rounding = [&](double error) { return std::max(0.0, error - rounding) / small; };
-  f.witness = beyond_rounding(std::max({outside(s.a, s.A, r.point_a), outside(s.b, s.B, r.point_b), shape::norm(r.point_b - r.point_a - r.normal * r.distance)}));
+  f.witness = beyond_rounding(std::max(
+      {outside(s.a, s.A, r.point_a), outside(s.b, s.B, r.point_b), shape::norm(r.point_b - r.point_a - r.normal * r.distance)}));
   f.plane = beyond_rounding(r.distance + overlap(s, r.normal));
   if (brute && r.distance < -1e-6 * small && s.a.shape.type != Type::HalfSpace && s.b.shape.type != Type::HalfSpace) {
     const double least = BruteForce(s).depth();

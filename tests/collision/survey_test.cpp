@@ -26,7 +26,8 @@ void take(Tally& t, const Scene& s, Case c, int seed, double tol) {
   t.witness = std::max(t.witness, f.witness), t.plane = std::max(t.plane, f.plane), t.depth = std::max(t.depth, f.depth);
   if ((wrong || deeper) && t.first.size() < 300) {
     char text[160];
-    std::snprintf(text, sizeof text, "; %s %d: distance %.3g, witness %.1e, plane %.1e, depth %.1e", name_of(c), seed, r.distance, f.witness, f.plane, f.depth);
+    std::snprintf(text, sizeof text, "; %s %d: distance %.3g, witness %.1e, plane %.1e, depth %.1e", name_of(c), seed, r.distance,
+                  f.witness, f.plane, f.depth);
     t.first += text;
   }
 }
@@ -38,8 +39,9 @@ void survey(std::pair<Type, Type> pair, int random, int adversarial) {
     const int count = Case(c) == Case::Random ? random : (adversarial + int(Case::count) - 2) / (int(Case::count) - 1);
     for (int i = 0; i < count; ++i) take(t, scene(pair.first, pair.second, Case(c), std::uint64_t(i)), Case(c), i, tol);
     if (random > 5000)
-      std::printf("%-20s %-20s %-16s %7ld poses: %ld failed, %ld wrong, %ld deeper; witness %.1e, plane %.1e, depth %.1e\n", name_of(pair.first),
-                  name_of(pair.second), name_of(Case(c)), t.poses, t.failed, t.wrong, t.deeper, t.witness, t.plane, t.depth);
+      std::printf("%-20s %-20s %-16s %7ld poses: %ld failed, %ld wrong, %ld deeper; witness %.1e, plane %.1e, depth %.1e\n",
+                  name_of(pair.first), name_of(pair.second), name_of(Case(c)), t.poses, t.failed, t.wrong, t.deeper, t.witness,
+                  t.plane, t.depth);
     EXPECT_EQ(0, t.failed) << name_of(Case(c)) << t.first;
     EXPECT_EQ(0, t.wrong) << name_of(Case(c)) << t.first;
     EXPECT_EQ(0, t.deeper) << name_of(Case(c)) << t.first;

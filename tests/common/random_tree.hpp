@@ -146,7 +146,9 @@ inline JointSpec random_joint(Dice& dice, dynJointType type) {
     }
   }
   const std::size_t nq = std::size_t(spec_nq(s));
-  const double range = type == DYN_JOINT_TYPE_SPHERICAL_ZYX ? 1 : type == DYN_JOINT_TYPE_REVOLUTE ? 3 : 0.8;  // zyx: off gimbal lock
+  const double range = type == DYN_JOINT_TYPE_SPHERICAL_ZYX ? 1
+                       : type == DYN_JOINT_TYPE_REVOLUTE    ? 3
+                                                            : 0.8;  // zyx: off gimbal lock
   s.lower.assign(nq, -range), s.upper.assign(nq, range);
   return s;
 }
@@ -189,7 +191,8 @@ inline Tree random_tree(std::uint64_t seed, const TreeOptions& options = {}) {
   for (int j = 0; j < n; ++j) {
     // one-coordinate joints are half of all, as in robots
     const bool single = options.types.empty() && dice.chance(0.4);
-    JointSpec s = random_joint(dice, single ? moving_types()[std::size_t(dice.below(4))] : types[std::size_t(dice.below(int(types.size())))]);
+    JointSpec s = random_joint(
+        dice, single ? moving_types()[std::size_t(dice.below(4))] : types[std::size_t(dice.below(int(types.size())))]);
     s.name = "j" + std::to_string(j);
     parent.push_back(j == 0 ? -1 : dice.chance(options.branch) ? dice.below(j + 1) - 1 : j - 1);
     if (parent.back() >= 0) s.parent.name = "j" + std::to_string(parent.back());
@@ -205,7 +208,8 @@ inline Tree random_tree(std::uint64_t seed, const TreeOptions& options = {}) {
     tree.frames.push_back(frame);
     if (dice.chance(0.2)) {  // a link welded on
       JointSpec weld;
-      weld.name = "weld" + std::to_string(j), weld.type = DYN_JOINT_TYPE_FIXED, weld.parent.name = s.name, weld.placement = placement(dice.pose(0.2));
+      weld.name = "weld" + std::to_string(j), weld.type = DYN_JOINT_TYPE_FIXED, weld.parent.name = s.name,
+      weld.placement = placement(dice.pose(0.2));
       tree.joints.push_back(weld);
       tree.bodies.push_back(random_body(dice, "w" + std::to_string(j), weld.name));
     }
@@ -224,7 +228,8 @@ inline Tree random_tree(std::uint64_t seed, const TreeOptions& options = {}) {
   for (std::size_t k = simple.size(); k > 1; --k) std::swap(simple[k - 1], simple[std::size_t(dice.below(int(k)))]);
   for (std::size_t k = 1; k < simple.size(); ++k) {
     if (!dice.chance(options.mimic)) continue;
-    JointSpec& s = *std::find_if(tree.joints.begin(), tree.joints.end(), [&](const JointSpec& x) { return x.name == "j" + std::to_string(simple[k]); });
+    JointSpec& s = *std::find_if(tree.joints.begin(), tree.joints.end(),
+                                 [&](const JointSpec& x) { return x.name == "j" + std::to_string(simple[k]); });
     s.mimic = "j" + std::to_string(simple[std::size_t(dice.below(int(k)))]);
     s.mimic_ratio = dice.in(-1.5, 1.5), s.mimic_offset = dice.in(-0.5, 0.5);
   }

@@ -1,5 +1,6 @@
-// Numbers of twice double's precision, each an unevaluated sum of two doubles (Dekker 1971): the references of tests where the compiler has nothing wider
-// than double, as on 32-bit ARM. About 104 bits; the exponents are those of double. sin and cos take angles up to 1e6.
+// Numbers of twice double's precision, each an unevaluated sum of two doubles (Dekker 1971): the references of tests where the
+// compiler has nothing wider than double, as on 32-bit ARM. About 104 bits; the exponents are those of double. sin and cos take
+// angles up to 1e6.
 #pragma once
 
 #include <cmath>
@@ -78,7 +79,9 @@ inline Twice twice_sqrt(Twice x) {  // one step of Newton from double's
 // pi/2 and log 2, to three doubles: a multiple of the third is what a reduction by the first two loses
 inline constexpr double half_pi[] = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54, -0x1.f1976b7ed8fbcp-110};
 inline constexpr double log_2[] = {0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56, 0x1.7b57a079a1934p-111};
-inline Twice reduced(Twice x, double n, const double (&unit)[3]) { return ((x - Twice::product(n, unit[0])) - Twice::product(n, unit[1])) - Twice::product(n, unit[2]); }
+inline Twice reduced(Twice x, double n, const double (&unit)[3]) {
+  return ((x - Twice::product(n, unit[0])) - Twice::product(n, unit[1])) - Twice::product(n, unit[2]);
+}
 
 // sum of x^k / k! from k on, every step-th, with alternating signs or without
 inline Twice series(Twice x, int first, int step, bool alternating) {
@@ -131,7 +134,8 @@ inline Twice twice_atan2(Twice y, Twice x) {  // one step of Newton from double'
 }
 inline Twice twice_remainder(Twice x, Twice y) {
   const Twice left = x - y * Twice(std::nearbyint((x / y).high));
-  const Twice half = y.high < 0 ? -y * Twice(0.5) : y * Twice(0.5);  // a quotient just beside a half may have been rounded to either side
+  const Twice half =
+      y.high < 0 ? -y * Twice(0.5) : y * Twice(0.5);  // a quotient just beside a half may have been rounded to either side
   return left > half ? left - half - half : left < -half ? left + half + half : left;
 }
 

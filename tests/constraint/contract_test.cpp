@@ -1,5 +1,5 @@
-// The contract of every constraint in the list. Rows are the first and second derivatives of the errors along allowed motions. The
-// number of rows agrees with `rows`.
+// The contract of every constraint in the list. Rows are the first and second derivatives of the errors along allowed motions.
+// The number of rows agrees with `rows`.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -42,7 +42,9 @@ void check(Constraint c, int seed) {
   const Eigen::Vector3d a = random().normalized(), n1 = a.cross(random()).normalized(), n2 = a.cross(n1);
   c.axis = vec(a), c.n1 = vec(n1), c.n2 = vec(n2), c.axis2 = vec((n1 + 0.3 * a).normalized());
   c.pitch = 0.3, c.length = 0.7;
-  const auto at = [](const Eigen::Vector3d& r) { return Relative<double>{vec(r), Vec3<double>::zero(), Vec3<double>::zero(), Mat3<double>::identity()}; };
+  const auto at = [](const Eigen::Vector3d& r) {
+    return Relative<double>{vec(r), Vec3<double>::zero(), Vec3<double>::zero(), Mat3<double>::identity()};
+  };
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
   if (evaluate<K>(c, at(start)).error.norm() > 0) {
     start = random();  // then Newton's steps to the nearest solution
@@ -53,7 +55,9 @@ void check(Constraint c, int seed) {
   }
   const Found here = evaluate<K>(c, at(start));
   EXPECT_LE(here.error.cwiseAbs().maxCoeff(), 1e-15);
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(here.J * here.J.transpose(), Eigen::EigenvaluesOnly).eigenvalues()[0], 1e-6) << "rows are independent";
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(here.J * here.J.transpose(), Eigen::EigenvaluesOnly).eigenvalues()[0],
+            1e-6)
+      << "rows are independent";
 
   // an allowed velocity, any acceleration
   Eigen::Matrix<double, 6, 1> velocity, acceleration;
@@ -61,7 +65,8 @@ void check(Constraint c, int seed) {
   velocity -= here.J.transpose() * (here.J * here.J.transpose()).ldlt().solve(here.J * velocity);
   const Eigen::Vector3d v = velocity.head<3>(), w = velocity.tail<3>(), dv = acceleration.head<3>(), dw = acceleration.tail<3>();
   auto error = [&](double t) {
-    const Relative<double> X{vec(start + v * t + 0.5 * dv * t * t), Vec3<double>::zero(), Vec3<double>::zero(), exp3(vec(w * t + 0.5 * dw * t * t))};
+    const Relative<double> X{vec(start + v * t + 0.5 * dv * t * t), Vec3<double>::zero(), Vec3<double>::zero(),
+                             exp3(vec(w * t + 0.5 * dw * t * t))};
     return evaluate<K>(c, X).error;
   };
   const double h = 1e-3;
@@ -73,9 +78,12 @@ void check(Constraint c, int seed) {
   // also the rates at any velocity
   for (int k = 0; k < 6; ++k) velocity[k] = normal(g);
   auto along = [&](double t) {
-    return evaluate<K>(c, {vec(start + velocity.head<3>() * t), Vec3<double>::zero(), Vec3<double>::zero(), exp3(vec(velocity.tail<3>() * t))}).error;
+    return evaluate<K>(c, {vec(start + velocity.head<3>() * t), Vec3<double>::zero(), Vec3<double>::zero(),
+                           exp3(vec(velocity.tail<3>() * t))})
+        .error;
   };
-  EXPECT_LE(((8 * (along(h) - along(-h)) - (along(2 * h) - along(-2 * h))) / (12 * h) - here.J * velocity).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LE(((8 * (along(h) - along(-h)) - (along(2 * h) - along(-2 * h))) / (12 * h) - here.J * velocity).cwiseAbs().maxCoeff(),
+            1e-9);
 }
 
 constexpr int beyond = 100;  // any type
@@ -123,7 +131,8 @@ TEST(ConstraintContract, BetweenJoints) {
       if (type != DYN_CONSTRAINT_TYPE_FRICTION) {
         EXPECT_NEAR((error(q1 + h, q2) - error(q1 - h, q2)) / (2 * h), row.g1, 1e-9);
       }
-      EXPECT_NEAR((8 * (error(q1, q2 + h) - error(q1, q2 - h)) - (error(q1, q2 + 2 * h) - error(q1, q2 - 2 * h))) / (12 * h), row.g2, 1e-9);
+      EXPECT_NEAR((8 * (error(q1, q2 + h) - error(q1, q2 - h)) - (error(q1, q2 + 2 * h) - error(q1, q2 - 2 * h))) / (12 * h),
+                  row.g2, 1e-9);
       EXPECT_NEAR((error(q1, q2 + h) + error(q1, q2 - h) - 2 * error(q1, q2)) / (h * h), row.curvature, 1e-5);
       EXPECT_EQ(1, K::rows(c));
     });

@@ -1,4 +1,5 @@
-// Derivatives of impulses against extrapolated differences: random robots of all joint types, random constraints with restitution.
+// Derivatives of impulses against extrapolated differences: random robots of all joint types, random constraints with
+// restitution.
 #include "constraint/trees.hpp"
 
 #include "algorithm/constrained/kkt_inverse.hpp"
@@ -51,8 +52,11 @@ TEST(ConstrainedTrees, ImpulseDerivativesAreThoseOfDifferences) {
     ASSERT_EQ(0, constraint_impulse_derivatives(x.m, d, d.v, ProximalOptions{}, result));
     const KktSystem<double> K = kkt_system(x.m, d, rows);
     const Eigen::Index all = x.nv + rows;
-    const MatrixXd by_q = Eigen::Map<const MatrixXd>(K.by_q, K.ld, x.nv).topRows(all), by_v = Eigen::Map<const MatrixXd>(K.by_v, K.ld, x.nv).topRows(all);
-    auto agree = [&](const MatrixXd& expected, const MatrixXd& got) { EXPECT_LE(gap(expected, got), 1e-7 * std::max(1.0, largest(expected))); };
+    const MatrixXd by_q = Eigen::Map<const MatrixXd>(K.by_q, K.ld, x.nv).topRows(all),
+                   by_v = Eigen::Map<const MatrixXd>(K.by_v, K.ld, x.nv).topRows(all);
+    auto agree = [&](const MatrixXd& expected, const MatrixXd& got) {
+      EXPECT_LE(gap(expected, got), 1e-7 * std::max(1.0, largest(expected)));
+    };
     agree(differences(x.nv, all, [&](const VectorXd& e) {
       VectorXd q(x.m.n.nq);
       integrate(x.m, x.x.q.data(), e.data(), q.data());

@@ -29,7 +29,10 @@ struct Costs {
       return double(Counted::operations);
     };
     dynConstraintResult result{};
-    dynamics = count([&] { EXPECT_EQ(0, constrained_dynamics<Counted>(m, w.d, w.d.v, w.d.tau_applied, nullptr, ProximalOptions{}, w.d.constraint_ddq, result)); });
+    dynamics = count([&] {
+      EXPECT_EQ(0, constrained_dynamics<Counted>(m, w.d, w.d.v, w.d.tau_applied, nullptr, ProximalOptions{}, w.d.constraint_ddq,
+                                                 result));
+    });
     EXPECT_EQ(6, result.rank);
     delassus = count([&] {
       EXPECT_EQ(0, constraint_factor(m, w.d));

@@ -19,7 +19,17 @@ struct Problem {
   std::vector<double> G, factor, scaled, range, vectors, part;
   std::vector<Index> state, free;
 
-  explicit Problem(const Matrix& A) : n(Index(A.rows())), ld(padded_rows(n)), G(std::size_t(ld * ld)), factor(G), scaled(G), range(G), vectors(std::size_t(12 * ld)), part(G), state(std::size_t(ld)), free(state) {
+  explicit Problem(const Matrix& A)
+      : n(Index(A.rows())),
+        ld(padded_rows(n)),
+        G(std::size_t(ld * ld)),
+        factor(G),
+        scaled(G),
+        range(G),
+        vectors(std::size_t(12 * ld)),
+        part(G),
+        state(std::size_t(ld)),
+        free(state) {
     for (Index c = 0; c < n; ++c)
       for (Index r = 0; r < n; ++r) G[std::size_t(ld * c + r)] = A(r, c);
   }
@@ -65,7 +75,8 @@ TEST(Proximal, DependentRowsOfAnyScale) {
         EXPECT_EQ(rank, result.rank);
         const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
         const Matrix V = svd.matrixV().leftCols(rank);
-        EXPECT_LE((J.transpose() * lambda - V * (V.transpose() * motion)).norm(), 1e-7 * motion.norm()) << n << " " << rank << " " << units;
+        EXPECT_LE((J.transpose() * lambda - V * (V.transpose() * motion)).norm(), 1e-7 * motion.norm())
+            << n << " " << rank << " " << units;
       }
 }
 
@@ -120,7 +131,9 @@ TEST(Bounded, Complementarity) {
     Problem p(G);
     Vector lambda(n);
     ProximalResult<double> result;
-    solve_bounded(p.work(), p.G.data(), p.ld, p.n, b.data(), Bounds<double>{lower.data(), upper.data(), p.state.data(), p.free.data(), p.part.data()}, {}, lambda.data(), result);
+    solve_bounded(p.work(), p.G.data(), p.ld, p.n, b.data(),
+                  Bounds<double>{lower.data(), upper.data(), p.state.data(), p.free.data(), p.part.data()}, {}, lambda.data(),
+                  result);
     EXPECT_EQ(DYN_CONSTRAINT_REASON_CONVERGED, result.reason) << seed;
     const Vector w = G * lambda - b;
     for (int i = 0; i < n; ++i) {

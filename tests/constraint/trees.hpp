@@ -8,10 +8,12 @@
 namespace dyn_test {
 
 inline dynConstraint random_constraint(Dice& dice, const Model& m, bool gains) {
-  static const dynConstraintType types[] = {DYN_CONSTRAINT_TYPE_POINT, DYN_CONSTRAINT_TYPE_FRAME, DYN_CONSTRAINT_TYPE_CONNECT, DYN_CONSTRAINT_TYPE_WELD,
-                                            DYN_CONSTRAINT_TYPE_DISTANCE, DYN_CONSTRAINT_TYPE_LOOP, DYN_CONSTRAINT_TYPE_COUPLING};
-  static const dynJointType joints[] = {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL,
-                                        DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_PLANAR, DYN_JOINT_TYPE_TRANSLATION};
+  static const dynConstraintType types[] = {
+      DYN_CONSTRAINT_TYPE_POINT,    DYN_CONSTRAINT_TYPE_FRAME, DYN_CONSTRAINT_TYPE_CONNECT, DYN_CONSTRAINT_TYPE_WELD,
+      DYN_CONSTRAINT_TYPE_DISTANCE, DYN_CONSTRAINT_TYPE_LOOP,  DYN_CONSTRAINT_TYPE_COUPLING};
+  static const dynJointType joints[] = {DYN_JOINT_TYPE_REVOLUTE,    DYN_JOINT_TYPE_PRISMATIC,  DYN_JOINT_TYPE_HELICAL,
+                                        DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL,  DYN_JOINT_TYPE_SPHERICAL,
+                                        DYN_JOINT_TYPE_PLANAR,      DYN_JOINT_TYPE_TRANSLATION};
   dynConstraint c = default_constraint(types[dice.below(7)]);
   const bool between_frames = c.type != DYN_CONSTRAINT_TYPE_COUPLING;
   const int count = between_frames ? m.n.frames : m.n.joints;

@@ -19,7 +19,8 @@ Solved solve(Case& x, const VectorXd& q, const VectorXd& v, const VectorXd& tau)
   x.w.q(q).v(v).tau(tau);
   Solved out;
   out.ddq.resize(x.nv);
-  EXPECT_EQ(0, constrained_dynamics(x.m, d, d.v, d.tau_applied, static_cast<const double*>(nullptr), ProximalOptions{}, out.ddq.data(), out.result));
+  EXPECT_EQ(0, constrained_dynamics(x.m, d, d.v, d.tau_applied, static_cast<const double*>(nullptr), ProximalOptions{},
+                                    out.ddq.data(), out.result));
   out.lambda = matrix(d.lambda, out.result.rows);
   return out;
 }
@@ -40,7 +41,8 @@ Dense dense(Case& x, Index rows) {
   constraint_jacobian(x.m, d, J.data(), rows);
   ExtendedVector b(rows), scale(rows);
   for_each_constraint(x.m, d, [&](const ConstraintInstance<double>& s, Index) {
-    for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -(s.acceleration[r] + s.c.stiffness * s.error[r] + s.c.damping * s.rate[r]);
+    for (Index r = 0; r < s.rows; ++r)
+      b[s.first + r] = -(s.acceleration[r] + s.c.stiffness * s.error[r] + s.c.damping * s.rate[r]);
   });
   const Eigen::LDLT<Extended> factor(M.cast<long double>());
   const Extended Z = factor.solve(J.transpose().cast<long double>()), G = J.cast<long double>() * Z;
@@ -58,7 +60,8 @@ Dense dense(Case& x, Index rows) {
     value = part > 1e-11L ? 1 / value : 0;
   }
   const ExtendedVector asked = scale.asDiagonal() * (b - J.cast<long double>() * free);
-  const ExtendedVector lambda = scale.asDiagonal() * (e.eigenvectors() * (inverse.asDiagonal() * (e.eigenvectors().transpose() * asked)));
+  const ExtendedVector lambda =
+      scale.asDiagonal() * (e.eigenvectors() * (inverse.asDiagonal() * (e.eigenvectors().transpose() * asked)));
   out.ddq = (free + Z * lambda).cast<double>(), out.push = (J.transpose().cast<long double>() * lambda).cast<double>();
   return out;
 }
@@ -99,7 +102,8 @@ TEST(ConstrainedTrees, DerivativesAreThoseOfDifferences) {
     ++checked, mimics += x.m.has_mimic;
     Data<double>& d = x.w.d;
     dynConstraintResult result{};
-    ASSERT_EQ(0, constrained_dynamics_derivatives(x.m, d, d.v, d.tau_applied, static_cast<const double*>(nullptr), ProximalOptions{}, result));
+    ASSERT_EQ(0, constrained_dynamics_derivatives(x.m, d, d.v, d.tau_applied, static_cast<const double*>(nullptr),
+                                                  ProximalOptions{}, result));
     const KktSystem<double> K = kkt_system(x.m, d, rows);
     const Eigen::Index all = x.nv + rows;
     auto take = [&](const double* from) { return MatrixXd(Eigen::Map<const MatrixXd>(from, K.ld, x.nv).topRows(all)); };
@@ -121,7 +125,9 @@ TEST(ConstrainedTrees, DerivativesAreThoseOfDifferences) {
       }
       return out;
     };
-    auto agree = [&](const MatrixXd& expected, const MatrixXd& got) { EXPECT_LE(gap(expected, got), 1e-7 * std::max(1.0, largest(expected))); };
+    auto agree = [&](const MatrixXd& expected, const MatrixXd& got) {
+      EXPECT_LE(gap(expected, got), 1e-7 * std::max(1.0, largest(expected)));
+    };
     agree(differences([&](const VectorXd& e) {
       VectorXd q(x.m.n.nq);
       integrate(x.m, x.x.q.data(), e.data(), q.data());

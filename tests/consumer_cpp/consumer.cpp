@@ -13,7 +13,8 @@ int main(int argc, char** argv) try {
   const dyn::View ddq = data.aba(q, v, tau);
   double error = 0;
   for (std::size_t i = 0; i < a.size(); ++i) error = std::fmax(error, std::fabs(ddq[i] - a[i]));
-  std::printf("libdyn %s, nq %d, nv %d, ABA(RNEA) %s\n", dyn_version(), model.nq(), model.nv(), error < 1e-9 ? "agrees" : "disagrees");
+  std::printf("libdyn %s, nq %d, nv %d, ABA(RNEA) %s\n", dyn_version(), model.nq(), model.nv(),
+              error < 1e-9 ? "agrees" : "disagrees");
   return error < 1e-9 ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -66,7 +66,9 @@ class Primitive : public testing::Test {
     J::integrate(from.data(), step.data(), out.data());
     return out;
   }
-  SE3<Quad> pose_on(const VectorXd& q, const VectorXd& v, const VectorXd& a, Quad t) { return place(body, at, path(q, v, a, t).data()); }
+  SE3<Quad> pose_on(const VectorXd& q, const VectorXd& v, const VectorXd& a, Quad t) {
+    return place(body, at, path(q, v, a, t).data());
+  }
 };
 TYPED_TEST_SUITE(Primitive, All, Name);
 
@@ -83,7 +85,8 @@ TYPED_TEST(Primitive, VelocityAndAccelerationAreDerivativesOfThePose) {
   for (int trial = 0; trial < 50; ++trial) {
     const VectorXd q = this->configuration(), v = this->dice.vector(J::nv, 2), a = this->dice.vector(J::nv, 2);
     const SE3<double> X = TestFixture::place(this->body, this->at, q.data());
-    const V6 vel = eigen(J::velocity(this->body, X.R, v.data())), acc = eigen(J::acceleration(this->body, X.R, v.data(), a.data()));
+    const V6 vel = eigen(J::velocity(this->body, X.R, v.data())),
+             acc = eigen(J::acceleration(this->body, X.R, v.data(), a.data()));
     // central differences: errors h^2 = 1e-16 relative (first), and 1e-34 / h^2 = 1e-18 (second)
     const Quad h(1e-8);
     const SE3<Quad> P = this->pose_on(q, v, a, h), O = this->pose_on(q, v, a, Quad(0)), M = this->pose_on(q, v, a, -h);
@@ -130,7 +133,8 @@ TYPED_TEST(Primitive, SIsConstantInTheBody) {
 TYPED_TEST(Primitive, IntegrateAndDifferenceAreInverse) {
   using J = TypeParam;
   for (int trial = 0; trial < 200; ++trial) {
-    const VectorXd q0 = this->configuration() * (J::nq == J::nv ? 1.0 : 1.7), q1 = this->configuration() * (J::nq == J::nv ? 1.0 : 0.3);
+    const VectorXd q0 = this->configuration() * (J::nq == J::nv ? 1.0 : 1.7),
+                   q1 = this->configuration() * (J::nq == J::nv ? 1.0 : 0.3);
     VectorXd v(J::nv), back(J::nq);
     J::difference(this->body, q0.data(), q1.data(), v.data());
     J::integrate(q0.data(), v.data(), back.data());
@@ -212,7 +216,8 @@ TYPED_TEST(Primitive, ChartRateInvertsTheJacobianOfIntegrate) {
 TYPED_TEST(Primitive, RandomIsFiniteWithinBoundsAndRepeats) {
   using J = TypeParam;
   const double huge = std::numeric_limits<double>::max();
-  const double bounds[][2] = {{-infinity, infinity}, {-huge, huge}, {-infinity, 0.5}, {0.5, infinity}, {-1e300, 1e300}, {2, 2}, {-0.25, 0.5}};
+  const double bounds[][2] = {{-infinity, infinity}, {-huge, huge}, {-infinity, 0.5}, {0.5, infinity},
+                              {-1e300, 1e300},       {2, 2},        {-0.25, 0.5}};
   for (const auto& bound : bounds) {
     const std::vector<double> low(std::size_t(J::nq), bound[0]), high(std::size_t(J::nq), bound[1]);
     VectorXd seen_low = VectorXd::Constant(J::nq, infinity), seen_high = -seen_low;
@@ -232,7 +237,8 @@ TYPED_TEST(Primitive, RandomIsFiniteWithinBoundsAndRepeats) {
       EXPECT_GE(seen_low[i], bound[0]);
       EXPECT_LE(seen_high[i], bound[1]);
     }
-    for (int i = bounded; i < J::nq; ++i) EXPECT_TRUE(seen_low[i] < -0.8 && seen_high[i] > 0.8) << "does not reach all orientations";
+    for (int i = bounded; i < J::nq; ++i)
+      EXPECT_TRUE(seen_low[i] < -0.8 && seen_high[i] > 0.8) << "does not reach all orientations";
   }
 }
 

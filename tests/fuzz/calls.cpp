@@ -6,7 +6,9 @@ using namespace dyn_test;
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
   static const Model models[] = {all_types(), chain(3), robot("gripper"), singular_at_zero(true)};
-  static const double odd[] = {0, -0.0, 1, -1, 1e-310, 4.9e-324, 1e-200, 1e100, -1e160, 1e200, 1.7e308, dyn_test::nan, dyn_test::inf, -dyn_test::inf, 0.5, 3};
+  static const double odd[] = {0,     -0.0,   1,     -1,      1e-310,        4.9e-324,      1e-200,
+                               1e100, -1e160, 1e200, 1.7e308, dyn_test::nan, dyn_test::inf, -dyn_test::inf,
+                               0.5,   3};
   const uint8_t* const end = bytes + size;
   const auto next = [&] { return bytes < end ? *bytes++ : uint8_t(0); };
   const auto one_of = [&](int n) { return int(next()) % n; };

@@ -38,7 +38,9 @@ inline std::string file(const std::string& name, const void* bytes, size_t size)
 // All algorithms must run on a loaded model, and it can be saved.
 inline void use(const dynModel* m) {
   const int nv = dyn_model_nv(m);
-  if (nv > 200 || dyn_model_nshapes(m) > 200 || dyn_model_size(m) > (1 << 22) || dyn_data_size(m, DYN_PART_ALL) > (size_t(1) << 26)) return;
+  if (nv > 200 || dyn_model_nshapes(m) > 200 || dyn_model_size(m) > (1 << 22) ||
+      dyn_data_size(m, DYN_PART_ALL) > (size_t(1) << 26))
+    return;
   dynData* d = nullptr;
   if (dyn_data_new(m, DYN_PART_ALL, &d) != DYN_OK) return;
   const std::vector<double> ones(size_t(nv) + 1, 1.0);

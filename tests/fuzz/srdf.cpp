@@ -11,6 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     return text.str();
   }();
   const std::string path = fuzz::file("robot.srdf", bytes, size);
-  fuzz::load(reinterpret_cast<const uint8_t*>(robot.data()), robot.size(), size % 2 ? DYN_BASE_FIXED : DYN_BASE_UNSPECIFIED, path.c_str());
+  fuzz::load(reinterpret_cast<const uint8_t*>(robot.data()), robot.size(), size % 2 ? DYN_BASE_FIXED : DYN_BASE_UNSPECIFIED,
+             path.c_str());
   return 0;
 }

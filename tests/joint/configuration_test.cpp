@@ -89,7 +89,9 @@ TEST(Configuration, JacobiansAgainstDifferences) {
     };
     const Quads target = reached(Quad(0));
     EXPECT_LE(gap(rate([&](Quad t) { return apart(target, reached(t)); }, n), dq * x + dv * y), 10 * tol);
-    EXPECT_LE(gap(rate([&](Quad t) { return apart(on_path(m, p.a.q, x, none, t), on_path(m, p.b.q, y, none, t)); }, n), d0 * x + d1 * y), 30 * tol);
+    EXPECT_LE(gap(rate([&](Quad t) { return apart(on_path(m, p.a.q, x, none, t), on_path(m, p.b.q, y, none, t)); }, n),
+                  d0 * x + d1 * y),
+              30 * tol);
     if (HasFailure()) return;
   }
 }
@@ -122,7 +124,9 @@ TEST(Configuration, NormaliseAndZeroNorm) {
     EXPECT_EQ(0, zero_norm_joint(m, p.a.q.data()));
     for (Index j = 1; j < m.n.joints; ++j) {
       const JointRecord& r = m.joints()[j];
-      if (r.type != DYN_JOINT_TYPE_SPHERICAL && r.type != DYN_JOINT_TYPE_FREE_FLYER && r.type != DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) continue;
+      if (r.type != DYN_JOINT_TYPE_SPHERICAL && r.type != DYN_JOINT_TYPE_FREE_FLYER &&
+          r.type != DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED)
+        continue;
       const Index first = r.idx_q + (r.type == DYN_JOINT_TYPE_FREE_FLYER ? 3 : 0), count = r.idx_q + r.nq - first;
       VectorXd q = p.a.q;
       q.segment(first, count) *= 3;

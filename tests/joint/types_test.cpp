@@ -69,7 +69,8 @@ void travel(const JointSpec& s, double t, double*& q, const double*& v) {
   const double* w = v;
   auto rotate = [&](double* y, const double* rate) {
     const V3 r = t * V3(rate[0], rate[1], rate[2]);
-    const Eigen::Quaterniond now(y[3], y[0], y[1], y[2]), next = now * Eigen::Quaterniond(Eigen::AngleAxisd(r.norm(), r.normalized()));
+    const Eigen::Quaterniond now(y[3], y[0], y[1], y[2]),
+        next = now * Eigen::Quaterniond(Eigen::AngleAxisd(r.norm(), r.normalized()));
     y[0] = next.x(), y[1] = next.y(), y[2] = next.z(), y[3] = next.w();
   };
   if (s.type == DYN_JOINT_TYPE_COMPOSITE) {
@@ -240,8 +241,9 @@ INSTANTIATE_TEST_SUITE_P(All, JointType, testing::ValuesIn(moving_types()),
 
 TEST(JointAxes, EveryDirectionMinusZIncluded) {
   Dice dice(7);
-  std::vector<V3> axes = {V3(0, 0, 1), V3(0, 0, -1), V3(1, 0, 0), V3(-1, 0, 0), V3(0, 1, 0), V3(0, -1, 0), V3(0, 0, -5), V3(1e-12, 0, -1), V3(0, -1e-9, -1),
-                          V3(1e-300, 0, 0), V3(3e200, 4e200, 0), V3(1e-170, 0, 1)};
+  std::vector<V3> axes = {V3(0, 0, 1),      V3(0, 0, -1),     V3(1, 0, 0),         V3(-1, 0, 0),
+                          V3(0, 1, 0),      V3(0, -1, 0),     V3(0, 0, -5),        V3(1e-12, 0, -1),
+                          V3(0, -1e-9, -1), V3(1e-300, 0, 0), V3(3e200, 4e200, 0), V3(1e-170, 0, 1)};
   for (int k = 0; k < 20; ++k) axes.push_back(dice.direction());
   for (const V3& axis : axes) {
     Builder b("axis");
@@ -253,7 +255,8 @@ TEST(JointAxes, EveryDirectionMinusZIncluded) {
     Work<double> w(*m);
     for (double angle : {0.0, 0.7, -2.5, pi}) {
       forward_kinematics<0>(*m, w.q(VectorXd::Constant(1, angle)).d);
-      EXPECT_LE(gap(frame_pose(w, "j"), turn(V3(axis / axis.cwiseAbs().maxCoeff()), angle)), 2e-15) << axis.transpose() << " by " << angle;
+      EXPECT_LE(gap(frame_pose(w, "j"), turn(V3(axis / axis.cwiseAbs().maxCoeff()), angle)), 2e-15)
+          << axis.transpose() << " by " << angle;
     }
   }
 }

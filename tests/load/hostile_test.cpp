@@ -68,7 +68,10 @@ const Case refused[] = {
     // elements
     {"NeverClosed", "<robot name=\"r\">\n<link name=\"a\"/>\n", DYN_ERROR_PARSE, {":1: ", "<robot> is never closed"}},
     {"ClosesNothing", robot(link("a")) + "</robot>", DYN_ERROR_PARSE, {":4: ", "</robot> closes nothing"}},
-    {"Crossing", "<robot name=\"r\">\n<link name=\"a\">\n</robot></link>", DYN_ERROR_PARSE, {":3: ", "</robot> where <link> of line 2 is still open"}},
+    {"Crossing",
+     "<robot name=\"r\">\n<link name=\"a\">\n</robot></link>",
+     DYN_ERROR_PARSE,
+     {":3: ", "</robot> where <link> of line 2 is still open"}},
     {"CommentInATag", robot("<link <!-- x --> name=\"a\"/>"), DYN_ERROR_PARSE, {":2: ", "never closed"}},
     {"TagInATag", robot("<link name=\"a\"\n<link name=\"b\"/>"), DYN_ERROR_PARSE, {":2: ", "never closed"}},
     {"BlankBeforeTheName", robot("< link name=\"a\"/>"), DYN_ERROR_PARSE, {":2: ", "malformed element"}},
@@ -86,7 +89,11 @@ const Case refused[] = {
     {"FortranExponent", with_mass("1d0"), DYN_ERROR_PARSE, {":3: ", "'1d0'"}},
     {"Underscore", with_mass("1_000"), DYN_ERROR_PARSE, {":3: ", "'1_000'"}},
     {"FullWidthDigit", with_mass("\xEF\xBC\x91"), DYN_ERROR_PARSE, {":3: ", "not a number"}},
-    {"MinusSign", with_mass("\xE2\x88\x92" "1"), DYN_ERROR_PARSE, {":3: ", "not a number"}},
+    {"MinusSign",
+     with_mass("\xE2\x88\x92"
+               "1"),
+     DYN_ERROR_PARSE,
+     {":3: ", "not a number"}},
     {"NoBreakSpace", with_mass("1\xC2\xA0"), DYN_ERROR_PARSE, {":3: ", "not a number"}},
     {"PointAlone", with_mass("."), DYN_ERROR_PARSE, {":3: ", "'.'"}},
     {"LongNumber", with_mass(std::string(400, '9')), DYN_ERROR_PARSE, {":3: ", "...", "too large"}},
@@ -98,13 +105,13 @@ const Case refused[] = {
      DYN_ERROR_INVALID,
      {"joint 'j'", "overflows", "mimic ratios"}},
     {"FarCentre",
-     robot(link("a") + joint("j", "revolute", "a", "b") +
-           link("b", "<inertial><origin xyz=\"1e200 0 0\"/>" + solid.substr(10))),
+     robot(link("a") + joint("j", "revolute", "a", "b") + link("b", "<inertial><origin xyz=\"1e200 0 0\"/>" + solid.substr(10))),
      DYN_ERROR_INVALID,
      {"joint 'j'", "'b'", "overflows"}},
     {"ThreeMimicInACircle",
      robot(link("a") + link("b") + link("c") + link("d") + joint("j", "revolute", "a", "b", limit + "<mimic joint=\"l\"/>") +
-           joint("k", "revolute", "b", "c", limit + "<mimic joint=\"j\"/>") + joint("l", "revolute", "c", "d", limit + "<mimic joint=\"k\"/>")),
+           joint("k", "revolute", "b", "c", limit + "<mimic joint=\"j\"/>") +
+           joint("l", "revolute", "c", "d", limit + "<mimic joint=\"k\"/>")),
      DYN_ERROR_INVALID,
      {":6: ", "cycle", "'j' -> 'l' -> 'k' -> 'j'"}},
 };
@@ -112,7 +119,8 @@ const Case refused[] = {
 class Hostile : public testing::TestWithParam<Case> {};
 TEST_P(Hostile, IsRefusedWithReason) {
   const Case& c = GetParam();
-  const std::string file = testing::TempDir() + "dyn_hostile_" + c.name + "_" + std::to_string(getpid());  // zero bytes would end a text in memory
+  const std::string file =
+      testing::TempDir() + "dyn_hostile_" + c.name + "_" + std::to_string(getpid());  // zero bytes would end a text in memory
   std::ofstream(file, std::ios::binary) << c.text;
   const Loaded l = load_path(file);
   std::filesystem::remove(file);
@@ -121,13 +129,24 @@ TEST_P(Hostile, IsRefusedWithReason) {
     EXPECT_NE(std::string::npos, l.error.find(fragment)) << "'" << fragment << "' is not in: " << l.error;
   for (const char e : l.error) EXPECT_GE(static_cast<unsigned char>(e), 0x20) << l.error;
 }
-INSTANTIATE_TEST_SUITE_P(Load, Hostile, testing::ValuesIn(refused), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Load, Hostile, testing::ValuesIn(refused),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 // Unusual but valid files are read correctly.
 TEST(Odd, Numbers) {
-  const std::pair<std::string, double> rows[] = {{"+1", 1}, {" 1 ", 1}, {"\t1\n", 1}, {"007", 7}, {"&#49;", 1}, {"&#x31;", 1}, {"1e-400", 0}, {"-0", 0},
-                                                 {"0." + std::string(5000, '0') + "1", 0}, {std::string(400, '9') + "e-400", 1},
-                                                 {"1." + std::string(100000, '3'), 4.0 / 3}, {"4.9e-324", 4.9e-324}, {"1.7976931348623157e308", 1.7976931348623157e308}};
+  const std::pair<std::string, double> rows[] = {{"+1", 1},
+                                                 {" 1 ", 1},
+                                                 {"\t1\n", 1},
+                                                 {"007", 7},
+                                                 {"&#49;", 1},
+                                                 {"&#x31;", 1},
+                                                 {"1e-400", 0},
+                                                 {"-0", 0},
+                                                 {"0." + std::string(5000, '0') + "1", 0},
+                                                 {std::string(400, '9') + "e-400", 1},
+                                                 {"1." + std::string(100000, '3'), 4.0 / 3},
+                                                 {"4.9e-324", 4.9e-324},
+                                                 {"1.7976931348623157e308", 1.7976931348623157e308}};
   for (const auto& [text, value] : rows) EXPECT_EQ(value, frame(good(with_mass(text)), "a").mass) << text.substr(0, 20);
 }
 
@@ -135,8 +154,9 @@ TEST(Odd, Encodings) {
   const std::string text = pendulum();
   std::string crlf, cr;
   for (const char c : text) crlf += c == '\n' ? "\r\n" : std::string(1, c), cr += c == '\n' ? '\r' : c;
-  for (const std::string& odd : {"\xEF\xBB\xBF" + text, crlf, cr, "<!-- \xE4 &#0; <b> -->" + text, "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" + text,
-                                 text + "<!-- </robot> -->", "\xEF\xBB\xBF\n \t<?xml version=\"1.0\"?>" + text}) {
+  for (const std::string& odd : {"\xEF\xBB\xBF" + text, crlf, cr, "<!-- \xE4 &#0; <b> -->" + text,
+                                 "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" + text, text + "<!-- </robot> -->",
+                                 "\xEF\xBB\xBF\n \t<?xml version=\"1.0\"?>" + text}) {
     const Loaded l = good(odd);
     EXPECT_EQ(1, dyn_model_nv(l.model.get()));
   }
@@ -145,7 +165,8 @@ TEST(Odd, Encodings) {
 }
 
 TEST(Odd, Names) {
-  for (const std::string name : {"a b", " a", "a'b", "a/b", "a\\b", "%s%n%d", "$(rm)", "..", "--fixed", "a,b", "[a]", "NULL", "Universe", "neutral", "\xF0\x9F\xA4\x96"}) {
+  for (const std::string name : {"a b", " a", "a'b", "a/b", "a\\b", "%s%n%d", "$(rm)", "..", "--fixed", "a,b", "[a]", "NULL",
+                                 "Universe", "neutral", "\xF0\x9F\xA4\x96"}) {
     const Loaded l = good(pendulum(name, "the " + name));
     EXPECT_EQ(1, dyn_model_joint_id(l.model.get(), name.c_str())) << name;
     EXPECT_GT(dyn_model_frame_id(l.model.get(), ("the " + name).c_str()), 0) << name;
@@ -158,7 +179,8 @@ TEST(Odd, Names) {
 }
 
 TEST(Odd, Shapes) {
-  for (const std::string mesh : {"/dev/zero", "package://", "package://../../etc/passwd", "file://", "file://%00%ff%zz%", "m/\xFF.stl"}) {
+  for (const std::string mesh :
+       {"/dev/zero", "package://", "package://../../etc/passwd", "file://", "file://%00%ff%zz%", "m/\xFF.stl"}) {
     const Loaded l = good(robot(link("a", solid + "<visual><geometry><mesh filename=\"" + mesh + "\"/></geometry></visual>")));
     EXPECT_EQ(1, dyn_model_nshapes(l.model.get())) << mesh;
     EXPECT_EQ(1, l.warnings()) << mesh;

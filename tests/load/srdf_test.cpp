@@ -10,16 +10,18 @@
 namespace dyn_test {
 namespace {
 
-const std::string arm = robot(link("base") + link("upper") + link("lower") + link("hand") + joint("shoulder", "revolute", "base", "upper") +
-                              joint("elbow", "continuous", "upper", "lower", "<axis xyz=\"0 0 1\"/>") +
-                              joint("finger", "revolute", "lower", "hand", "<axis xyz=\"0 0 1\"/>" + limit + "<mimic joint=\"shoulder\"/>") +
-                              link("tip") + joint("weld", "fixed", "hand", "tip", ""));
+const std::string arm =
+    robot(link("base") + link("upper") + link("lower") + link("hand") + joint("shoulder", "revolute", "base", "upper") +
+          joint("elbow", "continuous", "upper", "lower", "<axis xyz=\"0 0 1\"/>") +
+          joint("finger", "revolute", "lower", "hand", "<axis xyz=\"0 0 1\"/>" + limit + "<mimic joint=\"shoulder\"/>") +
+          link("tip") + joint("weld", "fixed", "hand", "tip", ""));
 
 // An SRDF on disk for the arm.
 struct Beside {
   std::filesystem::path path;
   Options options;
-  Beside(const std::string& inside, dynBase base = DYN_BASE_FIXED, bool strict = false, bool whole = false) : options(base, strict) {
+  Beside(const std::string& inside, dynBase base = DYN_BASE_FIXED, bool strict = false, bool whole = false)
+      : options(base, strict) {
     std::string name = (std::filesystem::temp_directory_path() / "dyn_srdf_XXXXXX").string();
     EXPECT_TRUE(mkdtemp(name.data()));
     path = std::filesystem::path(name) / "r.srdf";
@@ -66,8 +68,10 @@ std::vector<Pair> pairs(const dynModel* m) {
 using Numbers = std::vector<double>;
 
 TEST(Srdf, StatesAreConfigurations) {
-  const Beside srdf("<group name=\"all\"/>\n<group_state name=\"home\" group=\"all\">\n<joint name=\"elbow\" value=\"1.5\"/>\n<joint name=\"shoulder\" value=\" -0.25 \"/>\n</group_state>\n"
-                    "<group_state name=\"rest\" group=\"all\"/>\n");
+  const Beside srdf(
+      "<group name=\"all\"/>\n<group_state name=\"home\" group=\"all\">\n<joint name=\"elbow\" value=\"1.5\"/>\n<joint "
+      "name=\"shoulder\" value=\" -0.25 \"/>\n</group_state>\n"
+      "<group_state name=\"rest\" group=\"all\"/>\n");
   const Loaded l = srdf.load();
   ASSERT_EQ(DYN_OK, l.status) << l.error;
   EXPECT_EQ((std::set<std::string>{"neutral", "home", "rest"}), names(l));
@@ -76,17 +80,23 @@ TEST(Srdf, StatesAreConfigurations) {
 }
 
 TEST(Srdf, FloatingBaseByAnyName) {
-  const std::string state = "<group_state name=\"up\" group=\"g\"><joint name=\"NAME\" value=\"1 2 3 0 0 2 0\"/><joint name=\"elbow\" value=\"1\"/></group_state>";
+  const std::string state =
+      "<group_state name=\"up\" group=\"g\"><joint name=\"NAME\" value=\"1 2 3 0 0 2 0\"/><joint name=\"elbow\" "
+      "value=\"1\"/></group_state>";
   for (const std::string name : {"root_joint", "world_joint"}) {
     std::string text = state;
     text.replace(text.find("NAME"), 4, name);
-    const Beside srdf("<virtual_joint name=\"world_joint\" type=\"floating\" parent_frame=\"world\" child_link=\"base\"/>\n" + text, DYN_BASE_FLOATING);
+    const Beside srdf(
+        "<virtual_joint name=\"world_joint\" type=\"floating\" parent_frame=\"world\" child_link=\"base\"/>\n" + text,
+        DYN_BASE_FLOATING);
     const Loaded l = srdf.load();
     ASSERT_EQ(DYN_OK, l.status) << l.error;
     EXPECT_EQ((Numbers{1, 2, 3, 0, 0, 1, 0, 0, 1}), configuration(l, "up"));  // normalised
     EXPECT_TRUE(l.reports("virtual_joint 'world_joint'", DYN_REPORT_LEVEL_INFO, 2));
     // a fixed base has no coordinates to set, which is no error
-    const Beside fixed("<virtual_joint name=\"world_joint\" type=\"floating\" parent_frame=\"world\" child_link=\"base\"/>\n" + text, DYN_BASE_FIXED, true);
+    const Beside fixed(
+        "<virtual_joint name=\"world_joint\" type=\"floating\" parent_frame=\"world\" child_link=\"base\"/>\n" + text,
+        DYN_BASE_FIXED, true);
     const Loaded f = fixed.load();
     ASSERT_EQ(DYN_OK, f.status) << f.error;
     EXPECT_EQ((Numbers{0, 1}), configuration(f, "up"));
@@ -95,7 +105,9 @@ TEST(Srdf, FloatingBaseByAnyName) {
 }
 
 TEST(Srdf, AnglesAndCosSin) {
-  Beside srdf("<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"0.5\"/></group_state><group_state name=\"b\" group=\"g\"><joint name=\"elbow\" value=\"0 -2\"/></group_state>");
+  Beside srdf(
+      "<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"0.5\"/></group_state><group_state name=\"b\" "
+      "group=\"g\"><joint name=\"elbow\" value=\"0 -2\"/></group_state>");
   Loaded l = srdf.load();
   EXPECT_EQ((Numbers{0, 0.5}), configuration(l, "a"));
   EXPECT_EQ((Numbers{0, -M_PI / 2}), configuration(l, "b"));
@@ -119,8 +131,11 @@ TEST(Srdf, NamesOfStates) {
 }
 
 TEST(Srdf, DisabledPairs) {
-  const Beside srdf("<disable_collisions link1=\"base\" link2=\"upper\" reason=\"Adjacent\"/>\n<disable_collisions link1=\"hand\" link2=\"base\"/>\n"
-                    "<disable_collisions link1=\"upper\" link2=\"base\" reason=\"Never\"/>\n<disable_collisions link1=\"tip\" link2=\"tip\" reason=\"x\"/>\n");
+  const Beside srdf(
+      "<disable_collisions link1=\"base\" link2=\"upper\" reason=\"Adjacent\"/>\n<disable_collisions link1=\"hand\" "
+      "link2=\"base\"/>\n"
+      "<disable_collisions link1=\"upper\" link2=\"base\" reason=\"Never\"/>\n<disable_collisions link1=\"tip\" link2=\"tip\" "
+      "reason=\"x\"/>\n");
   const Loaded l = srdf.load();
   ASSERT_EQ(DYN_OK, l.status) << l.error;
   EXPECT_EQ((std::vector<Pair>{{"base", "upper", "Adjacent"}, {"hand", "base", ""}}), pairs(l.model.get()));
@@ -133,11 +148,14 @@ TEST(Srdf, DisabledPairs) {
 }
 
 TEST(Srdf, DefaultsAsMoveItReadsThem) {
-  const Beside srdf("<disable_default_collisions link=\"tip\"/>\n<enable_collisions link1=\"tip\" link2=\"base\"/>\n<enable_collisions link1=\"upper\" link2=\"tip\"/>\n"
-                    "<disable_collisions link1=\"tip\" link2=\"upper\" reason=\"User\"/>\n");
+  const Beside srdf(
+      "<disable_default_collisions link=\"tip\"/>\n<enable_collisions link1=\"tip\" link2=\"base\"/>\n<enable_collisions "
+      "link1=\"upper\" link2=\"tip\"/>\n"
+      "<disable_collisions link1=\"tip\" link2=\"upper\" reason=\"User\"/>\n");
   const Loaded l = srdf.load();
   ASSERT_EQ(DYN_OK, l.status) << l.error;
-  EXPECT_EQ((std::vector<Pair>{{"tip", "upper", "User"}, {"tip", "lower", "Default"}, {"tip", "hand", "Default"}}), pairs(l.model.get()));
+  EXPECT_EQ((std::vector<Pair>{{"tip", "upper", "User"}, {"tip", "lower", "Default"}, {"tip", "hand", "Default"}}),
+            pairs(l.model.get()));
 }
 
 TEST(Srdf, UnknownNamesAreWarningsAndErrorsUnderStrict) {
@@ -147,10 +165,12 @@ TEST(Srdf, UnknownNamesAreWarningsAndErrorsUnderStrict) {
       {"<disable_collisions link1=\"bsae\" link2=\"upper\"/>", "no link 'bsae' in the robot (did you mean 'base'?)"},
       {"<enable_collisions link1=\"base\" link2=\"uper\"/>", "no link 'uper' in the robot (did you mean 'upper'?)"},
       {"<disable_default_collisions link=\"hnad\"/>", "no link 'hnad'"},
-      {"<group_state name=\"a\" group=\"g\"><joint name=\"elbo\" value=\"1\"/></group_state>", "group_state 'a': there is no joint 'elbo' in the robot (did you mean 'elbow'?)"},
+      {"<group_state name=\"a\" group=\"g\"><joint name=\"elbo\" value=\"1\"/></group_state>",
+       "group_state 'a': there is no joint 'elbo' in the robot (did you mean 'elbow'?)"},
       {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"1 2 3\"/></group_state>", "has 3 numbers and needs 1"},
       {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\"/></group_state>", "has no value"},
-      {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"1\"/><joint name=\"elbow\" value=\"2\"/></group_state>", "occurs twice"},
+      {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"1\"/><joint name=\"elbow\" value=\"2\"/></group_state>",
+       "occurs twice"},
       {"<group name=\"g\"><joint name=\"shulder\"/></group>", "no joint 'shulder'"},
       {"<group name=\"g\"><link name=\"handd\"/></group>", "no link 'handd'"},
       {"<group name=\"g\"><chain base_link=\"base\" tip_link=\"tipp\"/></group>", "no link 'tipp'"},
@@ -176,9 +196,13 @@ TEST(Srdf, UnknownNamesAreWarningsAndErrorsUnderStrict) {
 }
 
 TEST(Srdf, WhatIsListed) {
-  const Loaded l = Beside("<group name=\"arm\"><joint name=\"elbow\"/><link name=\"base\"/><group name=\"x\"/></group>\n<end_effector name=\"e\" parent_link=\"tip\" group=\"arm\"/>\n"
-                          "<passive_joint name=\"elbow\"/>\n<link_sphere_approximation link=\"base\"><sphere center=\"0 0 0\" radius=\"1\"/></link_sphere_approximation>\n"
-                          "<group_state name=\"a\" group=\"arm\"><joint name=\"finger\" value=\"1\"/>\n<joint name=\"weld\" value=\"1\"/>\n<joint name=\"shoulder\" value=\"1.5\"/></group_state>\n")
+  const Loaded l = Beside(
+                       "<group name=\"arm\"><joint name=\"elbow\"/><link name=\"base\"/><group "
+                       "name=\"x\"/></group>\n<end_effector name=\"e\" parent_link=\"tip\" group=\"arm\"/>\n"
+                       "<passive_joint name=\"elbow\"/>\n<link_sphere_approximation link=\"base\"><sphere center=\"0 0 0\" "
+                       "radius=\"1\"/></link_sphere_approximation>\n"
+                       "<group_state name=\"a\" group=\"arm\"><joint name=\"finger\" value=\"1\"/>\n<joint name=\"weld\" "
+                       "value=\"1\"/>\n<joint name=\"shoulder\" value=\"1.5\"/></group_state>\n")
                        .load();
   ASSERT_EQ(DYN_OK, l.status) << l.error;
   EXPECT_TRUE(l.reports("group 'arm': not used", DYN_REPORT_LEVEL_INFO, 2));
@@ -201,12 +225,16 @@ TEST(Srdf, Refused) {
       {"<robot name=\"r\"><group_state name=\"a\"", DYN_ERROR_PARSE, "r.srdf:1"},
       {"<mujoco/>", DYN_ERROR_PARSE, "begins with <robot>"},
       {arm, DYN_ERROR_PARSE, "this is a URDF"},
-      {"<!DOCTYPE a [<!ENTITY a \"aaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]><robot name=\"&b;\"/>", DYN_ERROR_PARSE, "not allowed"},
+      {"<!DOCTYPE a [<!ENTITY a \"aaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]><robot name=\"&b;\"/>", DYN_ERROR_PARSE,
+       "not allowed"},
       {"<robot name=\"r\">\n<group_state group=\"g\"/></robot>", DYN_ERROR_PARSE, "no attribute name"},
       {"<robot name=\"r\">\n<disable_collisions link1=\"base\"/></robot>", DYN_ERROR_PARSE, "no attribute link2"},
-      {"<robot name=\"r\">\n<group_state name=\"a\"><joint name=\"elbow\" value=\"1,5\"/></group_state></robot>", DYN_ERROR_PARSE, "a point as decimal sign"},
-      {"<robot name=\"r\">\n<group_state name=\"a\"><joint name=\"elbow\" value=\"nan\"/></group_state></robot>", DYN_ERROR_PARSE, "not finite"},
-      {"<robot name=\"r\">\n<group_state name=\"a\"><joint name=\"elbow\" value=\"0 0\"/></group_state></robot>", DYN_ERROR_QUATERNION, "is zero"},
+      {"<robot name=\"r\">\n<group_state name=\"a\"><joint name=\"elbow\" value=\"1,5\"/></group_state></robot>", DYN_ERROR_PARSE,
+       "a point as decimal sign"},
+      {"<robot name=\"r\">\n<group_state name=\"a\"><joint name=\"elbow\" value=\"nan\"/></group_state></robot>", DYN_ERROR_PARSE,
+       "not finite"},
+      {"<robot name=\"r\">\n<group_state name=\"a\"><joint name=\"elbow\" value=\"0 0\"/></group_state></robot>",
+       DYN_ERROR_QUATERNION, "is zero"},
   };
   for (const auto& row : rows) {
     SCOPED_TRACE(row.text.substr(0, 80));
@@ -254,7 +282,10 @@ ModelHandle finish(const BuilderHandle& b) {
 }
 
 TEST(Srdf, BuildersCarryPairs) {
-  const Loaded l = Beside("<disable_collisions link1=\"base\" link2=\"hand\" reason=\"one\"/><disable_collisions link1=\"lower\" link2=\"tip\" reason=\"two\"/>").load();
+  const Loaded l = Beside(
+                       "<disable_collisions link1=\"base\" link2=\"hand\" reason=\"one\"/><disable_collisions link1=\"lower\" "
+                       "link2=\"tip\" reason=\"two\"/>")
+                       .load();
   const std::vector<Pair> all = {{"base", "hand", "one"}, {"lower", "tip", "two"}};
   ASSERT_EQ(all, pairs(l.model.get()));
   EXPECT_EQ(all, pairs(finish(builder_of(l.model.get())).get()));
@@ -274,9 +305,13 @@ TEST(Srdf, BuildersCarryPairs) {
 
 // A pair is dropped with one of its links.
 TEST(Srdf, SubtreesKeepTheirPairs) {
-  const std::string chain = robot(link("a") + link("b") + link("c") + link("d") + joint("ab", "continuous", "a", "b", "<axis xyz=\"0 0 1\"/>") +
-                                  joint("bc", "continuous", "b", "c", "<axis xyz=\"0 1 0\"/>") + joint("cd", "continuous", "c", "d", "<axis xyz=\"1 0 0\"/>"));
-  const Loaded l = Beside("<disable_collisions link1=\"a\" link2=\"c\"/><disable_collisions link1=\"b\" link2=\"d\" reason=\"x\"/>").load(chain);
+  const std::string chain =
+      robot(link("a") + link("b") + link("c") + link("d") + joint("ab", "continuous", "a", "b", "<axis xyz=\"0 0 1\"/>") +
+            joint("bc", "continuous", "b", "c", "<axis xyz=\"0 1 0\"/>") +
+            joint("cd", "continuous", "c", "d", "<axis xyz=\"1 0 0\"/>"));
+  const Loaded l =
+      Beside("<disable_collisions link1=\"a\" link2=\"c\"/><disable_collisions link1=\"b\" link2=\"d\" reason=\"x\"/>")
+          .load(chain);
   ASSERT_EQ(2u, pairs(l.model.get()).size()) << l.error;
   BuilderHandle b = builder_of(l.model.get());
   ASSERT_EQ(DYN_OK, dyn_builder_keep_subtree(b.get(), "ab"));
@@ -291,7 +326,8 @@ TEST(Pairs, NoneTestedIsReported) {
   for (const bool overlap : {true, false}) {
     const std::string ball = solid + "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>";
     const std::string away = std::string("<origin xyz=\"0 0 ") + (overlap ? "0.05" : "1") + "\"/><axis xyz=\"0 1 0\"/>";
-    const Loaded l = good(robot(link("base", ball) + link("upper", solid) + link("lower", ball) + joint("shoulder", "continuous", "base", "upper", away) +
+    const Loaded l = good(robot(link("base", ball) + link("upper", solid) + link("lower", ball) +
+                                joint("shoulder", "continuous", "base", "upper", away) +
                                 joint("elbow", "continuous", "upper", "lower", away)));
     ASSERT_EQ(1, dyn_model_npairs(l.model.get()));
     const auto report = l.report();
@@ -301,7 +337,8 @@ TEST(Pairs, NoneTestedIsReported) {
 
 // Disabled pairs of links are not tested unless the data enables them.
 TEST(Srdf, DisabledPairsAreNotTested) {
-  const std::string ball = solid + "<collision><geometry><sphere radius=\"0.01\"/></geometry></collision>", away = "<origin xyz=\"0 0 1\"/>";
+  const std::string ball = solid + "<collision><geometry><sphere radius=\"0.01\"/></geometry></collision>",
+                    away = "<origin xyz=\"0 0 1\"/>";
   const std::string chain = robot(link("base", ball) + link("upper", ball) + link("lower", ball) + link("hand", ball) +
                                   joint("shoulder", "continuous", "base", "upper", away + "<axis xyz=\"0 1 0\"/>") +
                                   joint("elbow", "continuous", "upper", "lower", away + "<axis xyz=\"0 1 0\"/>") +

@@ -40,10 +40,12 @@ TEST(Urdf, ReportOfWhatIsKeptAsData) {
   const std::string axis = "<axis xyz=\"0 0 1\"/>";
   const Loaded l = good(robot(ab + link("c") + link("d") +
                               joint("j", "revolute", "a", "b", axis + limit + "<dynamics damping=\"1\" friction=\"0\"/>") +
-                              joint("k", "continuous", "b", "c", axis + "<limit velocity=\"2\" effort=\"3\"/><dynamics damping=\"2\" friction=\"3\"/>") +
+                              joint("k", "continuous", "b", "c",
+                                    axis + "<limit velocity=\"2\" effort=\"3\"/><dynamics damping=\"2\" friction=\"3\"/>") +
                               joint("l", "revolute", "c", "d", axis + limit + "<mimic joint=\"j\"/>")),
                         Options(DYN_BASE_FIXED, true));
-  EXPECT_TRUE(l.reports("acts in steps, and in algorithms when its effect is switched on: 2 x damping, 1 x dry friction", DYN_REPORT_LEVEL_INFO, 0));
+  EXPECT_TRUE(l.reports("acts in steps, and in algorithms when its effect is switched on: 2 x damping, 1 x dry friction",
+                        DYN_REPORT_LEVEL_INFO, 0));
   EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: 2 x velocity limit, 2 x effort limit",
                         DYN_REPORT_LEVEL_INFO, 0));
   EXPECT_TRUE(l.reports("1 x <limit> of a mimicking joint: not kept", DYN_REPORT_LEVEL_INFO, 8));
@@ -75,7 +77,8 @@ TEST(Urdf, DoubtfulInertiasAreReported) {
   };
   EXPECT_TRUE(
       good(of("1", "0.1", "0.1", "0.5")).reports("principal moments of inertia are 0.1, 0.1, 0.5", DYN_REPORT_LEVEL_WARNING, 4));
-  EXPECT_TRUE(good(of("1", "-0.01", "0.1", "0.1")).reports("no negative one", DYN_REPORT_LEVEL_WARNING, 4));  // welded to the world
+  EXPECT_TRUE(
+      good(of("1", "-0.01", "0.1", "0.1")).reports("no negative one", DYN_REPORT_LEVEL_WARNING, 4));  // welded to the world
   EXPECT_TRUE(good(of("2", "0", "0", "0")).reports("a point mass", DYN_REPORT_LEVEL_INFO, 4));
   EXPECT_EQ(0, good(of("1", "0.1", "0.2", "0.3")).warnings());                 // a flat body
   EXPECT_EQ(0, good(of("1", "0", "0.1", "0.1")).warnings());                   // a rod

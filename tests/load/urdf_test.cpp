@@ -30,7 +30,8 @@ TEST(Urdf, EveryNameResolves) {
   EXPECT_EQ(4, dyn_model_nbodies(l.model.get()));
   for (const char* name : {"a", "b", "c", "tool"})
     EXPECT_GT(dyn_model_frame_id_of_type(l.model.get(), name, DYN_FRAME_TYPE_BODY), 0) << name;
-  for (const char* name : {"weld", "tip"}) EXPECT_GT(dyn_model_frame_id_of_type(l.model.get(), name, DYN_FRAME_TYPE_FIXED_JOINT), 0) << name;
+  for (const char* name : {"weld", "tip"})
+    EXPECT_GT(dyn_model_frame_id_of_type(l.model.get(), name, DYN_FRAME_TYPE_FIXED_JOINT), 0) << name;
   EXPECT_EQ(dyn_model_joint_id(l.model.get(), "a"), frame(l, "tool").joint);
   EXPECT_EQ(0.5, frame(l, "tool").placement[11]);
   EXPECT_EQ(0, frame(l, "a").joint);
@@ -90,7 +91,8 @@ TEST(Urdf, PlanarMovesInThePlaneNormalToItsAxis) {
   const double q[3] = {0.3, -0.7, 0.5};
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(l.model.get(), data, q, nullptr, nullptr));
   double X[12];
-  ASSERT_EQ(DYN_OK, dyn_frame_placement(l.model.get(), data, dyn_model_frame_id_of_type(l.model.get(), "b", DYN_FRAME_TYPE_BODY), X));
+  ASSERT_EQ(DYN_OK,
+            dyn_frame_placement(l.model.get(), data, dyn_model_frame_id_of_type(l.model.get(), "b", DYN_FRAME_TYPE_BODY), X));
   EXPECT_NEAR(0, X[10], 1e-15);
   EXPECT_NEAR(std::hypot(0.3, 0.7), std::hypot(X[9], X[11]), 1e-15);
   EXPECT_NEAR(1, X[4], 1e-15);  // y stays y
@@ -214,13 +216,19 @@ TEST(Urdf, Mimic) {
 
 // Colour by the material's own <color>, else by its name anywhere in the file. An invalid colour counts as none.
 TEST(Urdf, ColoursOfShapes) {
-  const auto visual = [](const std::string& material) { return "<visual><geometry><box size=\"1 1 1\"/></geometry>" + material + "</visual>"; };
+  const auto visual = [](const std::string& material) {
+    return "<visual><geometry><box size=\"1 1 1\"/></geometry>" + material + "</visual>";
+  };
   const Loaded l = good("<robot name=\"r\">" +
-                        link("a", solid + visual("<material name=\"late\"/>") + visual("<material name=\"own\"><color rgba=\"0 1 0 0.4\"/></material>") + visual("<material name=\"own\"/>") +
-                                      visual("<material name=\"unknown\"/>") + visual("<material name=\"x\"><color rgba=\"1 2\"/></material>") +
-                                      visual("<material name=\"y\"><color rgba=\"1 nan 0 1\"/></material>") + visual("<material name=\"z\"><color rgba=\"2 -1 0 0\"/></material>") + visual("")) +
+                        link("a", solid + visual("<material name=\"late\"/>") +
+                                      visual("<material name=\"own\"><color rgba=\"0 1 0 0.4\"/></material>") +
+                                      visual("<material name=\"own\"/>") + visual("<material name=\"unknown\"/>") +
+                                      visual("<material name=\"x\"><color rgba=\"1 2\"/></material>") +
+                                      visual("<material name=\"y\"><color rgba=\"1 nan 0 1\"/></material>") +
+                                      visual("<material name=\"z\"><color rgba=\"2 -1 0 0\"/></material>") + visual("")) +
                         "<material name=\"late\"><color rgba=\"1 0 0 1\"/></material></robot>");
-  const double expected[][4] = {{1, 0, 0, 1}, {0, 1, 0, 0.4}, {0, 1, 0, 0.4}, {-1, -1, -1, -1}, {-1, -1, -1, -1}, {-1, -1, -1, -1}, {1, 0, 0, 0}, {-1, -1, -1, -1}};
+  const double expected[][4] = {{1, 0, 0, 1},     {0, 1, 0, 0.4},   {0, 1, 0, 0.4}, {-1, -1, -1, -1},
+                                {-1, -1, -1, -1}, {-1, -1, -1, -1}, {1, 0, 0, 0},   {-1, -1, -1, -1}};
   ASSERT_EQ(8, dyn_model_nshapes(l.model.get()));
   for (int k = 0; k < 8; ++k) {
     double rgba[4];

@@ -36,7 +36,8 @@ TEST(MeshFileErrors, Stl) {
   std::memcpy(nan.data() + 84 + 12 + 4, &bad, 4);
   expect_refused(folder.write("nan.stl", nan), DYN_ERROR_NONFINITE, "vertex 0 has y = NaN");
   expect_refused(folder.write("flat.stl", binary_stl({{0, 0, 0, 1, 1, 1, 2, 2, 2}, {0, 1, 2}})), DYN_ERROR_INVALID, "degenerate");
-  expect_refused(folder.write("lfs.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n"), DYN_ERROR_PARSE, "git lfs pull");
+  expect_refused(folder.write("lfs.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n"), DYN_ERROR_PARSE,
+                 "git lfs pull");
   expect_refused(folder.write("a.ply", "ply\n"), DYN_ERROR_UNSUPPORTED, ".stl, .obj, .dae, .gltf and .glb");
 }
 
@@ -76,8 +77,9 @@ TEST(MeshFileErrors, OthersAreCutOff) {
 TEST(MeshFileErrors, EveryPrefix) {
   NEEDS_MODULE();
   const Folder folder;
-  const std::pair<const char*, std::string> files[] = {{"a.stl", binary_stl(brick)}, {"b.stl", ascii_stl(brick)}, {"a.obj", obj(brick)}, {"a.dae", dae(brick)},
-                                                       {"a.gltf", gltf(brick, "brick.bin")}, {"a.glb", glb(brick)}};
+  const std::pair<const char*, std::string> files[] = {
+      {"a.stl", binary_stl(brick)}, {"b.stl", ascii_stl(brick)},          {"a.obj", obj(brick)},
+      {"a.dae", dae(brick)},        {"a.gltf", gltf(brick, "brick.bin")}, {"a.glb", glb(brick)}};
   folder.write("brick.bin", gltf_buffer(brick).substr(0, 100));
   for (const auto& [name, content] : files)
     for (std::size_t n = 0; n < content.size(); n += 1 + content.size() / 60) {

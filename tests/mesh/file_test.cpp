@@ -91,30 +91,36 @@ TEST(MeshFile, ColoursOfMaterials) {
   parts += "usemtl wood\n" + faces[9] + faces[10] + "usemtl bare\n" + faces[11];
   EXPECT_EQ((Count{{none, 6}, {paint, 6}}), colours_of(mesh_file(folder.write("parts.obj", "mtllib m.mtl\n" + parts))));
   EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(folder.write("gone.obj", "mtllib gone.mtl\n" + parts))));
-  EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(folder.write("sub/outside.obj", "mtllib ../m.mtl\n" + parts))));  // not in its folder
+  EXPECT_EQ((Count{{none, 12}}),
+            colours_of(mesh_file(folder.write("sub/outside.obj", "mtllib ../m.mtl\n" + parts))));  // not in its folder
 
   // dropped triangles lose their colours, mirrored ones keep them
   const std::string twice = replaced(parts, "usemtl red\n", "usemtl red\n" + faces[0] + "f 1 1 2\n");
   MeshOptions mirrored;
   mirrored.scale[0] = -1;
-  const Made plain = mesh_file(folder.write("twice.obj", "mtllib m.mtl\n" + twice)), turned = mesh_file(folder.write("twice.obj", "mtllib m.mtl\n" + twice), mirrored);
+  const Made plain = mesh_file(folder.write("twice.obj", "mtllib m.mtl\n" + twice)),
+             turned = mesh_file(folder.write("twice.obj", "mtllib m.mtl\n" + twice), mirrored);
   EXPECT_EQ(12, plain.info().triangles);
   EXPECT_EQ((Count{{none, 6}, {paint, 6}}), colours_of(plain));
   EXPECT_EQ(plain.colours(), turned.colours());
 
   std::string collada = replaced(dae(brick), "<library_geometries>",
-                                 "<library_effects><effect id=\"e\"><profile_COMMON><technique sid=\"t\"><lambert><diffuse><color>0.9 0.1 0.2 1</color></diffuse></lambert></technique>"
-                                 "</profile_COMMON></effect></library_effects><library_materials><material id=\"m\" name=\"paint\"><instance_effect url=\"#e\"/></material></library_materials>"
+                                 "<library_effects><effect id=\"e\"><profile_COMMON><technique "
+                                 "sid=\"t\"><lambert><diffuse><color>0.9 0.1 0.2 1</color></diffuse></lambert></technique>"
+                                 "</profile_COMMON></effect></library_effects><library_materials><material id=\"m\" "
+                                 "name=\"paint\"><instance_effect url=\"#e\"/></material></library_materials>"
                                  "<library_geometries>");
   collada = replaced(collada, "<triangles ", "<triangles material=\"x\" ");
   collada = replaced(collada, "<instance_geometry url=\"#g\"/>",
-                     "<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material symbol=\"x\" target=\"#m\"/></technique_common></bind_material></instance_geometry>");
+                     "<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material symbol=\"x\" "
+                     "target=\"#m\"/></technique_common></bind_material></instance_geometry>");
   EXPECT_EQ((Count{{paint, 12}}), colours_of(mesh_file(folder.write("paint.dae", collada))));
 
   // glTF has linear colours: 0.5 is 188 of 255 (IEC 61966-2-1)
   folder.write("brick.bin", gltf_buffer(brick));
   std::string g = replaced(gltf(brick, "brick.bin"), "\"indices\":1}", "\"indices\":1,\"material\":0}");
-  g = replaced(g, "\"scene\":0", "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0,1,1]}}],\"scene\":0");
+  g = replaced(g, "\"scene\":0",
+               "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0,1,1]}}],\"scene\":0");
   EXPECT_EQ((Count{{{188, 0, 255}, 12}}), colours_of(mesh_file(folder.write("paint.gltf", g))));
 }
 
@@ -122,7 +128,8 @@ TEST(MeshFile, ColoursOfVerticesAndTriangles) {
   NEEDS_MODULE();
   const Folder folder;
   // the mean of the corner colours: one red of three
-  EXPECT_EQ((Count{{{85, 0, 170}, 1}}), colours_of(mesh_file(folder.write("v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\n"))));
+  EXPECT_EQ((Count{{{85, 0, 170}, 1}}),
+            colours_of(mesh_file(folder.write("v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\n"))));
   // STL: 5 bits per channel in the two bytes after a triangle, bit 15 set
   std::string s = binary_stl(brick);
   for (std::size_t t = 0; t < 12; ++t) s[84 + 50 * t + 49] = char(0xfc);
@@ -148,7 +155,9 @@ TEST(MeshFile, UnitsOfCollada) {
   const Solid centimetres = box(10, 25, 70).moved(-300, 100, 30);
   expect_brick(mesh_file(folder.write("a.dae", dae(centimetres, "<unit name=\"centimeter\" meter=\"0.01\"/>"))), exact * 10);
   // a node's translation is in the file's unit too
-  expect_brick(mesh_file(folder.write("b.dae", dae(box(10, 25, 70), "<unit name=\"centimeter\" meter=\"0.01\"/>", "<translate>-300 100 30</translate>"))), exact * 10);
+  expect_brick(mesh_file(folder.write("b.dae", dae(box(10, 25, 70), "<unit name=\"centimeter\" meter=\"0.01\"/>",
+                                                   "<translate>-300 100 30</translate>"))),
+               exact * 10);
 }
 
 // URDF meshes are in the axes of their link. The file's up axis is used on request only.
@@ -193,7 +202,8 @@ TEST(MeshFile, ScaleAndMirror) {
   EXPECT_EQ(1, i.orientation);  // still counter-clockwise from outside
   // likewise in a node
   EXPECT_EQ(1, mesh_file(folder.write("a.dae", dae(box(1, 1, 1), "", "<scale>1 -1 1</scale>"))).info().orientation);
-  EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).status != DYN_OK);  // a.bin is missing
+  EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).status !=
+                   DYN_OK);  // a.bin is missing
   folder.write("a.bin", gltf_buffer(box(1, 1, 1)));
   EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).info().orientation);
   for (double bad : {0.0, double(NAN), double(INFINITY)}) {
@@ -210,7 +220,9 @@ TEST(MeshFile, WeldTolerance) {
   Solid cracked;  // every triangle has its own corners, off by 1e-5
   for (std::size_t t = 0; t < brick.m(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t c = 0; c < 3; ++c) cracked.vertices.push_back(brick.vertices[3 * std::size_t(brick.triangles[3 * t + k]) + c] + 1e-5 * double((7 * t + 3 * k + c) % 3));
+      for (std::size_t c = 0; c < 3; ++c)
+        cracked.vertices.push_back(brick.vertices[3 * std::size_t(brick.triangles[3 * t + k]) + c] +
+                                   1e-5 * double((7 * t + 3 * k + c) % 3));
       cracked.triangles.push_back(std::int32_t(3 * t + k));
     }
   const std::string path = folder.write("a.obj", obj(cracked));
@@ -230,7 +242,9 @@ TEST(MeshFile, WeldTolerance) {
 TEST(MeshFile, QuadsPointsAndLines) {
   NEEDS_MODULE();
   const Folder folder;
-  const std::string quads = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const std::string quads =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 "
+      "8 7\nf 4 1 5 8\n";
   EXPECT_NEAR(1, mesh_file(folder.write("quads.obj", quads)).info().volume, 1e-15);
   const Made lines = mesh_file(folder.write("lines.obj", quads.substr(0, quads.find("f ")) + "l 1 2\nl 2 3\n"));
   EXPECT_EQ(DYN_ERROR_INVALID, lines.status);

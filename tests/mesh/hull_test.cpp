@@ -25,7 +25,8 @@ void expect_hull(const Points& points, const Made& hull, double tolerance) {
     const double* n = h.planes + 4 * f;
     EXPECT_NEAR(1, std::hypot(n[0], n[1], n[2]), 1e-15 * 4);
     for (std::size_t i = 0; i < points.size(); i += 3)
-      ASSERT_LE(n[0] * points[i] + n[1] * points[i + 1] + n[2] * points[i + 2], n[3] + tolerance * size) << "face " << f << " point " << i / 3;
+      ASSERT_LE(n[0] * points[i] + n[1] * points[i + 1] + n[2] * points[i + 2], n[3] + tolerance * size)
+          << "face " << f << " point " << i / 3;
   }
   // corners are given points
   std::set<std::array<double, 3>> given, corners;
@@ -107,7 +108,8 @@ TEST(MeshHull, PrismsAndScales) {
       SCOPED_TRACE(std::to_string(sides) + " sides, scale " + std::to_string(scale));
       Points p;
       for (int i = 0; i < sides; ++i)
-        for (double z : {-1.0, 1.0}) p.insert(p.end(), {scale * std::cos(2 * M_PI * i / sides), scale * std::sin(2 * M_PI * i / sides), scale * z});
+        for (double z : {-1.0, 1.0})
+          p.insert(p.end(), {scale * std::cos(2 * M_PI * i / sides), scale * std::sin(2 * M_PI * i / sides), scale * z});
       const Made hull = cloud(p).hull();
       expect_hull(p, hull, 1e-13);
       EXPECT_EQ(std::size_t(sides + 2), hull.arrays().face_count);
@@ -183,8 +185,8 @@ TEST(MeshConvex, DentsAreSeen) {
   // not convex, though all vertices lie on the hull: a box whose top is split along the deep diagonal
   s = box(1, 1, 1);
   s.vertices[14] = s.vertices[23] = 1.1;  // corners 4 and 7 of the top are higher
-  s.triangles[9] = 4, s.triangles[10] = 5, s.triangles[11] = 6, s.triangles[6] = 5, s.triangles[7] = 7, s.triangles[8] = 6, s.triangles[9] = 4, s.triangles[10] = 5,
-  s.triangles[11] = 6;
+  s.triangles[9] = 4, s.triangles[10] = 5, s.triangles[11] = 6, s.triangles[6] = 5, s.triangles[7] = 7, s.triangles[8] = 6,
+  s.triangles[9] = 4, s.triangles[10] = 5, s.triangles[11] = 6;
   i = mesh_of(s).info();
   EXPECT_EQ(1, i.closed);
   EXPECT_EQ(0, i.convex);

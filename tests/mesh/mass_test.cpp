@@ -45,15 +45,19 @@ TEST(MeshMass, Tetrahedron) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(com[k], i.com[k], exact);
   const auto square = [&](double s) { return V * s * s * (0.1 - 1.0 / 16); };
   const auto product = [&](double s, double t) { return V * s * t * (1.0 / 20 - 1.0 / 16); };
-  expect_inertia(i, {square(b) + square(c), -product(a, b), -product(a, c), -product(a, b), square(a) + square(c), -product(b, c), -product(a, c), -product(b, c), square(a) + square(b)},
+  expect_inertia(i,
+                 {square(b) + square(c), -product(a, b), -product(a, c), -product(a, b), square(a) + square(c), -product(b, c),
+                  -product(a, c), -product(b, c), square(a) + square(b)},
                  V * exact * 10);
 }
 
-// Twenty equal pyramids: V = 5 (3 + sqrt 5) / 12 s^3, I = (5 + sqrt 5 ... ) by its isotropy: I = (3 + sqrt 5) / 20 m s^2 (edge s).
+// Twenty equal pyramids: V = 5 (3 + sqrt 5) / 12 s^3, I = (5 + sqrt 5 ... ) by its isotropy: I = (3 + sqrt 5) / 20 m s^2 (edge
+// s).
 TEST(MeshMass, Icosahedron) {
   const Made m = mesh_of(icosphere(0));
   const dynMeshInfo i = m.info();
-  const double g = (1 + std::sqrt(5.0)) / 2, edge = 2 / std::sqrt(1 + g * g), V = 5 * (3 + std::sqrt(5.0)) / 12 * edge * edge * edge;
+  const double g = (1 + std::sqrt(5.0)) / 2, edge = 2 / std::sqrt(1 + g * g),
+               V = 5 * (3 + std::sqrt(5.0)) / 12 * edge * edge * edge;
   EXPECT_NEAR(V, i.volume, V * exact);
   const double I = V * g * g / 10 * edge * edge;
   expect_inertia(i, {I, 0, 0, 0, I, 0, 0, 0, I}, V * exact);
@@ -68,9 +72,12 @@ TEST(MeshMass, Icosphere) {
   EXPECT_EQ(5120, i.triangles);
   long double V = 0, xx = 0, yy = 0;
   for (std::size_t t = 0; t < s.m(); ++t) {
-    const double *a = &s.vertices[std::size_t(3 * s.triangles[3 * t])], *b = &s.vertices[std::size_t(3 * s.triangles[3 * t + 1])], *c = &s.vertices[std::size_t(3 * s.triangles[3 * t + 2])];
-    const long double v = (a[0] * (b[1] * (long double)c[2] - b[2] * (long double)c[1]) + a[1] * (b[2] * (long double)c[0] - b[0] * (long double)c[2]) +
-                           a[2] * (b[0] * (long double)c[1] - b[1] * (long double)c[0])) / 6;
+    const double *a = &s.vertices[std::size_t(3 * s.triangles[3 * t])], *b = &s.vertices[std::size_t(3 * s.triangles[3 * t + 1])],
+                 *c = &s.vertices[std::size_t(3 * s.triangles[3 * t + 2])];
+    const long double v = (a[0] * (b[1] * (long double)c[2] - b[2] * (long double)c[1]) +
+                           a[1] * (b[2] * (long double)c[0] - b[0] * (long double)c[2]) +
+                           a[2] * (b[0] * (long double)c[1] - b[1] * (long double)c[0])) /
+                          6;
     V += v;
     xx += v / 10 * (a[0] * a[0] + b[0] * b[0] + c[0] * c[0] + a[0] * b[0] + b[0] * c[0] + c[0] * a[0]);
     yy += v / 10 * (a[1] * a[1] + b[1] * b[1] + c[1] * c[1] + a[1] * b[1] + b[1] * c[1] + c[1] * a[1]);
@@ -231,7 +238,8 @@ TEST(MeshErrors, Handles) {
   m.mesh.reset();
   dyn_mesh_free(freed), dyn_mesh_free(nullptr);
   alignas(64) static unsigned char zeros[256];
-  for (const dynMesh* bad : {static_cast<const dynMesh*>(nullptr), static_cast<const dynMesh*>(freed), reinterpret_cast<const dynMesh*>(zeros)}) {
+  for (const dynMesh* bad :
+       {static_cast<const dynMesh*>(nullptr), static_cast<const dynMesh*>(freed), reinterpret_cast<const dynMesh*>(zeros)}) {
     EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_info(bad, &info));
     EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_arrays(bad, &arrays));
     EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_hull(bad, &hull));

@@ -58,7 +58,8 @@ inline Solid box(double x, double y, double z) {
 inline Solid icosphere(int levels) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   Solid s;
-  s.vertices = {-1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, 0, 0, -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, g, 0, -1, g, 0, 1, -g, 0, -1, -g, 0, 1};
+  s.vertices = {-1, g,  0,  1, g, 0,  -1, -g, 0,  1, -g, 0, 0,  -1, g,  0,  1, g,
+                0,  -1, -g, 0, 1, -g, g,  0,  -1, g, 0,  1, -g, 0,  -1, -g, 0, 1};
   s.triangles = {0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11, 4, 11, 10, 2, 10, 7, 6, 7, 1, 8,
                  3, 9, 4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2, 10, 8, 6, 7, 9, 8, 1};
   for (int level = 0; level < levels; ++level) {
@@ -66,12 +67,14 @@ inline Solid icosphere(int levels) {
     const auto middle = [&](std::int32_t a, std::int32_t b) {
       const auto [at, added] = middles.try_emplace({std::min(a, b), std::max(a, b)}, std::int32_t(s.n()));
       if (added)
-        for (int k = 0; k < 3; ++k) s.vertices.push_back((s.vertices[std::size_t(3 * a + k)] + s.vertices[std::size_t(3 * b + k)]) / 2);
+        for (int k = 0; k < 3; ++k)
+          s.vertices.push_back((s.vertices[std::size_t(3 * a + k)] + s.vertices[std::size_t(3 * b + k)]) / 2);
       return at->second;
     };
     std::vector<std::int32_t> finer;
     for (std::size_t t = 0; t < s.triangles.size(); t += 3) {
-      const std::int32_t a = s.triangles[t], b = s.triangles[t + 1], c = s.triangles[t + 2], ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      const std::int32_t a = s.triangles[t], b = s.triangles[t + 1], c = s.triangles[t + 2], ab = middle(a, b), bc = middle(b, c),
+                         ca = middle(c, a);
       finer.insert(finer.end(), {a, ab, ca, b, bc, ab, c, ca, bc, ab, bc, ca});
     }
     s.triangles = finer;
@@ -120,7 +123,8 @@ struct Made {
 
 inline Made mesh_of(const Solid& s) {
   dynMesh* m = nullptr;
-  const dynStatus status = dyn_mesh_from_arrays(s.vertices.data(), s.n(), s.triangles.empty() ? nullptr : s.triangles.data(), s.m(), &m);
+  const dynStatus status =
+      dyn_mesh_from_arrays(s.vertices.data(), s.n(), s.triangles.empty() ? nullptr : s.triangles.data(), s.m(), &m);
   EXPECT_EQ(status == DYN_OK, m != nullptr);
   return {status, status == DYN_OK ? "" : dyn_last_error(), MeshHandle(m)};
 }
@@ -159,7 +163,8 @@ inline std::string decimal(double x) {
   return text;
 }
 inline std::string point(const Solid& s, std::int32_t i) {
-  return decimal(s.vertices[std::size_t(3 * i)]) + " " + decimal(s.vertices[std::size_t(3 * i + 1)]) + " " + decimal(s.vertices[std::size_t(3 * i + 2)]);
+  return decimal(s.vertices[std::size_t(3 * i)]) + " " + decimal(s.vertices[std::size_t(3 * i + 1)]) + " " +
+         decimal(s.vertices[std::size_t(3 * i + 2)]);
 }
 inline std::string ascii_stl(const Solid& s) {
   std::string out = "solid test\n";
@@ -203,14 +208,19 @@ inline std::string dae(const Solid& s, const std::string& head = "", const std::
   std::string points, indices;
   for (std::size_t i = 0; i < s.n(); ++i) points += point(s, std::int32_t(i)) + " ";
   for (std::int32_t i : s.triangles) indices += std::to_string(i) + " ";
-  return "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">\n<asset>" + head +
-         "</asset>\n<library_geometries><geometry id=\"g\"><mesh>\n<source id=\"p\"><float_array id=\"a\" count=\"" + std::to_string(s.vertices.size()) + "\">" +
-         points + "</float_array><technique_common><accessor source=\"#a\" count=\"" + std::to_string(s.n()) +
-         "\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common></source>\n"
-         "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>\n<triangles count=\"" + std::to_string(s.m()) +
-         "\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" + indices + "</p></triangles>\n</mesh></geometry></library_geometries>\n"
-         "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\">" + node +
-         "<instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>\n<scene><instance_visual_scene url=\"#s\"/></scene>\n</COLLADA>\n";
+  return "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">\n<asset>" +
+         head + "</asset>\n<library_geometries><geometry id=\"g\"><mesh>\n<source id=\"p\"><float_array id=\"a\" count=\"" +
+         std::to_string(s.vertices.size()) + "\">" + points + "</float_array><technique_common><accessor source=\"#a\" count=\"" +
+         std::to_string(s.n()) +
+         "\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
+         "type=\"float\"/></accessor></technique_common></source>\n"
+         "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>\n<triangles count=\"" +
+         std::to_string(s.m()) + "\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" + indices +
+         "</p></triangles>\n</mesh></geometry></library_geometries>\n"
+         "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\">" +
+         node +
+         "<instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>\n<scene><instance_visual_scene "
+         "url=\"#s\"/></scene>\n</COLLADA>\n";
 }
 // The buffer of a glTF: positions, then indices.
 inline std::string gltf_buffer(const Solid& s) {
@@ -224,9 +234,11 @@ inline std::string gltf(const Solid& s, const std::string& uri, const std::strin
   return "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0" + node +
          "}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],\"buffers\":[{" +
          (uri.empty() ? "" : "\"uri\":\"" + uri + "\",") + "\"byteLength\":" + std::to_string(12 * s.n() + 12 * s.m()) +
-         "}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":" + points + "},{\"buffer\":0,\"byteOffset\":" + points + ",\"byteLength\":" + indices +
+         "}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":" + points +
+         "},{\"buffer\":0,\"byteOffset\":" + points + ",\"byteLength\":" + indices +
          "}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":" + std::to_string(s.n()) +
-         ",\"type\":\"VEC3\",\"min\":[-9,-9,-9],\"max\":[9,9,9]},{\"bufferView\":1,\"componentType\":5125,\"count\":" + std::to_string(3 * s.m()) + ",\"type\":\"SCALAR\"}]}";
+         ",\"type\":\"VEC3\",\"min\":[-9,-9,-9],\"max\":[9,9,9]},{\"bufferView\":1,\"componentType\":5125,\"count\":" +
+         std::to_string(3 * s.m()) + ",\"type\":\"SCALAR\"}]}";
 }
 inline std::string glb(const Solid& s) {
   std::string json = gltf(s, ""), binary = gltf_buffer(s), out = "glTF";

@@ -19,17 +19,23 @@ struct Tree {
     fs::copy_file(DYN_CLI, folder.path / "bin/dyn");
     fs::copy_file(library.dli_fname, folder.path / where / "libdyn.so.1");
     folder.write("cube.stl", binary_stl(box(1, 2, 3)));
-    robot = folder.write("cube.urdf", "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh filename=\"cube.stl\" scale=\"1 1 0.5\"/></geometry></collision></link></robot>");
+    robot = folder.write("cube.urdf",
+                         "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh filename=\"cube.stl\" scale=\"1 1 "
+                         "0.5\"/></geometry></collision></link></robot>");
   }
   std::string info() const {
-    const std::string out = (folder.path / "out").string(), command = "env -u LD_LIBRARY_PATH '" + (folder.path / "bin/dyn").string() + "' info --fixed --json --meshes '" + robot + "' >'" + out + "' 2>&1";
+    const std::string out = (folder.path / "out").string(),
+                      command = "env -u LD_LIBRARY_PATH '" + (folder.path / "bin/dyn").string() +
+                                "' info --fixed --json --meshes '" + robot + "' >'" + out + "' 2>&1";
     EXPECT_EQ(0, std::system(command.c_str()));
     std::ifstream file(out);
     return {std::istreambuf_iterator<char>(file), {}};
   }
 };
 
-void expect_in(const std::string& text, const std::string& words) { EXPECT_NE(std::string::npos, text.find(words)) << "'" << words << "' is not in: " << text; }
+void expect_in(const std::string& text, const std::string& words) {
+  EXPECT_NE(std::string::npos, text.find(words)) << "'" << words << "' is not in: " << text;
+}
 
 TEST(MeshModule, MissingIsSaidWithAllPlaces) {
   const Tree tree("lib");

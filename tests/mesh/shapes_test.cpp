@@ -47,7 +47,8 @@ Solid corner_piece() {
     const int j = (i + 1) % 6;
     s.triangles.insert(s.triangles.end(), {i, j, j + 6, i, j + 6, i + 6});
   }
-  for (const auto& t : {std::array<int, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) s.triangles.insert(s.triangles.end(), {t[0] + 6, t[1] + 6, t[2] + 6, t[0], t[2], t[1]});
+  for (const auto& t : {std::array<int, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}})
+    s.triangles.insert(s.triangles.end(), {t[0] + 6, t[1] + 6, t[2] + 6, t[0], t[2], t[1]});
   return s;
 }
 
@@ -72,7 +73,8 @@ TEST(MeshShapes, TrianglesOfABox) {
 
 TEST(MeshShapes, RaysClosestPointsSweepsAndContacts) {
   const Made mesh = mesh_of(box(1, 1, 1).moved(-0.5, -0.5, -0.5));
-  const dynGeometry a = geometry(DYN_SHAPE_TYPE_TRIANGLES, mesh.mesh.get()), ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {0.1, 0, 0});
+  const dynGeometry a = geometry(DYN_SHAPE_TYPE_TRIANGLES, mesh.mesh.get()),
+                    ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {0.1, 0, 0});
   const Pose here = at(0, 0, 0), side = at(0, 0.8, 0), above = at(0.1, 0.2, 0.65);
   dynRayHit hit{};
   hit.struct_size = sizeof hit;
@@ -92,12 +94,16 @@ TEST(MeshShapes, RaysClosestPointsSweepsAndContacts) {
   const double still[6] = {}, motion[6] = {1, 0, 0, 0, 0, 0};
   dynImpact impact{};
   impact.struct_size = sizeof impact;
-  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(with<dynGeometryPair>({0, &b, &ball, here.data(), side.data(), still, motion}), 5, 0, &impact)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK,
+            dyn_geometry_sweep(with<dynGeometryPair>({0, &b, &ball, here.data(), side.data(), still, motion}), 5, 0, &impact))
+      << dyn_last_error();
   EXPECT_EQ(DYN_SWEEP_STATUS_HIT, impact.status);
   EXPECT_NEAR(2.9, impact.time, 1e-3);
   dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
   int count = 0;
-  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &ball, here.data(), above.data(), nullptr, nullptr}), 0.1, 0, contacts, &count)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &ball, here.data(), above.data(), nullptr, nullptr}), 0.1,
+                                          0, contacts, &count))
+      << dyn_last_error();
   ASSERT_EQ(1, count);
   EXPECT_NEAR(0.05, contacts[0].distance, 1e-12);
   EXPECT_NEAR(0.525, contacts[0].position[2], 1e-12);
@@ -109,7 +115,9 @@ TEST(MeshShapes, HeightFields) {
   EXPECT_EQ(15, flat.info().vertices);
   EXPECT_EQ(16, flat.info().triangles);
   EXPECT_NEAR(2, flat.info().area, 1e-14);
-  const dynGeometry field = geometry(DYN_SHAPE_TYPE_HEIGHT_FIELD, flat.mesh.get()), ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {0.2, 0, 0}), cube = geometry(DYN_SHAPE_TYPE_BOX, nullptr, {0.4, 0.4, 0.4});
+  const dynGeometry field = geometry(DYN_SHAPE_TYPE_HEIGHT_FIELD, flat.mesh.get()),
+                    ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {0.2, 0, 0}),
+                    cube = geometry(DYN_SHAPE_TYPE_BOX, nullptr, {0.4, 0.4, 0.4});
   EXPECT_NEAR(0.3, distance(field, ball, at(0.3, 0.1, 1)), 1e-12);
   EXPECT_NEAR(-0.1, distance(field, ball, at(0.3, 0.1, 0.6)), 1e-12);
   EXPECT_NEAR(-0.4, distance(field, ball, at(0.3, 0.1, 0.3)), 1e-12);
@@ -150,7 +158,8 @@ TEST(MeshShapes, BadSurfaces) {
     EXPECT_NE(nullptr, std::strstr(dyn_last_error(), words)) << dyn_last_error();
     EXPECT_EQ(status, distance(b, g, at(3, 0, 0), out)) << words;
   };
-  for (const dynShapeType type : {DYN_SHAPE_TYPE_CONVEX, DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_TYPE_HEIGHT_FIELD}) refused(DYN_ERROR_ARGUMENT, "surface is NULL", type, nullptr);
+  for (const dynShapeType type : {DYN_SHAPE_TYPE_CONVEX, DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_TYPE_HEIGHT_FIELD})
+    refused(DYN_ERROR_ARGUMENT, "surface is NULL", type, nullptr);
   refused(DYN_ERROR_ARGUMENT, "no hull", DYN_SHAPE_TYPE_CONVEX, mesh.mesh.get());
   refused(DYN_ERROR_ARGUMENT, "no height field", DYN_SHAPE_TYPE_HEIGHT_FIELD, mesh.mesh.get());
   refused(DYN_ERROR_ARGUMENT, "a cloud of points", DYN_SHAPE_TYPE_TRIANGLES, cloud.mesh.get());
@@ -220,13 +229,18 @@ bool holds(const std::string& text, const std::string& words) {
 // A table, an arm with a mesh used twice, a ball that slides along x.
 std::string robot(const std::string& mesh, const std::string& scale = "1 1 1") {
   const std::string part = "<geometry><mesh filename='" + mesh + "' scale='" + scale + "'/></geometry>";
-  return "<robot name='r'><link name='base'><visual>" + part + "</visual><collision>" + part + "</collision></link>"
+  return "<robot name='r'><link name='base'><visual>" + part + "</visual><collision>" + part +
+         "</collision></link>"
          "<link name='ball'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
          "<collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
          "<link name='other'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
-         "<collision><origin xyz='0 0 0'/>" + part + "</collision></link>"
-         "<joint name='slide' type='prismatic'><parent link='base'/><child link='ball'/><origin xyz='0 1.5 0.5'/><axis xyz='1 0 0'/><limit effort='1' velocity='1' lower='-9' upper='9'/></joint>"
-         "<joint name='lift' type='prismatic'><parent link='ball'/><child link='other'/><origin xyz='0 -1.5 -0.5'/><axis xyz='0 0 1'/><limit effort='1' velocity='1' lower='-9' upper='9'/></joint></robot>";
+         "<collision><origin xyz='0 0 0'/>" +
+         part +
+         "</collision></link>"
+         "<joint name='slide' type='prismatic'><parent link='base'/><child link='ball'/><origin xyz='0 1.5 0.5'/><axis xyz='1 0 "
+         "0'/><limit effort='1' velocity='1' lower='-9' upper='9'/></joint>"
+         "<joint name='lift' type='prismatic'><parent link='ball'/><child link='other'/><origin xyz='0 -1.5 -0.5'/><axis xyz='0 "
+         "0 1'/><limit effort='1' velocity='1' lower='-9' upper='9'/></joint></robot>";
 }
 
 TEST(MeshRobots, NamesAlone) {
@@ -248,7 +262,8 @@ TEST(MeshRobots, NamesAlone) {
 TEST(MeshShapes, HullsOfPoints) {
   const Made hull = mesh_of({box(1, 1, 1).moved(-0.5, -0.5, -0.5).vertices, {}}).hull();
   ASSERT_EQ(DYN_OK, hull.status) << hull.error;
-  const dynGeometry a = geometry(DYN_SHAPE_TYPE_CONVEX, hull.mesh.get()), b = geometry(DYN_SHAPE_TYPE_BOX), c = geometry(DYN_SHAPE_TYPE_CYLINDER, nullptr, {0.3, 0.5, 0});
+  const dynGeometry a = geometry(DYN_SHAPE_TYPE_CONVEX, hull.mesh.get()), b = geometry(DYN_SHAPE_TYPE_BOX),
+                    c = geometry(DYN_SHAPE_TYPE_CYLINDER, nullptr, {0.3, 0.5, 0});
   for (const Pose& X : {at(1, 0.2, 0.1), at(0.9, 0.8, 1.1), at(0.3, 0.2, 0), at(-2, 0, 0)}) {
     EXPECT_NEAR(distance(b, c, X), distance(a, c, X), 1e-9);
     EXPECT_NEAR(distance(b, b, X), distance(a, a, X), 1e-9);
@@ -260,10 +275,12 @@ TEST(MeshShapes, HullsOfPoints) {
 TEST(MeshShapes, LargeHulls) {
   const Made hull = mesh_of(icosphere(5)).hull();
   ASSERT_GT(hull.info().vertices, 10000);
-  const dynGeometry a = geometry(DYN_SHAPE_TYPE_CONVEX, hull.mesh.get()), ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {1, 0, 0});
+  const dynGeometry a = geometry(DYN_SHAPE_TYPE_CONVEX, hull.mesh.get()),
+                    ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {1, 0, 0});
   for (int k = 0; k < 50; ++k) {
     const Pose X = at(3 * std::cos(k), 3 * std::sin(k), 2 * std::sin(3 * k));
-    for (const dynGeometry& b : {geometry(DYN_SHAPE_TYPE_BOX), geometry(DYN_SHAPE_TYPE_CAPSULE, nullptr, {0.2, 1, 0}), geometry(DYN_SHAPE_TYPE_CYLINDER, nullptr, {0.2, 1, 0})}) {
+    for (const dynGeometry& b : {geometry(DYN_SHAPE_TYPE_BOX), geometry(DYN_SHAPE_TYPE_CAPSULE, nullptr, {0.2, 1, 0}),
+                                 geometry(DYN_SHAPE_TYPE_CYLINDER, nullptr, {0.2, 1, 0})}) {
       const double d = distance(a, b, X), expected = distance(ball, b, X);
       EXPECT_GE(d, expected - 1e-9);
       EXPECT_LE(d, expected + 2e-3);
@@ -284,7 +301,9 @@ TEST(MeshRobots, HullsAndTriangles) {
   EXPECT_NE(nullptr, std::strstr(hull.shape(1).mesh, "l.stl"));
   // 7/2 instead of 3
   holds(hull.report(), "warning: link 'base': mesh ");
-  holds(hull.report(), "not convex, and its hull of 10 vertices replaces it: hull_volume_ratio: the hull's volume is 1.16667 times the mesh's; hull_depth:");
+  holds(hull.report(),
+        "not convex, and its hull of 10 vertices replaces it: hull_volume_ratio: the hull's volume is 1.16667 times the mesh's; "
+        "hull_depth:");
   holds(triangles.report(), "info: link 'base': mesh ");
   holds(triangles.report(), "20 triangles that enclose a solid");
   // base and ball, and ball and other, are parent and child; base and other remain

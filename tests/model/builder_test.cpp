@@ -12,7 +12,9 @@ JointSpec hinge(const std::string& name, const std::string& parent = "") {
   s.name = name, s.parent.name = parent;
   return s;
 }
-void link(Builder& b, const std::string& parent) { b.body(parent + "_link", {parent, 0}, identity_placement, 1, {0.1, 0, 0}, unit_inertia); }
+void link(Builder& b, const std::string& parent) {
+  b.body(parent + "_link", {parent, 0}, identity_placement, 1, {0.1, 0, 0}, unit_inertia);
+}
 std::vector<std::string> joint_names(const Model& m) {
   std::vector<std::string> out;
   for (Index j = 1; j < m.n.joints; ++j) out.push_back(m.string(m.joints()[j].name));
@@ -110,7 +112,8 @@ TEST(Builder, OrderOfRandomTrees) {
       EXPECT_LE(m->joint_runs()[chunk.last_run - 1].last - chunk.first, dyn::CacheBlock::size);
       EXPECT_LE(chunk.last_q - chunk.first_q, m->n.sweep);
       EXPECT_GE(chunk.first_q, 0);
-      EXPECT_LE(chunk.first_q + (chunk.last_q - chunk.first_q + 3) / 4 * 4, (m->n.nqx + 7) / 8 * 8);  // of what an array is padded to
+      EXPECT_LE(chunk.first_q + (chunk.last_q - chunk.first_q + 3) / 4 * 4,
+                (m->n.nqx + 7) / 8 * 8);  // of what an array is padded to
       for (Index l = chunk.first_run; l < chunk.last_run; ++l)
         dyn::visit(m->joint_runs()[l].type, [&]<class J>() {
           if (!J::angle) return;
@@ -141,7 +144,8 @@ TEST(Builder, OrderOfRandomTrees) {
     for (Index i = 1; i < m->n.bodies; ++i) {
       const dyn::Body& b = m->bodies()[i];
       if (b.follower) continue;
-      const bool vector_space = b.type == dyn::BodyType::Revolute || b.type == dyn::BodyType::Prismatic || b.type == dyn::BodyType::Helical;
+      const bool vector_space =
+          b.type == dyn::BodyType::Revolute || b.type == dyn::BodyType::Prismatic || b.type == dyn::BodyType::Helical;
       EXPECT_EQ(vector_space && !b.wraps, bool(flat[std::size_t(b.user_v)]));
     }
   }
@@ -152,8 +156,11 @@ TEST(Builder, MergedLinksKeepFrameNameAndOwnInertia) {
   const M4 A = dice.pose(), B = dice.pose(), C = dice.pose();
   Builder b("merge");
   b.joint(hinge("j"));
-  const BodySpec own = random_body(dice, "own", "j"), tool = random_body(dice, "tool", "weld"), tip = random_body(dice, "tip", "weld2");
-  auto add = [&](const BodySpec& s) { b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia)); };
+  const BodySpec own = random_body(dice, "own", "j"), tool = random_body(dice, "tool", "weld"),
+                 tip = random_body(dice, "tip", "weld2");
+  auto add = [&](const BodySpec& s) {
+    b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
+  };
   add(own);
   JointSpec weld = hinge("weld", "own");
   weld.type = DYN_JOINT_TYPE_FIXED, weld.placement = placement(A);
@@ -186,7 +193,8 @@ TEST(Builder, MergedLinksKeepFrameNameAndOwnInertia) {
     EXPECT_EQ(0, gap(M3(link.inertia), s->inertia));
     const M6 X = motion_matrix(eigen(f.placement)).inverse();
     M6 I;
-    I << s->mass * M3::Identity(), -s->mass * hat(s->com), s->mass * hat(s->com), s->inertia - s->mass * hat(s->com) * hat(s->com);
+    I << s->mass * M3::Identity(), -s->mass * hat(s->com), s->mass * hat(s->com),
+        s->inertia - s->mass * hat(s->com) * hat(s->com);
     total += X.transpose() * I * X, mass += s->mass;
   }
   const Body& body = m->bodies()[1];
@@ -207,7 +215,8 @@ TEST(Builder, WhatIsWeldedToTheWorldDoesNotCount) {
 TEST(Builder, InternalFramesAreInvisible) {
   // the same robot with every joint's axis given as z of a turned frame instead of an axis in an unturned one
   Dice dice(4);
-  for (dynJointType type : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED}) {
+  for (dynJointType type : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CYLINDRICAL,
+                            DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED}) {
     ModelPtr models[2];
     const V3 axis = dice.direction();
     M4 turn = M4::Identity();
@@ -269,7 +278,8 @@ TEST(Builder, LimitsAndTheRestArePerCoordinate) {
   Builder b("numbers");
   JointSpec s = hinge("c");
   s.type = DYN_JOINT_TYPE_CYLINDRICAL;
-  s.lower = {-1, -2}, s.upper = {3, 4}, s.velocity = {5, 6}, s.effort = {7, 8}, s.armature = {0.1, 0.2}, s.damping = {0.3, 0.4}, s.friction = {0.5, 0.6};
+  s.lower = {-1, -2}, s.upper = {3, 4}, s.velocity = {5, 6}, s.effort = {7, 8}, s.armature = {0.1, 0.2}, s.damping = {0.3, 0.4},
+  s.friction = {0.5, 0.6};
   b.joint(s);
   link(b, "c");
   JointSpec rotor = hinge("r", "c");
@@ -300,7 +310,8 @@ TEST(Builder, NamedConfigurations) {
   ASSERT_EQ(2, m->n.configurations);
   EXPECT_STREQ("neutral", m->string(m->configuration_names()[0]));
   EXPECT_STREQ("home", m->string(m->configuration_names()[1]));
-  EXPECT_EQ((std::vector<double>{0, 0, 0, 1, 0.5, 0.5, 0.5, 0.5}), std::vector<double>(m->configurations(), m->configurations() + 8));
+  EXPECT_EQ((std::vector<double>{0, 0, 0, 1, 0.5, 0.5, 0.5, 0.5}),
+            std::vector<double>(m->configurations(), m->configurations() + 8));
 }
 
 TEST(Builder, NamedConfigurationsAreNormalised) {
@@ -314,7 +325,9 @@ TEST(Builder, NamedConfigurationsAreNormalised) {
   for (double scale : {3.0, 1e-200, 1e300}) b.configuration(std::to_string(scale), {scale, -scale, scale, scale, 0, -scale});
   const ModelPtr m = b.finish();
   for (int k = 1; k < 4; ++k)
-    EXPECT_EQ((std::vector<double>{0.5, -0.5, 0.5, 0.5, 0, -1}), std::vector<double>(m->configurations() + 6 * k, m->configurations() + 6 * k + 6)) << k;
+    EXPECT_EQ((std::vector<double>{0.5, -0.5, 0.5, 0.5, 0, -1}),
+              std::vector<double>(m->configurations() + 6 * k, m->configurations() + 6 * k + 6))
+        << k;
 }
 
 TEST(Builder, EliminationTreeCoversThePatternOfM) {
@@ -367,7 +380,8 @@ TEST(Builder, TheModelIsOneBlockThatCanBeMoved) {
     inverse_dynamics<double>(*model, w.q(x.q).d, x.v.data(), x.a.data(), nullptr, tau[model == &moved].data());
   }
   EXPECT_EQ(0, gap(tau[0], tau[1]));
-  for (const void* p : {static_cast<const void*>(m->bodies()), static_cast<const void*>(m->joints()), static_cast<const void*>(m->joint_placement())})
+  for (const void* p : {static_cast<const void*>(m->bodies()), static_cast<const void*>(m->joints()),
+                        static_cast<const void*>(m->joint_placement())})
     EXPECT_EQ(0u, reinterpret_cast<std::uintptr_t>(p) % 64);  // vectors on lines of the cache
   EXPECT_EQ(0u, reinterpret_cast<std::uintptr_t>(m->neutral()) % alignof(double));
 }

@@ -9,7 +9,8 @@ namespace {
 // every buffer of data with its count, as the table says
 template <class F>
 void for_buffers(const Model& m, dynParts parts, Data<double>& d, F&& f) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs, nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
+                       nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators;
   (void)nu, (void)na, (void)nactuators;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
@@ -45,7 +46,8 @@ TEST(Data, PartsBringWhatTheyNeed) {
   EXPECT_EQ(dynParts(DYN_PART_ALL), complete_parts(0));
   EXPECT_EQ(dynParts(DYN_PART_MINV | DYN_PART_CHOLESKY | DYN_PART_FORWARD | DYN_PART_MASS), complete_parts(DYN_PART_MINV));
   EXPECT_EQ(dynParts(DYN_PART_CHOLESKY | DYN_PART_MASS), complete_parts(DYN_PART_CHOLESKY));
-  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL, DYN_PART_REGRESSOR})
+  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL,
+                     DYN_PART_REGRESSOR})
     EXPECT_EQ(p | DYN_PART_KINEMATICS, complete_parts(p));
   EXPECT_EQ(dynParts(DYN_PART_IK | DYN_PART_COM | DYN_PART_KINEMATICS), complete_parts(DYN_PART_IK));
   const ModelPtr m = random_tree(6).build();
@@ -58,7 +60,8 @@ TEST(Data, NothingOfSizeNvSquaredUnlessAskedFor) {
   free_bodies.joints = 1000, free_bodies.types = {DYN_JOINT_TYPE_FREE_FLYER}, free_bodies.branch = 1, free_bodies.armature = 0;
   const ModelPtr m = random_tree(1, free_bodies).build();
   ASSERT_EQ(6000, m->n.nv);
-  for (dynParts parts : {DYN_PART_INVERSE, DYN_PART_FORWARD, DYN_PART_KINEMATICS, DYN_PART_ENERGY, DYN_PART_COM, DYN_PART_JACOBIANS, DYN_PART_CENTROIDAL})
+  for (dynParts parts : {DYN_PART_INVERSE, DYN_PART_FORWARD, DYN_PART_KINEMATICS, DYN_PART_ENERGY, DYN_PART_COM,
+                         DYN_PART_JACOBIANS, DYN_PART_CENTROIDAL})
     EXPECT_LT(data_bytes<double>(*m, parts), 5000000u) << parts;  // M alone would be 288 MB
 }
 
@@ -81,10 +84,11 @@ TEST(Data, EachStageIsFreshForItsInputsOnly) {
     bool q, v, a, tau;
   };
   for (const Row& row : {Row{Stage::Position, 1, 0, 0, 0}, Row{Stage::Velocity, 1, 1, 0, 0}, Row{Stage::Acceleration, 1, 1, 1, 0},
-                         Row{Stage::Mass, 1, 0, 0, 0}, Row{Stage::Tau, 1, 1, 1, 0}, Row{Stage::Ddq, 1, 1, 0, 1}, Row{Stage::Gravity, 1, 0, 0, 0},
-                         Row{Stage::Coriolis, 1, 1, 0, 0}, Row{Stage::Jcom, 1, 0, 0, 0}, Row{Stage::Acom, 1, 1, 1, 0}, Row{Stage::Kinetic, 1, 1, 0, 0},
-                         Row{Stage::Potential, 1, 0, 0, 0}, Row{Stage::Minv, 1, 0, 0, 0}, Row{Stage::DJacobians, 1, 1, 0, 0},
-                         Row{Stage::CentroidalMap, 1, 0, 0, 0}, Row{Stage::CentroidalMomentumRate, 1, 1, 1, 0}, Row{Stage::TorqueRegressor, 1, 1, 1, 0}}) {
+                         Row{Stage::Mass, 1, 0, 0, 0}, Row{Stage::Tau, 1, 1, 1, 0}, Row{Stage::Ddq, 1, 1, 0, 1},
+                         Row{Stage::Gravity, 1, 0, 0, 0}, Row{Stage::Coriolis, 1, 1, 0, 0}, Row{Stage::Jcom, 1, 0, 0, 0},
+                         Row{Stage::Acom, 1, 1, 1, 0}, Row{Stage::Kinetic, 1, 1, 0, 0}, Row{Stage::Potential, 1, 0, 0, 0},
+                         Row{Stage::Minv, 1, 0, 0, 0}, Row{Stage::DJacobians, 1, 1, 0, 0}, Row{Stage::CentroidalMap, 1, 0, 0, 0},
+                         Row{Stage::CentroidalMomentumRate, 1, 1, 1, 0}, Row{Stage::TorqueRegressor, 1, 1, 1, 0}}) {
     const bool depends[] = {row.q, row.v, row.a, row.tau};
     for (int input = 0; input < input_count; ++input) {
       Work<double> w(*m);

@@ -4,7 +4,8 @@
 namespace dyn_test {
 namespace {
 
-JointSpec hinge(const std::string& name, const std::string& parent = "", const std::string& mimic = "", double ratio = 1, double offset = 0) {
+JointSpec hinge(const std::string& name, const std::string& parent = "", const std::string& mimic = "", double ratio = 1,
+                double offset = 0) {
   JointSpec s;
   s.name = name, s.parent.name = parent, s.mimic = mimic, s.mimic_ratio = ratio, s.mimic_offset = offset;
   return s;
@@ -54,7 +55,8 @@ TEST(Mimic, ChainsCompose) {
 }
 
 TEST(Mimic, AFollowerMayComeBeforeItsLeader) {
-  const ModelPtr m = build({hinge("first", "", "last", 0.5, 0.1), hinge("middle", "first", "first", -1, 0), hinge("last", "middle")});
+  const ModelPtr m =
+      build({hinge("first", "", "last", 0.5, 0.1), hinge("middle", "first", "first", -1, 0), hinge("last", "middle")});
   EXPECT_EQ(1, m->n.nv);
   EXPECT_EQ(3, m->joints()[1].leader);
   EXPECT_EQ(3, m->joints()[2].leader);
@@ -74,8 +76,10 @@ TEST(Mimic, RotorsAndDampingMoveToTheLeader) {
 }
 
 TEST(Mimic, AnyJointOfOneCoordinateTakesPart) {
-  for (dynJointType leader : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL})
-    for (dynJointType follower : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL}) {
+  for (dynJointType leader :
+       {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL})
+    for (dynJointType follower :
+         {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL}) {
       JointSpec a = hinge("a"), b = hinge("b", "a", "a", 1.5, 0);
       a.type = leader, b.type = follower, a.pitch = b.pitch = 0.1;
       EXPECT_EQ(1, build({a, b})->n.nv);
@@ -88,19 +92,22 @@ TEST(Mimic, AnyJointOfOneCoordinateTakesPart) {
 
 TEST(Mimic, WhatCannotFollow) {
   EXPECT_NE(std::string::npos, refusal({hinge("a", "", "b"), hinge("b", "a", "a")}, DYN_ERROR_INVALID).find("circle"));
-  EXPECT_NE(std::string::npos, refusal({hinge("a", "", "c"), hinge("b", "a", "a"), hinge("c", "b", "b")}, DYN_ERROR_INVALID).find("circle"));
+  EXPECT_NE(std::string::npos,
+            refusal({hinge("a", "", "c"), hinge("b", "a", "a"), hinge("c", "b", "b")}, DYN_ERROR_INVALID).find("circle"));
   EXPECT_NE(std::string::npos, refusal({hinge("a", "", "a")}, DYN_ERROR_INVALID).find("joint 'a': it mimics itself"));
   EXPECT_NE(std::string::npos, refusal({hinge("a", "", "nobody")}, DYN_ERROR_NAME).find("joint 'a': mimics 'nobody'"));
   EXPECT_NE(std::string::npos, refusal({hinge("a", "", "a_link")}, DYN_ERROR_NAME).find("a_link")) << "a link is no joint";
   JointSpec ball = hinge("ball");
   ball.type = DYN_JOINT_TYPE_SPHERICAL;
-  EXPECT_NE(std::string::npos, refusal({ball, hinge("a", "ball", "ball")}, DYN_ERROR_INVALID).find("'ball', which has more than one coordinate"));
+  EXPECT_NE(std::string::npos,
+            refusal({ball, hinge("a", "ball", "ball")}, DYN_ERROR_INVALID).find("'ball', which has more than one coordinate"));
   JointSpec wheel = hinge("wheel");
   wheel.type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   EXPECT_NE(std::string::npos, refusal({wheel, hinge("a", "wheel", "wheel")}, DYN_ERROR_INVALID).find("'wheel'"));
   ball.mimic = "a";
   EXPECT_NE(std::string::npos, refusal({hinge("a"), ball}, DYN_ERROR_INVALID).find("this is spherical"));
-  EXPECT_NE(std::string::npos, refusal({hinge("a"), hinge("b", "a", "a", std::nan(""), 0)}, DYN_ERROR_NONFINITE).find("mimic ratio nan"));
+  EXPECT_NE(std::string::npos,
+            refusal({hinge("a"), hinge("b", "a", "a", std::nan(""), 0)}, DYN_ERROR_NONFINITE).find("mimic ratio nan"));
   EXPECT_NE(std::string::npos, refusal({hinge("a"), hinge("b", "a", "a", 1, infinity)}, DYN_ERROR_NONFINITE).find("offset inf"));
 }
 

@@ -39,9 +39,17 @@ void add(Builder& b, const Tree& t, const std::string& prefix = "", const std::s
   for (BodySpec s : t.bodies) {
     s.name = prefix + s.name, s.parent = prefix + s.parent;
     add_body(b, s);
-    if (dice.chance(0.3)) b.shape({prefix + "of_" + s.name, DYN_SHAPE_TYPE_MESH, DYN_SHAPE_ROLE_VISUAL, s.name, placement(dice.pose()), {1, 2, 3}, "x.stl"});
+    if (dice.chance(0.3))
+      b.shape({prefix + "of_" + s.name,
+               DYN_SHAPE_TYPE_MESH,
+               DYN_SHAPE_ROLE_VISUAL,
+               s.name,
+               placement(dice.pose()),
+               {1, 2, 3},
+               "x.stl"});
   }
-  for (const BodySpec& s : t.frames) b.frame(prefix + s.name, {prefix + s.parent, 0}, placement(s.placement), DYN_FRAME_TYPE_SENSOR);
+  for (const BodySpec& s : t.frames)
+    b.frame(prefix + s.name, {prefix + s.parent, 0}, placement(s.placement), DYN_FRAME_TYPE_SENSOR);
 }
 ModelPtr model_of(const Tree& t, std::uint64_t seed) {
   Builder b("robot");
@@ -101,7 +109,8 @@ struct Results {
 };
 
 // a is b, or what b is but for joints that are at q, at rest: same frames, same M, same tau. X: a's world in b's.
-void expect_same(const Model& a, const Model& b, VectorXd q, std::uint64_t seed, const std::string& prefix = "", const M4& X = M4::Identity()) {
+void expect_same(const Model& a, const Model& b, VectorXd q, std::uint64_t seed, const std::string& prefix = "",
+                 const M4& X = M4::Identity()) {
   const Match match(a, b, prefix);
   ASSERT_EQ(std::size_t(a.n.nq), match.q.size());
   ASSERT_EQ(std::size_t(a.n.nv), match.v.size());
@@ -129,7 +138,8 @@ void expect_same(const Model& a, const Model& b, VectorXd q, std::uint64_t seed,
     const int types = type == DYN_FRAME_TYPE_FIXED_JOINT ? DYN_FRAME_TYPE_FIXED_JOINT | DYN_FRAME_TYPE_JOINT : type;
     const Index g = frame_id(b, prefix + a.string(a.frames()[f].name), types);
     ASSERT_GE(g, 0) << a.string(a.frames()[f].name);
-    EXPECT_LE(gap(X * x.frames[std::size_t(f)], y.frames[std::size_t(g)]), 1e-13 * std::max(1.0, largest(y.frames[std::size_t(g)])));
+    EXPECT_LE(gap(X * x.frames[std::size_t(f)], y.frames[std::size_t(g)]),
+              1e-13 * std::max(1.0, largest(y.frames[std::size_t(g)])));
     EXPECT_EQ(a.frames()[f].link < 0, b.frames()[g].link < 0);
     if (type != DYN_FRAME_TYPE_BODY) continue;
     EXPECT_EQ(a.links()[a.frames()[f].link].mass, b.links()[b.frames()[g].link].mass);
@@ -261,7 +271,8 @@ TEST(Operations, TakenApartAndPutTogetherAgain) {
         continue;
       }
       JointSpec seat;
-      seat.type = DYN_JOINT_TYPE_FIXED, seat.name = "seat", seat.parent = {name_of(*m, m->joints()[j].parent), DYN_FRAME_TYPE_JOINT};
+      seat.type = DYN_JOINT_TYPE_FIXED, seat.name = "seat",
+      seat.parent = {name_of(*m, m->joints()[j].parent), DYN_FRAME_TYPE_JOINT};
       if (m->joints()[j].parent == 0) seat.parent = {};
       ModelPtr subtree;
       try {
@@ -286,7 +297,9 @@ TEST(Operations, TakenApartAndPutTogetherAgain) {
       held.lock(others, {x.q.begin(), x.q.end()});
       const ModelPtr still = held.finish();
       const Results at(*m, x.q, VectorXd::Zero(m->n.nv), VectorXd::Zero(m->n.nv));
-      const M4 X = m->joints()[j].parent ? at.frames[std::size_t(frame_id(*m, name_of(*m, m->joints()[j].parent), DYN_FRAME_TYPE_JOINT))] : M4::Identity();
+      const M4 X = m->joints()[j].parent
+                       ? at.frames[std::size_t(frame_id(*m, name_of(*m, m->joints()[j].parent), DYN_FRAME_TYPE_JOINT))]
+                       : M4::Identity();
       Builder turned(*subtree);
       turned.gravity(array3(X.topLeftCorner<3, 3>().transpose() * tree.gravity));
       VectorXd q(still->n.nq);
@@ -339,12 +352,14 @@ TEST(Operations, Refusals) {
   refuse(*m, DYN_ERROR_SIZE, {"q has 4 numbers", "nq = 5"}, [&](Builder& r) { r.lock({"b"}, {0, 0, 0, 1}); });
   refuse(*m, DYN_ERROR_INVALID, {"'c' stays and follows 'a'"}, [&](Builder& r) { r.subtree("b"); });
   refuse(*m, DYN_ERROR_NAME, {"no moving joint 'x'"}, [&](Builder& r) { r.remove("x"); });
-  refuse(*m, DYN_ERROR_NAME, {"attach 'arm'", "its joint", "joint of 'arm'", "'a'", "prefix"}, [&](Builder& r) { r.attach(*m, "", nullptr); });
+  refuse(*m, DYN_ERROR_NAME, {"attach 'arm'", "its joint", "joint of 'arm'", "'a'", "prefix"},
+         [&](Builder& r) { r.attach(*m, "", nullptr); });
   JointSpec seat;
   seat.name = "seat", seat.type = DYN_JOINT_TYPE_FIXED, seat.parent.name = "nowhere";
   refuse(*m, DYN_ERROR_NAME, {"joint 'seat'", "'nowhere'"}, [&](Builder& r) { r.attach(*m, "left_", &seat); });
   seat.parent.name = "link_c", seat.name = "left_a";
-  refuse(*m, DYN_ERROR_NAME, {"its joint", "fixed joint of 'arm'", "'left_a'", "another prefix"}, [&](Builder& r) { r.attach(*m, "left_", &seat); });
+  refuse(*m, DYN_ERROR_NAME, {"its joint", "fixed joint of 'arm'", "'left_a'", "another prefix"},
+         [&](Builder& r) { r.attach(*m, "left_", &seat); });
   // the builder that was given it knows a follower's limits
   refuse(*m, DYN_ERROR_INVALID, {"joint 'c' is at 2", "-1 to 1"}, [&](Builder&) { b.lock({"a"}, {1, 0, 0, 0, 1}); });
   // a configuration that is not whole yet

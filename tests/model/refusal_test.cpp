@@ -31,8 +31,8 @@ struct Case {
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
 
-Case bad_joint(const char* name, dynStatus status, std::vector<std::string> fragments, const std::function<void(JointSpec&)>& change,
-               dynJointType type = DYN_JOINT_TYPE_REVOLUTE) {
+Case bad_joint(const char* name, dynStatus status, std::vector<std::string> fragments,
+               const std::function<void(JointSpec&)>& change, dynJointType type = DYN_JOINT_TYPE_REVOLUTE) {
   fragments.insert(fragments.begin(), "joint 'j'");
   return {name, status, fragments, [=](Builder& b) { b.joint(with(change, type)); }};
 }
@@ -171,7 +171,8 @@ TEST(Finish, AConfigurationOfAnotherSize) {
 }
 
 TEST(Finish, AConfigurationWithAZeroQuaternion) {
-  for (dynJointType type : {DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_FREE_FLYER, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED, DYN_JOINT_TYPE_COMPOSITE}) {
+  for (dynJointType type :
+       {DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_FREE_FLYER, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED, DYN_JOINT_TYPE_COMPOSITE}) {
     Builder b("zero");
     b.joint(joint("first"));
     link(b, "first_link", "first");
@@ -283,7 +284,8 @@ TEST(Finish, AnImpossibleInertia) {
 
 TEST(Finish, LightAndHeavyRobotsAreNotMistakenForMassless) {
   for (const auto& [length, mass] : std::vector<std::pair<double, double>>{{1e-6, 1e-9}, {1e-3, 1e-3}, {1e6, 1e9}})
-    for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_NO_THROW(random_tree(seed).scaled(length, mass).build()) << length << ", " << mass << ", " << seed;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+      EXPECT_NO_THROW(random_tree(seed).scaled(length, mass).build()) << length << ", " << mass << ", " << seed;
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   dyn_geometry_init(&box), dyn_geometry_init(&drum);
   box.type = DYN_SHAPE_TYPE_BOX, box.size[0] = box.size[1] = box.size[2] = 1;
   drum.type = DYN_SHAPE_TYPE_CYLINDER, drum.size[0] = drum.size[1] = 1;
-  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0.9}, motion[6] = {0, 0, -1, 1, 0, 0}, *const point = motion;
+  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0.9},
+               motion[6] = {0, 0, -1, 1, 0, 0}, *const point = motion;
   dynBroadPhase* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_broad_phase_new(1000, 100000, 0.01, &b));
   dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
@@ -30,7 +31,8 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   dyn_geometry_sweep(with<dynGeometryPair>({0, &box, &drum, X, Y, nullptr, motion}), 1, 0, &impact);
   for (int step = 0; step < 20; ++step) {
     for (int k = 0; k < 1000; ++k) {
-      const double lower[3] = {0.03 * k + 0.02 * step * (k % 7), 0.01 * ((k * step) % 50), 0}, upper[3] = {lower[0] + 0.1, lower[1] + 0.1, 0.1};
+      const double lower[3] = {0.03 * k + 0.02 * step * (k % 7), 0.01 * ((k * step) % 50), 0},
+                   upper[3] = {lower[0] + 0.1, lower[1] + 0.1, 0.1};
       if (step == 0)
         dyn_broad_phase_insert(b, lower, upper, &id);
       else if (k % step == 0)
@@ -48,7 +50,8 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   dyn_broad_phase_free(b);
 }
 
-// Every pair of types of shapes, apart, touching, overlapping, at one place; each by itself under rays and points; and what is refused.
+// Every pair of types of shapes, apart, touching, overlapping, at one place; each by itself under rays and points; and what is
+// refused.
 TEST(Allocations, NoneInAnyPairOfShapes) {
   if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
   const Surfaces surfaces;
@@ -59,7 +62,8 @@ TEST(Allocations, NoneInAnyPairOfShapes) {
   dynClosestPoint near{};
   dynImpact impact{};
   d.struct_size = sizeof d, hit.struct_size = sizeof hit, near.struct_size = sizeof near, impact.struct_size = sizeof impact;
-  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, motion[6] = {0.1, 0, -1, 0, 0.2, 0}, up[3] = {0.1, 0.2, 1}, skew[12] = {};
+  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, motion[6] = {0.1, 0, -1, 0, 0.2, 0}, up[3] = {0.1, 0.2, 1},
+               skew[12] = {};
   int queries = 0;
   for (const dynGeometry& a : shapes)
     for (const dynGeometry& b : shapes)

@@ -1,5 +1,5 @@
-// Tests that after creation nothing allocates or locks: every entry point on an arm, a quadruped, a humanoid, a gripper with mimic
-// joints, and a robot of all joint types; constraints, contact solvers and batches.
+// Tests that after creation nothing allocates or locks: every entry point on an arm, a quadruped, a humanoid, a gripper with
+// mimic joints, and a robot of all joint types; constraints, contact solvers and batches.
 #include <array>
 
 #include "capi/batch.hpp"
@@ -67,18 +67,26 @@ TEST(Allocations, NoneUnderConstraints) {
   dyn_constraint_init(&c[6], DYN_CONSTRAINT_TYPE_LIMIT), dyn_constraint_init(&c[7], DYN_CONSTRAINT_TYPE_FRICTION);
   c[6].first = 2, c[7].first = 3, c[7].force = 1;
   auto calls = [&] {
-    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, with<dynConstrainedOutput>({0, ddq.data(), nullptr, lambda.data(), &result}))) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, &out)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_constraint_impulse(m, d, s.q.data(), s.v.data(), nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr,
+                                               with<dynConstrainedOutput>({0, ddq.data(), nullptr, lambda.data(), &result})))
+        << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, &out))
+        << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constraint_impulse(m, d, s.q.data(), s.v.data(), nullptr, ddq.data(), lambda.data(), &result))
+        << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_constraint_impulse_derivatives(m, d, s.q.data(), s.v.data(), nullptr, &out)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_constrained_inverse_dynamics(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, with<dynConstrainedOutput>({0, nullptr, ddq.data(), lambda.data(), &result})));
-    EXPECT_EQ(DYN_OK, dyn_constraint_terms(m, d, s.q.data(), s.v.data(), lambda.data(), J.data(), lambda.data(), lambda.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK,
+              dyn_constrained_inverse_dynamics(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr,
+                                               with<dynConstrainedOutput>({0, nullptr, ddq.data(), lambda.data(), &result})));
+    EXPECT_EQ(DYN_OK, dyn_constraint_terms(m, d, s.q.data(), s.v.data(), lambda.data(), J.data(), lambda.data(), lambda.data()))
+        << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus(m, d, s.q.data(), G.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus_factor(m, d, s.q.data(), J.data(), lambda.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus_times(m, d, s.q.data(), J.data(), lambda.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus_solve(m, d, s.q.data(), 1e-3, J.data(), lambda.data())) << dyn_last_error();
     dyn_constraint_report(m, d, s.q.data(), &report, nullptr, 0);
-    EXPECT_EQ(DYN_OK, dyn_project(m, d, s.q.data(), s.v.data(), nullptr, projected.data(), ddq.data(), &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_project(m, d, s.q.data(), s.v.data(), nullptr, projected.data(), ddq.data(), &result))
+        << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_data_anchor_constraint(m, d, 0, s.q.data())) << dyn_last_error();
   };
   auto quiet = [&](const char* what) {

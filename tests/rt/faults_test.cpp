@@ -31,7 +31,8 @@ class Faults : public testing::Test {
   std::string file(const char* name) const { return (folder / name).string(); }
 };
 
-// f, which gives back what it makes, with no memory after k allocations, for k = 0, 1, ... until it succeeds: DYN_ERROR_MEMORY, and no block is lost.
+// f, which gives back what it makes, with no memory after k allocations, for k = 0, 1, ... until it succeeds: DYN_ERROR_MEMORY,
+// and no block is lost.
 int without_memory(const char* what, const std::function<dynStatus()>& f) {
   // what is made once for all, and handles: the slots of freed ones are used again after 256 others
   for (int k = 0; k < 300; ++k) EXPECT_EQ(DYN_OK, f()) << what << ": " << dyn_last_error();
@@ -57,7 +58,8 @@ dynStatus load(const std::string& text, dynBase base, dynModel** m) {
   return dyn_model_load_string(text.c_str(), &options, m);
 }
 
-const std::string mjcf = R"(<mujoco><default><geom friction="0.5"/></default><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 1"><freejoint/><geom size="0.1"/>
+const std::string mjcf =
+    R"(<mujoco><default><geom friction="0.5"/></default><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 1"><freejoint/><geom size="0.1"/>
   <body pos="0.2 0 0"><joint name="hinge" damping="0.1" range="-1 1" limited="true"/><geom type="capsule" size="0.02 0.1"/></body></body></worldbody>
   <actuator><motor joint="hinge"/></actuator><keyframe><key qpos="0 0 1 1 0 0 0 0.2"/></keyframe></mujoco>)";
 
@@ -219,10 +221,12 @@ TEST_F(Faults, SavingReplacesOneFileAlone) {
   ASSERT_EQ(DYN_OK, save(one, "m.urdf")) << dyn_last_error();
   const std::string before = content(file("m.urdf"));
   fs::permissions(file("m.urdf"), fs::perms(0642));
-  fs::create_symlink("m.urdf", file("link.urdf")), fs::create_symlink("new.dynb", file("dangling.dynb")), fs::create_directory(file("folder.xml"));
+  fs::create_symlink("m.urdf", file("link.urdf")), fs::create_symlink("new.dynb", file("dangling.dynb")),
+      fs::create_directory(file("folder.xml"));
   ASSERT_EQ(DYN_OK, save(other, "link.urdf")) << dyn_last_error();
   ASSERT_EQ(DYN_OK, save(one, "dangling.dynb")) << dyn_last_error();
-  EXPECT_TRUE(fs::is_symlink(file("link.urdf")) && fs::is_symlink(file("dangling.dynb")) && fs::is_regular_file(file("new.dynb")));
+  EXPECT_TRUE(fs::is_symlink(file("link.urdf")) && fs::is_symlink(file("dangling.dynb")) &&
+              fs::is_regular_file(file("new.dynb")));
   EXPECT_TRUE(before != content(file("m.urdf")));
   EXPECT_EQ(fs::perms(0642), fs::status(file("m.urdf")).permissions());
   EXPECT_EQ(DYN_ERROR_FILE, save(one, "folder.xml"));
@@ -237,7 +241,10 @@ TEST_F(Faults, WhatMayNotBeWrittenStays) {
   fs::permissions(file("m.urdf"), fs::perms(0444)), fs::permissions(folder, fs::perms::all);
   const int refused = in_a_child([&] {
     if (getuid() == 0 && setuid(65534) != 0) return 2;  // root may write anything
-    return dyn_model_save(m, file("m.urdf").c_str(), nullptr) == DYN_ERROR_FILE && std::strstr(dyn_last_error(), "Permission denied") ? 0 : 1;
+    return dyn_model_save(m, file("m.urdf").c_str(), nullptr) == DYN_ERROR_FILE &&
+                   std::strstr(dyn_last_error(), "Permission denied")
+               ? 0
+               : 1;
   });
   EXPECT_EQ(0, refused);
   EXPECT_EQ("mine", content(file("m.urdf")));
@@ -246,7 +253,8 @@ TEST_F(Faults, WhatMayNotBeWrittenStays) {
 
 // ---------------------------------------------------------------------------------------------------- capacities
 
-// f(buffer, capacity, count) into 0, 1, n - 1, n and n + 1 elements of T: the first of them, nothing behind them, and how many there are.
+// f(buffer, capacity, count) into 0, 1, n - 1, n and n + 1 elements of T: the first of them, nothing behind them, and how many
+// there are.
 template <class T, class F>
 void expect_within(const char* what, F&& f) {
   std::int64_t n = 0;
@@ -263,7 +271,9 @@ void expect_within(const char* what, F&& f) {
     const std::size_t written = std::size_t(std::min(capacity, n));
     EXPECT_EQ(0, std::memcmp(out.data(), all.data(), written * sizeof(T))) << what << ", room for " << capacity;
     const unsigned char* behind = reinterpret_cast<const unsigned char*>(out.data() + written);
-    EXPECT_TRUE(std::all_of(behind, reinterpret_cast<const unsigned char*>(out.data() + out.size()), [](unsigned char c) { return c == 0x5a; })) << what << ", room for " << capacity;
+    EXPECT_TRUE(std::all_of(behind, reinterpret_cast<const unsigned char*>(out.data() + out.size()),
+                            [](unsigned char c) { return c == 0x5a; }))
+        << what << ", room for " << capacity;
   }
 }
 
@@ -275,7 +285,8 @@ void expect_whole(const char* what, std::size_t n, F&& f) {
     const dynStatus s = f(memory.data(), size);
     EXPECT_EQ(size < n ? DYN_ERROR_SIZE : DYN_OK, s) << what << ", " << size << " of " << n << " bytes: " << dyn_last_error();
     const std::size_t from = size < n ? 0 : n;
-    EXPECT_TRUE(std::all_of(memory.begin() + std::ptrdiff_t(from), memory.end(), [](unsigned char c) { return c == 0x5a; })) << what << ", " << size;
+    EXPECT_TRUE(std::all_of(memory.begin() + std::ptrdiff_t(from), memory.end(), [](unsigned char c) { return c == 0x5a; }))
+        << what << ", " << size;
   }
 }
 
@@ -283,7 +294,8 @@ TEST(Capacities, NothingIsWrittenBehindThem) {
   Builder b;
   b.body("ground", nullptr, 0, {0, 0, 0}, no_inertia).shape("ground", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0});
   for (const char* name : {"one", "two", "three"}) {
-    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_TYPE_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
+    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_TYPE_FREE_FLYER))
+        .body(name, (std::string(name) + "_joint").c_str());
     b.shape(name, DYN_SHAPE_TYPE_BOX, {0.4, 0.4, 0.4});
   }
   const Model m = b.finish();
@@ -301,26 +313,35 @@ TEST(Capacities, NothingIsWrittenBehindThem) {
       return *count = n, s;
     };
   };
-  expect_within<int>("dyn_collisions", as_int([&](int* out, int capacity, int* n) { return dyn_collisions(m, d, nullptr, 0.01, out, capacity, n); }));
-  expect_within<dynContact>("dyn_contacts", as_int([&](dynContact* out, int capacity, int* n) { return dyn_contacts(m, d, nullptr, 0.01, out, capacity, n); }));
-  expect_within<dynContactForce>("dyn_data_step_contacts", as_int([&](dynContactForce* out, int capacity, int* n) { return dyn_data_step_contacts(m, d, out, capacity, n); }));
+  expect_within<int>("dyn_collisions", as_int([&](int* out, int capacity, int* n) {
+                       return dyn_collisions(m, d, nullptr, 0.01, out, capacity, n);
+                     }));
+  expect_within<dynContact>("dyn_contacts", as_int([&](dynContact* out, int capacity, int* n) {
+                              return dyn_contacts(m, d, nullptr, 0.01, out, capacity, n);
+                            }));
+  expect_within<dynContactForce>("dyn_data_step_contacts", as_int([&](dynContactForce* out, int capacity, int* n) {
+                                   return dyn_data_step_contacts(m, d, out, capacity, n);
+                                 }));
   dynBroadPhase* boxes = nullptr;
   ASSERT_EQ(DYN_OK, dyn_broad_phase_new(8, 64, 0, &boxes));
   const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
   for (int k = 0, id; k < 8; ++k) ASSERT_EQ(DYN_OK, dyn_broad_phase_insert(boxes, low, high, &id));
   int id = 0;
   EXPECT_EQ(DYN_ERROR_LIMIT, dyn_broad_phase_insert(boxes, low, high, &id));  // the ninth of eight
-  expect_within<std::array<int, 2>>("dyn_broad_phase_pairs", [&](std::array<int, 2>* out, std::int64_t capacity, std::int64_t* n) {
-    return dyn_broad_phase_pairs(boxes, reinterpret_cast<int*>(out), capacity, n);
-  });
+  expect_within<std::array<int, 2>>("dyn_broad_phase_pairs",
+                                    [&](std::array<int, 2>* out, std::int64_t capacity, std::int64_t* n) {
+                                      return dyn_broad_phase_pairs(boxes, reinterpret_cast<int*>(out), capacity, n);
+                                    });
   dyn_broad_phase_free(boxes);
 
   std::size_t size = 0;
   ASSERT_EQ(DYN_OK, dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, nullptr, 0, &size));
-  expect_whole("dyn_model_save_memory", size, [&](void* to, std::size_t n) { return dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, to, n, &size); });
+  expect_whole("dyn_model_save_memory", size,
+               [&](void* to, std::size_t n) { return dyn_model_save_memory(m, DYN_FORMAT_URDF, nullptr, to, n, &size); });
   ASSERT_EQ(DYN_OK, dyn_model_image(m, 0, nullptr, 0, &size));
   expect_whole("dyn_model_image", size, [&](void* to, std::size_t n) { return dyn_model_image(m, 0, to, n, &size); });
-  expect_whole("dyn_data_save_state", dyn_model_state_size(m), [&](void* to, std::size_t n) { return dyn_data_save_state(m, d, to, n); });
+  expect_whole("dyn_data_save_state", dyn_model_state_size(m),
+               [&](void* to, std::size_t n) { return dyn_data_save_state(m, d, to, n); });
   const std::size_t whole = dyn_data_size(m, DYN_PART_KINEMATICS);
   for (const std::size_t n : {std::size_t(0), std::size_t(1), whole - 1, whole}) {
     std::vector<unsigned char> memory(whole + 64, 0x5a);

@@ -33,7 +33,9 @@ bool urdfdom_asks() {
   void* frames[32];
   Dl_info from;
   for (int k = 0, n = backtrace(frames, 32); k < n; ++k)
-    if (dladdr(frames[k], &from) && (std::strstr(from.dli_fname, "/libtinyxml.so") || std::strstr(from.dli_fname, "/liburdfdom_"))) return looking = false, true;
+    if (dladdr(frames[k], &from) &&
+        (std::strstr(from.dli_fname, "/libtinyxml.so") || std::strstr(from.dli_fname, "/liburdfdom_")))
+      return looking = false, true;
   return looking = false;
 }
 

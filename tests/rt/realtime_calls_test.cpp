@@ -1,5 +1,6 @@
-// What a control loop calls, called for long: 10^5 times each (10^6 with Slow), in a process whose allocations and locks are counted and that
-// the kernel kills for any system call but read, write and exit (seccomp's strict mode). Inputs change from call to call.
+// What a control loop calls, called for long: 10^5 times each (10^6 with Slow), in a process whose allocations and locks are
+// counted and that the kernel kills for any system call but read, write and exit (seccomp's strict mode). Inputs change from call
+// to call.
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
@@ -79,25 +80,30 @@ class Hots {
       const State &a = state[std::size_t(k % some)], &b = state[std::size_t((k + 1) % some)];
       double *x = out.data(), *J = x + 20;
       int answer;
-      dyn_integrate(m, a.q.data(), a.v.data(), x), dyn_difference(m, a.q.data(), b.q.data(), x), dyn_interpolate(m, a.q.data(), b.q.data(), 0.3, x);
-      dyn_configuration_distance(m, a.q.data(), b.q.data(), x), dyn_configuration_random(m, std::uint64_t(k), nullptr, nullptr, x), dyn_configuration_normalize(m, x);
+      dyn_integrate(m, a.q.data(), a.v.data(), x), dyn_difference(m, a.q.data(), b.q.data(), x),
+          dyn_interpolate(m, a.q.data(), b.q.data(), 0.3, x);
+      dyn_configuration_distance(m, a.q.data(), b.q.data(), x),
+          dyn_configuration_random(m, std::uint64_t(k), nullptr, nullptr, x), dyn_configuration_normalize(m, x);
       dyn_configuration_is_normalized(m, x, 1e-9, &answer), dyn_integrate_jacobians(m, a.q.data(), a.v.data(), J, J + 49);
       dyn_difference_jacobians(m, a.q.data(), b.q.data(), J, J + 49);
     });
   }
   void shapes() {
-    for (const dynShapeType type : {DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_ELLIPSOID})
+    for (const dynShapeType type :
+         {DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_ELLIPSOID})
       add("shapes, type " + std::to_string(type), [type](long k) {
         dynGeometry a, b;
         dyn_geometry_init(&a), dyn_geometry_init(&b);
         a.type = DYN_SHAPE_TYPE_BOX, b.type = type;
         for (int i = 0; i < 3; ++i) a.size[i] = 0.5, b.size[i] = 0.3 + 0.1 * i;
-        const double x = 0.001 * double(k % 1000), X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, x, 0.1, 0.2};
+        const double x = 0.001 * double(k % 1000), X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0},
+                     Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, x, 0.1, 0.2};
         dynDistance distance{};
         distance.struct_size = sizeof distance;
         dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
         int count;
-        dyn_geometry_distance(&a, X, &b, Y, nullptr, &distance), dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, nullptr}), 0.01, 0, contacts, &count);
+        dyn_geometry_distance(&a, X, &b, Y, nullptr, &distance),
+            dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, nullptr}), 0.01, 0, contacts, &count);
       });
     EXPECT_EQ(DYN_OK, dyn_broad_phase_new(40, 4000, 0.01, &boxes));
     for (int k = 0, id; k < 40; ++k) {
@@ -114,7 +120,8 @@ class Hots {
     for (int j = 0; j < 12; ++j)
       for (int i = 0; i < 12; ++i) G[std::size_t(i + 12 * j)] = (i == j ? 1.0 : 0.0) + std::cos(i) * std::cos(j);
     EXPECT_EQ(DYN_OK, dyn_contact_solver_new(12, &solver));
-    for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
+    for (const dynContactSolverType type :
+         {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
       add("dyn_contact_solver_solve, solver " + std::to_string(type), [this, type](long k) {
         dynContactProblem p;
         dynContactOptions o;
@@ -130,7 +137,9 @@ class Hots {
     batch = std::make_unique<Batch>(m, 1);
     for (int which = 0; which < batch_algorithms; ++which) {
       cases.push_back(std::make_unique<BatchCase>(m, which, 10));
-      add(std::string("dyn_batch_run, ") + cases.back()->info.name, [this, which](long) { (*cases[std::size_t(which)])(*batch); }, 20);
+      add(
+          std::string("dyn_batch_run, ") + cases.back()->info.name, [this, which](long) { (*cases[std::size_t(which)])(*batch); },
+          20);
     }
   }
   // with contacts, limits, constraints, actuators' torques, every solver and integrator of the scenes
@@ -186,8 +195,11 @@ void call_all(const std::vector<Hot>& all, long calls, bool sealed = true) {
   munmap(note, sizeof(Note));
   if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << "no seccomp here";
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0)
-      << found.name << ": " << found.allocations << " allocations, " << found.locks << " locks, " << (WIFSIGNALED(status) ? "a system call or crash" : "") << " (status " << status << ")";
-  if (!testing::Test::HasFailure()) std::printf("%zu entry points, %ld calls: 0 allocations and locks%s\n", all.size(), found.calls, sealed ? ", 0 system calls" : "");
+      << found.name << ": " << found.allocations << " allocations, " << found.locks << " locks, "
+      << (WIFSIGNALED(status) ? "a system call or crash" : "") << " (status " << status << ")";
+  if (!testing::Test::HasFailure())
+    std::printf("%zu entry points, %ld calls: 0 allocations and locks%s\n", all.size(), found.calls,
+                sealed ? ", 0 system calls" : "");
 }
 
 TEST(HotCalls, NeitherAllocateNorLockNorCallTheSystem) {
@@ -198,7 +210,10 @@ TEST(HotCalls, NeitherAllocateNorLockNorCallTheSystem) {
 TEST(HotCalls, SlowAMillionOfEach) {
   if (sanitized) GTEST_SKIP() << "sanitizers allocate and make system calls themselves";
   Hots hots;
-  for (Hot& h : hots.all) h.cost = h.name.starts_with("dyn_batch_run") ? 10 : h.name.starts_with("dyn_step, ") ? 4 : 1;  // of ten states; of eight scenes
+  for (Hot& h : hots.all)
+    h.cost = h.name.starts_with("dyn_batch_run") ? 10
+             : h.name.starts_with("dyn_step, ")  ? 4
+                                                 : 1;  // of ten states; of eight scenes
   call_all(hots.all, 1000000);
 }
 

@@ -19,7 +19,10 @@ std::size_t stack_of(const std::function<void()>& f) {
   pthread_attr_t attributes;
   pthread_attr_init(&attributes), pthread_attr_setstack(&attributes, memory, size);
   pthread_t thread;
-  EXPECT_EQ(0, pthread_create(&thread, &attributes, [](void* work) -> void* { return (*static_cast<const std::function<void()>*>(work))(), nullptr; }, const_cast<std::function<void()>*>(&f)));
+  EXPECT_EQ(0, pthread_create(
+                   &thread, &attributes,
+                   [](void* work) -> void* { return (*static_cast<const std::function<void()>*>(work))(), nullptr; },
+                   const_cast<std::function<void()>*>(&f)));
   pthread_join(thread, nullptr), pthread_attr_destroy(&attributes);
   std::size_t untouched = 0;
   while (untouched < size && memory[untouched] == paint) ++untouched;
@@ -27,7 +30,8 @@ std::size_t stack_of(const std::function<void()>& f) {
   return size - untouched;
 }
 
-// Every entry point stays within 128 KiB, of which dyn_data_warm_up touches all; printed with what a thread takes that does nothing.
+// Every entry point stays within 128 KiB, of which dyn_data_warm_up touches all; printed with what a thread takes that does
+// nothing.
 TEST(Stack, IsBounded) {
   if (sanitized) GTEST_SKIP() << "sanitizers make frames larger";
   const std::size_t nothing = stack_of([] {});
@@ -43,7 +47,8 @@ TEST(Stack, IsBounded) {
   }
   const Surfaces surfaces;
   const std::vector<dynGeometry> shapes = shapes_of(surfaces);
-  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, 0.05, 0.02, 0.3}, motion[6] = {0.1, 0, -1, 0, 0.2, 0};
+  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, 0.05, 0.02, 0.3},
+               motion[6] = {0.1, 0, -1, 0, 0.2, 0};
   for (const dynGeometry& a : shapes)
     for (const dynGeometry& b : shapes) {
       dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
@@ -53,8 +58,10 @@ TEST(Stack, IsBounded) {
       int count = 0;
       const std::pair<const char*, std::function<void()>> queries[] = {
           {"dyn_geometry_distance", [&] { dyn_geometry_distance(&a, X, &b, Y, nullptr, &d); }},
-          {"dyn_geometry_contacts", [&] { dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, nullptr}), 0.05, 0, contacts, &count); }},
-          {"dyn_geometry_sweep", [&] { dyn_geometry_sweep(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, motion}), 1, 0, &impact); }}};
+          {"dyn_geometry_contacts",
+           [&] { dyn_geometry_contacts(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, nullptr}), 0.05, 0, contacts, &count); }},
+          {"dyn_geometry_sweep",
+           [&] { dyn_geometry_sweep(with<dynGeometryPair>({0, &a, &b, X, Y, nullptr, motion}), 1, 0, &impact); }}};
       for (const auto& [name, query] : queries)
         if (const std::size_t bytes = stack_of(query) - nothing; bytes > most)
           most = bytes, where = std::string(name) + ", types " + std::to_string(a.type) + " and " + std::to_string(b.type);
@@ -89,7 +96,8 @@ TEST(Warmup, NoPageIsMissingAfterIt) {
     }
     rusage before{}, after{};
     getrusage(RUSAGE_THREAD, &before), getrusage(RUSAGE_THREAD, &before);
-    dyn_rnea(m, d, nullptr, nullptr, nullptr, nullptr, nullptr), dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr);
+    dyn_rnea(m, d, nullptr, nullptr, nullptr, nullptr, nullptr),
+        dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr);
     for (int k = 0; k < 5; ++k) dyn_step(m, d);
     dyn_rnea(m, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
     getrusage(RUSAGE_THREAD, &after);

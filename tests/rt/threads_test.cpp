@@ -83,7 +83,8 @@ TEST(Threads, DataOfTwo) {
     else if (status != DYN_OK) ++other;
   };
   std::thread worker([&] {
-    for (int k = 0; k < (checked_build() ? 5000 : 100) && (!busy || k < 50); ++k) note(dyn_crba(m, d, (k % 2 ? s : t).q.data(), nullptr));
+    for (int k = 0; k < (checked_build() ? 5000 : 100) && (!busy || k < 50); ++k)
+      note(dyn_crba(m, d, (k % 2 ? s : t).q.data(), nullptr));
     done = true;
   });
   while (!done) {
@@ -139,7 +140,8 @@ TEST(Threads, Batches) {
       for (int which = 0; which < batch_algorithms; ++which) {
         const BatchCase c(m, which, 64);
         EXPECT_EQ(DYN_OK, c(batch)) << dyn_last_error();
-        for (int o = 0; o < c.info.outputs; ++o) EXPECT_TRUE(same_bits(alone[std::size_t(which)]->out[o], c.out[o])) << c.info.name;
+        for (int o = 0; o < c.info.outputs; ++o)
+          EXPECT_TRUE(same_bits(alone[std::size_t(which)]->out[o], c.out[o])) << c.info.name;
       }
   });
 }

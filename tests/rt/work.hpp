@@ -26,7 +26,8 @@ inline Model surfaces() {
   };
   shape("ground", DYN_SHAPE_TYPE_HEIGHT_FIELD, made.field);
   for (const char* name : {"one", "two", "ball"}) {
-    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_TYPE_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
+    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_TYPE_FREE_FLYER))
+        .body(name, (std::string(name) + "_joint").c_str());
     const bool ball = std::string(name) == "ball";
     shape(name, ball ? DYN_SHAPE_TYPE_SPHERE : DYN_SHAPE_TYPE_TRIANGLES, ball ? nullptr : made.pyramid);
   }
@@ -69,8 +70,17 @@ struct Work {
   std::vector<Ready> calls;
 
   explicit Work(const Model& model)
-      : m(model), d(m), foreign_data(m), s(random_state(m, 1)), odd(random_state(m, 2)), memory(dyn_data_size(m, 0)), x(s.q), y(random_state(m, 3).q),
-        J1(std::size_t(m.nv() * m.nv()) + 100), J2(J1), parameters(10 * std::size_t(m.njoints())) {
+      : m(model),
+        d(m),
+        foreign_data(m),
+        s(random_state(m, 1)),
+        odd(random_state(m, 2)),
+        memory(dyn_data_size(m, 0)),
+        x(s.q),
+        y(random_state(m, 3).q),
+        J1(std::size_t(m.nv() * m.nv()) + 100),
+        J2(J1),
+        parameters(10 * std::size_t(m.njoints())) {
     for (int j = 1; j < m.njoints(); ++j) names.push_back(dyn_model_joint_name(m, j));
     names.push_back(dyn_model_joint_name(m, 1));
     ids.resize(names.size());
@@ -128,8 +138,10 @@ struct Work {
 
   void functions_of_a_model() {
     add("sizes", [this] {
-      dyn_model_nq(m), dyn_model_nv(m), dyn_model_njoints(m), dyn_model_nframes(m), dyn_model_nbodies(m), dyn_model_size(m), dyn_model_total_mass(m), dyn_model_report_count(m), dyn_model_nshapes(m);
-      dyn_model_nconfigurations(m), dyn_field_count(), dyn_data_size(m, 0), dyn_model_name(m), dyn_version(), dyn_build_info(), dyn_last_error();
+      dyn_model_nq(m), dyn_model_nv(m), dyn_model_njoints(m), dyn_model_nframes(m), dyn_model_nbodies(m), dyn_model_size(m),
+          dyn_model_total_mass(m), dyn_model_report_count(m), dyn_model_nshapes(m);
+      dyn_model_nconfigurations(m), dyn_field_count(), dyn_data_size(m, 0), dyn_model_name(m), dyn_version(), dyn_build_info(),
+          dyn_last_error();
       dyn_status_name(DYN_OK), dyn_data_size(m, ~0u), dyn_model_nq(nullptr);
     });
     add("infos", [this] {
@@ -141,7 +153,8 @@ struct Work {
       joint.struct_size = sizeof joint, frame.struct_size = sizeof frame, shape.struct_size = sizeof shape;
       entry.struct_size = sizeof entry, field.struct_size = sizeof field;
       for (int k = -1; k <= m.nframes(); ++k) {
-        dyn_model_joint_info(m, k, &joint), dyn_model_frame_info(m, k, &frame), dyn_model_shape_info(m, k, &shape), dyn_model_report_entry(m, k, &entry);
+        dyn_model_joint_info(m, k, &joint), dyn_model_frame_info(m, k, &frame), dyn_model_shape_info(m, k, &shape),
+            dyn_model_report_entry(m, k, &entry);
         dyn_field_info(k, &field), dyn_model_joint_name(m, k), dyn_model_frame_name(m, k), dyn_model_configuration_name(m, k);
       }
       for (int which = -1; which <= 8; ++which) dyn_model_array(m, dynModelArray(which < 0 ? 8 : which));
@@ -152,13 +165,15 @@ struct Work {
       for (double mass : {2.0, -1.0, nan}) {
         const double body[10] = {mass, 0.1, 0.2, 0, 1, 0, 1, 0, 0, 1};
         dyn_pseudo_inertia_from_parameters(body, J2.data()), dyn_parameters_from_pseudo_inertia(J2.data(), pi.data());
-        dyn_log_cholesky_from_parameters(body, J2.data()), dyn_is_physically_consistent(body, &answer), dyn_body_regressor(body, body, J2.data());
+        dyn_log_cholesky_from_parameters(body, J2.data()), dyn_is_physically_consistent(body, &answer),
+            dyn_body_regressor(body, body, J2.data());
         dyn_parameters_from_log_cholesky(body, J2.data()), dyn_log_cholesky_jacobian(body, J2.data());
       }
       dyn_model_inertial_parameters(m, parameters.data()), dyn_model_inertial_parameters(nullptr, pi.data());
     });
     add("names", [this] {
-      for (const char* name : names) dyn_model_joint_id(m, name), dyn_model_frame_id(m, name), dyn_model_frame_id_of_type(m, name, DYN_FRAME_TYPE_JOINT);
+      for (const char* name : names)
+        dyn_model_joint_id(m, name), dyn_model_frame_id(m, name), dyn_model_frame_id_of_type(m, name, DYN_FRAME_TYPE_JOINT);
       dyn_field_id("M");
     });
     add("unknown names", [this] {
@@ -192,22 +207,31 @@ struct Work {
       for (const dynConvention c : {DYN_CONVENTION_PINOCCHIO, DYN_CONVENTION_MUJOCO, DYN_CONVENTION_DRAKE, DYN_CONVENTION_ROS}) {
         layout.convention = c;
         int nq = 0, nv = 0;
-        if (dyn_state_layout_sizes(m, &layout, &nq, &nv) != DYN_OK || std::size_t(nq + nv) > peer.size()) continue;  // ROS: joints of one coordinate
-        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, with<dynStateOutput>({0, peer.data(), peer.data() + nq, nullptr, nullptr}));
-        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr, with<dynStateOutput>({0, J1.data(), J2.data(), nullptr, nullptr}));
+        if (dyn_state_layout_sizes(m, &layout, &nq, &nv) != DYN_OK || std::size_t(nq + nv) > peer.size())
+          continue;  // ROS: joints of one coordinate
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr,
+                                 with<dynStateOutput>({0, peer.data(), peer.data() + nq, nullptr, nullptr}));
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr,
+                                 with<dynStateOutput>({0, J1.data(), J2.data(), nullptr, nullptr}));
       }
       layout.joints = names.data(), layout.joints_count = names.size();
-      dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, with<dynStateOutput>({0, peer.data(), nullptr, nullptr, nullptr}));
+      dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr,
+                               with<dynStateOutput>({0, peer.data(), nullptr, nullptr, nullptr}));
       dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, nullptr, nullptr, nullptr, nullptr, nullptr);
     });
     add("configurations", [this] {
       double* out = J1.data();
       int answer;
-      dyn_configuration_neutral(m, out), dyn_configuration_random(m, 7, nullptr, nullptr, out), dyn_model_configuration(m, "neutral", out);
-      dyn_integrate(m, x.data(), s.v.data(), out), dyn_difference(m, x.data(), y.data(), out), dyn_interpolate(m, x.data(), y.data(), 0.3, out);
-      dyn_configuration_distance(m, x.data(), y.data(), out), dyn_configuration_is_normalized(m, x.data(), 1e-9, &answer), dyn_configuration_normalize(m, x.data());
-      dyn_integrate_jacobians(m, x.data(), s.v.data(), J1.data(), J2.data()), dyn_difference_jacobians(m, x.data(), y.data(), J1.data(), J2.data());
-      dyn_integrate(m, x.data(), odd.v.data(), out), dyn_configuration_random(nullptr, 1, nullptr, nullptr, out), dyn_configuration_distance(m, nullptr, nullptr, out);
+      dyn_configuration_neutral(m, out), dyn_configuration_random(m, 7, nullptr, nullptr, out),
+          dyn_model_configuration(m, "neutral", out);
+      dyn_integrate(m, x.data(), s.v.data(), out), dyn_difference(m, x.data(), y.data(), out),
+          dyn_interpolate(m, x.data(), y.data(), 0.3, out);
+      dyn_configuration_distance(m, x.data(), y.data(), out), dyn_configuration_is_normalized(m, x.data(), 1e-9, &answer),
+          dyn_configuration_normalize(m, x.data());
+      dyn_integrate_jacobians(m, x.data(), s.v.data(), J1.data(), J2.data()),
+          dyn_difference_jacobians(m, x.data(), y.data(), J1.data(), J2.data());
+      dyn_integrate(m, x.data(), odd.v.data(), out), dyn_configuration_random(nullptr, 1, nullptr, nullptr, out),
+          dyn_configuration_distance(m, nullptr, nullptr, out);
     });
   }
 };

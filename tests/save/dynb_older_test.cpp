@@ -1,4 +1,5 @@
-// version2.dynb: `dyn convert` of a build of version 2 wrote it from an MJCF file: a hinge with damping 0.5 drawn at 30 degrees, a motor, a key.
+// version2.dynb: `dyn convert` of a build of version 2 wrote it from an MJCF file: a hinge with damping 0.5 drawn at 30 degrees,
+// a motor, a key.
 #include <fstream>
 #include <sstream>
 

@@ -19,9 +19,11 @@ void expect_identical(const Model& m) {
 }
 
 SurfacePtr tetrahedron() {
-  const double x[8] = {0, 1, 0, 0}, y[8] = {0, 0, 1, 0}, z[8] = {0, 0, 0, 1, 1, 1, 1, 1}, s = std::sqrt(1 / 3.0);  // the last vertex repeated
+  const double x[8] = {0, 1, 0, 0}, y[8] = {0, 0, 1, 0}, z[8] = {0, 0, 0, 1, 1, 1, 1, 1},
+               s = std::sqrt(1 / 3.0);  // the last vertex repeated
   const double planes[16] = {0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, 0, s, s, s, s};
-  const Index start[5] = {0, 3, 6, 9, 12}, faces[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}, neighbours[12] = {1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2};
+  const Index start[5] = {0, 3, 6, 9, 12}, faces[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3},
+              neighbours[12] = {1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2};
   const shape::Hull h{Vec3<double>::make(0.25, 0.25, 0.25), 4, 4, 12, x, y, z, planes, start, faces, start, neighbours, 1};
   return std::make_shared<SurfaceData>(SurfaceData{Held<shape::Hull>(h)});
 }
@@ -31,7 +33,8 @@ ModelPtr furnished() {
   Tree t = random_tree(4, {5, 0.3, 0.3, 0.1, 0.35, 0.5, {}});
   Builder b("furnished");
   for (const JointSpec& s : t.joints) b.joint(s);
-  for (const BodySpec& s : t.bodies) b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
+  for (const BodySpec& s : t.bodies)
+    b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
   Dice dice(8);
   std::vector<double> corners;
   std::vector<Index> faces;
@@ -39,11 +42,13 @@ ModelPtr furnished() {
     for (int i = 0; i < 9; ++i) corners.push_back(dice.in(-1, 1));
     faces.insert(faces.end(), {3 * k, 3 * k + 1, 3 * k + 2});
   }
-  Shape soup{"soup", DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_ROLE_COLLISION, t.bodies[0].name, placement(dice.pose(5)), {1, 1, 1}, ""};
+  Shape soup{"soup", DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_ROLE_COLLISION, t.bodies[0].name, placement(dice.pose(5)), {1, 1, 1},
+             ""};
   soup.surface = triangle_tree(corners, faces, false);
   b.shape(soup);
   const std::vector<double> heights = {0, 0.1, 0.2, 0, 0.3, 0.1, 0.2, 0.1, 0};
-  Shape ground{"ground", DYN_SHAPE_TYPE_HEIGHT_FIELD, DYN_SHAPE_ROLE_COLLISION, "universe", placement(dice.pose(5)), {1, 1, 1}, ""};
+  Shape ground{"ground", DYN_SHAPE_TYPE_HEIGHT_FIELD, DYN_SHAPE_ROLE_COLLISION, "universe", placement(dice.pose(5)), {1, 1, 1},
+               ""};
   ground.surface = height_grid(heights.data(), 3, 3, 1, 1, -1);
   b.shape(ground);
   Shape hull{"hull", DYN_SHAPE_TYPE_CONVEX, DYN_SHAPE_ROLE_COLLISION, t.bodies[2].name, placement(dice.pose(5)), {1, 1, 1}, ""};
@@ -60,7 +65,8 @@ ModelPtr furnished() {
     }
   dynConstraint c{};
   c.struct_size = sizeof c, c.type = DYN_CONSTRAINT_TYPE_WELD, c.enabled = 1;
-  std::copy(identity_placement.begin(), identity_placement.end(), c.placement1), std::copy(identity_placement.begin(), identity_placement.end(), c.placement2);
+  std::copy(identity_placement.begin(), identity_placement.end(), c.placement1),
+      std::copy(identity_placement.begin(), identity_placement.end(), c.placement2);
   b.constraint("weld", c, {t.bodies[0].name, DYN_FRAME_TYPE_BODY}, {"", 0});
   b.disabled_pair(t.bodies[0].name, t.bodies[1].name, "because");
   b.report(DYN_REPORT_LEVEL_INFO, 3, "a remark");
@@ -149,8 +155,8 @@ void fuzz(bool sealed) {
   EXPECT_EQ(sealed, loaded > 100);
 }
 
-// A block used in place is not rebuilt. Modifies every byte and sets every index out of range, with a valid checksum. A block that
-// is still accepted must be safe: its algorithms stay within their own memory (checked by sanitizers).
+// A block used in place is not rebuilt. Modifies every byte and sets every index out of range, with a valid checksum. A block
+// that is still accepted must be safe: its algorithms stay within their own memory (checked by sanitizers).
 void fuzz_in_place(const Model& m, int every) {
   std::string file = bytes_of(m);
   const std::size_t header = sizeof(DynbHeader);
@@ -195,13 +201,16 @@ void fuzz_in_place(const Model& m, int every) {
 }
 
 TEST(Dynb, WhatIsUsedInPlaceIsCheckedWhole) { fuzz_in_place(*furnished(), 16); }
-TEST(Dynb, WhatIsUsedInPlaceIsCheckedWholeWithMimic) { fuzz_in_place(*robot(std::string(DYN_MODELS_DIR) + "/robots/gripper.urdf", DYN_BASE_FIXED), 16); }
+TEST(Dynb, WhatIsUsedInPlaceIsCheckedWholeWithMimic) {
+  fuzz_in_place(*robot(std::string(DYN_MODELS_DIR) + "/robots/gripper.urdf", DYN_BASE_FIXED), 16);
+}
 
 // Found by fuzzing under sanitizers: a depth whose double overflows.
 TEST(Dynb, DepthsOfTheEliminationTreeAreChecked) {
   const ModelPtr m = furnished();
   std::string file = bytes_of(*m);
-  const std::size_t at = sizeof(DynbHeader) + std::size_t(reinterpret_cast<const char*>(m->dof_depth()) - reinterpret_cast<const char*>(m.get()));
+  const std::size_t at =
+      sizeof(DynbHeader) + std::size_t(reinterpret_cast<const char*>(m->dof_depth()) - reinterpret_cast<const char*>(m.get()));
   const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, file.size()), std::free);
   for (Index k = 0; k < m->n.nv; ++k) {
     std::string bad = file;

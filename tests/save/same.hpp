@@ -76,9 +76,11 @@ inline bool follows(const Model& m) { return m.has_mimic != 0; }
 inline std::vector<std::pair<std::string, dynBase>> robots() {
   const std::string folder = DYN_MODELS_DIR;
   std::vector<std::pair<std::string, dynBase>> out;
-  for (const char* r : {"double_pendulum", "go2", "gripper", "humanoid", "panda"}) out.emplace_back(folder + "/robots/" + r + ".urdf", DYN_BASE_FIXED);
+  for (const char* r : {"double_pendulum", "go2", "gripper", "humanoid", "panda"})
+    out.emplace_back(folder + "/robots/" + r + ".urdf", DYN_BASE_FIXED);
   for (const char* r : {"go2", "humanoid"}) out.emplace_back(folder + "/robots/" + r + ".urdf", DYN_BASE_FLOATING);
-  for (const char* r : {"bricard", "four_bar", "four_bar_in_space", "humanoid_on_both_feet", "linkage_gripper", "parallel_four_bar"})
+  for (const char* r :
+       {"bricard", "four_bar", "four_bar_in_space", "humanoid_on_both_feet", "linkage_gripper", "parallel_four_bar"})
     out.emplace_back(folder + "/mechanisms/" + r + ".urdf", DYN_BASE_FIXED);
   return out;
 }

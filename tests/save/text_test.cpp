@@ -7,7 +7,9 @@ namespace dyn_test {
 namespace {
 
 bool lost(const SaveReport& lines, const char* what) {
-  return std::any_of(lines.begin(), lines.end(), [&](const SaveEntry& e) { return e.level == DYN_REPORT_LEVEL_WARNING && e.message.find(what) != std::string::npos; });
+  return std::any_of(lines.begin(), lines.end(), [&](const SaveEntry& e) {
+    return e.level == DYN_REPORT_LEVEL_WARNING && e.message.find(what) != std::string::npos;
+  });
 }
 
 TEST(Urdf, RobotsComeBack) {
@@ -43,8 +45,10 @@ TEST(Urdf, TreesOfAllJointsComeBack) {
     SCOPED_TRACE(seed);
     TreeOptions options;
     options.resistance = 0.3, options.armature = 0;
-    options.types = {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_SPHERICAL,
-                     DYN_JOINT_TYPE_SPHERICAL_ZYX, DYN_JOINT_TYPE_PLANAR, DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_FREE_FLYER};
+    options.types = {DYN_JOINT_TYPE_REVOLUTE,    DYN_JOINT_TYPE_CONTINUOUS,    DYN_JOINT_TYPE_PRISMATIC,
+                     DYN_JOINT_TYPE_HELICAL,     DYN_JOINT_TYPE_CYLINDRICAL,   DYN_JOINT_TYPE_UNIVERSAL,
+                     DYN_JOINT_TYPE_SPHERICAL,   DYN_JOINT_TYPE_SPHERICAL_ZYX, DYN_JOINT_TYPE_PLANAR,
+                     DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_FREE_FLYER};
     Tree tree = random_tree(seed, options);
     for (JointSpec& s : tree.joints) {
       s.stiffness.clear(), s.spring_reference.clear();
@@ -87,8 +91,9 @@ TEST(Mjcf, TreesComeBack) {
     SCOPED_TRACE(seed);
     TreeOptions options;
     options.joints = 1 + int(seed % 12), options.mimic = 0;
-    options.types = {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_SPHERICAL_ZYX,
-                     DYN_JOINT_TYPE_PLANAR, DYN_JOINT_TYPE_TRANSLATION};
+    options.types = {DYN_JOINT_TYPE_REVOLUTE,      DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC,
+                     DYN_JOINT_TYPE_CYLINDRICAL,   DYN_JOINT_TYPE_UNIVERSAL,  DYN_JOINT_TYPE_SPHERICAL,
+                     DYN_JOINT_TYPE_SPHERICAL_ZYX, DYN_JOINT_TYPE_PLANAR,     DYN_JOINT_TYPE_TRANSLATION};
     Tree tree = random_tree(seed, options);
     for (JointSpec& s : tree.joints)
       if (s.type == DYN_JOINT_TYPE_SPHERICAL) s.armature.assign(s.armature.size(), 0.01);
@@ -204,7 +209,8 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
   ASSERT_EQ(a.n.limits, b.n.limits);
   for (Index k = 0; k < a.n.nq; ++k) {
     EXPECT_EQ(a.spring_reference()[k], b.spring_reference()[k]);
-    EXPECT_NEAR(std::max(-1e9, a.lower_limit()[k]), std::max(-1e9, b.lower_limit()[k]), 1e-15);  // a ball's limit is saved as an angle
+    EXPECT_NEAR(std::max(-1e9, a.lower_limit()[k]), std::max(-1e9, b.lower_limit()[k]),
+                1e-15);  // a ball's limit is saved as an angle
   }
 }
 
@@ -212,8 +218,9 @@ TEST(Urdf, WhatASceneLosesIsSaid) {
   const ModelPtr m = load_string(scene, {});
   SaveReport lines;
   save_string(*m, DYN_FORMAT_URDF, false, lines);
-  for (const char* what : {"actuators: 'm', 'p', 'v', 'g', 'turn'", "gravity", "medium", "shapes that are no mesh file", "materials", "masks", "armature of joints: 'a'", "springs of joints: 'a'",
-                           "named configurations", "disabled pairs", "gravity compensation of links"})
+  for (const char* what : {"actuators: 'm', 'p', 'v', 'g', 'turn'", "gravity", "medium", "shapes that are no mesh file",
+                           "materials", "masks", "armature of joints: 'a'", "springs of joints: 'a'", "named configurations",
+                           "disabled pairs", "gravity compensation of links"})
     EXPECT_TRUE(lost(lines, what)) << what;
   SaveReport none;
   try {
@@ -231,7 +238,8 @@ TEST(Save, TheSamePairsAreTested) {
         <body name='arm' pos='0 0 .5'><joint name='pan' axis='0 0 1'/><joint name='tilt' axis='0 1 0'/><geom type='sphere' size='.1'/>
           <body name='hand' pos='0 0 .5'><joint name='wrist' axis='1 0 0'/><geom type='sphere' size='.1'/></body></body></body>
       <body name='wall' pos='2 0 0'><geom type='sphere' size='.1'/></body>
-      <body name='sledge' pos='3 0 0'><joint name='slide' type='slide' axis='1 0 0'/><geom type='sphere' size='.1'/></body></worldbody></mujoco>)", {});
+      <body name='sledge' pos='3 0 0'><joint name='slide' type='slide' axis='1 0 0'/><geom type='sphere' size='.1'/></body></worldbody></mujoco>)",
+                                 {});
   const auto tested = [](const Model& model) {
     std::set<std::set<std::string>> out;
     for (Index k = 0; k < model.n.pairs; ++k) {
@@ -244,13 +252,15 @@ TEST(Save, TheSamePairsAreTested) {
     return out;
   };
   // By MuJoCo's rule what is fixed to the world is nobody's parent. A URDF has no such rule, and its plinth carries the arm.
-  const std::set<std::set<std::string>> in_urdf = {{"universe", "arm"}, {"universe", "hand"}, {"universe", "sledge"}, {"plinth", "hand"}, {"plinth", "sledge"},
-                                                    {"wall", "arm"}, {"wall", "hand"}, {"wall", "sledge"}, {"arm", "sledge"}, {"hand", "sledge"}};
+  const std::set<std::set<std::string>> in_urdf = {
+      {"universe", "arm"}, {"universe", "hand"}, {"universe", "sledge"}, {"plinth", "hand"}, {"plinth", "sledge"},
+      {"wall", "arm"},     {"wall", "hand"},     {"wall", "sledge"},     {"arm", "sledge"},  {"hand", "sledge"}};
   auto expected = in_urdf;
   expected.insert({"plinth", "arm"});
   EXPECT_EQ(expected, tested(*m));
   EXPECT_EQ(in_urdf, tested(*again(*m, DYN_FORMAT_URDF, DYN_BASE_FIXED)));
-  for (const dynFormat format : {DYN_FORMAT_MJCF, DYN_FORMAT_DYNB}) EXPECT_EQ(expected, tested(*again(*m, format, DYN_BASE_UNSPECIFIED))) << format;
+  for (const dynFormat format : {DYN_FORMAT_MJCF, DYN_FORMAT_DYNB})
+    EXPECT_EQ(expected, tested(*again(*m, format, DYN_BASE_UNSPECIFIED))) << format;
 }
 
 TEST(Save, TheExtensionNamesTheFormat) {

@@ -46,8 +46,12 @@ TEST(Accuracy, HoldsThroughFriction) {
       EXPECT_LT(play.report().steps, 500);
       return play.q[0];
     };
-    EXPECT_NEAR(v0 * rolls - mu * g * rolls * rolls / 2 + 5 * v0 / 7 * (duration - rolls), slide(Scene().ground().sphere("ball", 1, 0.1, material(mu)).finish(), 0.1), 3 * accuracy) << accuracy;
-    EXPECT_NEAR(v0 * v0 / (2 * 2 * mu * g), slide(Scene().ground().box("block", 1, {0.2, 0.2, 0.2}, material(2 * mu)).finish(), 0.1), 3 * accuracy) << accuracy;
+    EXPECT_NEAR(v0 * rolls - mu * g * rolls * rolls / 2 + 5 * v0 / 7 * (duration - rolls),
+                slide(Scene().ground().sphere("ball", 1, 0.1, material(mu)).finish(), 0.1), 3 * accuracy)
+        << accuracy;
+    EXPECT_NEAR(v0 * v0 / (2 * 2 * mu * g),
+                slide(Scene().ground().box("block", 1, {0.2, 0.2, 0.2}, material(2 * mu)).finish(), 0.1), 3 * accuracy)
+        << accuracy;
   }
 }
 
@@ -77,30 +81,41 @@ TEST(Accuracy, HoldsWhileADiskRolls) {
   for (const double a : {0.0375, 1.0})
     for (const double accuracy : {1e-4, 1e-6, 3e-7, 1e-7, 1e-8}) {
       const double I = a * a / 4, turn = std::sqrt(4 * g / (a * std::sin(lean)));
-      Simulation play(Scene().ground().free("disc", 1, {I, I, 2 * I}).shape("disc", DYN_SHAPE_TYPE_CYLINDER, {a, thin, 0}, material(1)).finish());
+      Simulation play(Scene()
+                          .ground()
+                          .free("disc", 1, {I, I, 2 * I})
+                          .shape("disc", DYN_SHAPE_TYPE_CYLINDER, {a, thin, 0}, material(1))
+                          .finish());
       play.options.accuracy = accuracy, play.options.tolerance = 1e-13;
       ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
-      play.set({0, 0, a * std::sin(lean) + thin / 2 * std::cos(lean), std::sin(lean / 2), 0, 0, std::cos(lean / 2)}, {0, 0, 0, 0, turn * std::sin(lean), 0});
+      play.set({0, 0, a * std::sin(lean) + thin / 2 * std::cos(lean), std::sin(lean / 2), 0, 0, std::cos(lean / 2)},
+               {0, 0, 0, 0, turn * std::sin(lean), 0});
       const double energy = play.energy();
       for (int k = 0; k < 5; ++k) {
         ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 2 * std::acos(-1.0) / turn)) << dyn_last_error();
         EXPECT_LT(play.report().steps + play.report().rejected, 20 / std::cbrt(accuracy)) << a << " " << accuracy;
       }
       EXPECT_NEAR(energy, play.energy(), 3 * accuracy) << a << " " << accuracy;
-      EXPECT_NEAR(lean, 2 * std::asin(std::hypot(play.q[3], play.q[4])), accuracy + thin / a) << a << " " << accuracy;  // its centre is half of that off the rim
+      EXPECT_NEAR(lean, 2 * std::asin(std::hypot(play.q[3], play.q[4])), accuracy + thin / a)
+          << a << " " << accuracy;  // its centre is half of that off the rim
       EXPECT_EQ(1, play.report().contacts);
     }
 }
 
-// Two tilted boxes fall on one another and on the ground, bounce on their corners and come to rest in few steps (stalled, 0.01 s takes 1e5).
-// The resting place is as accurate as asked. Which corner hits first is chance, so the median of five starts counts.
+// Two tilted boxes fall on one another and on the ground, bounce on their corners and come to rest in few steps (stalled, 0.01 s
+// takes 1e5). The resting place is as accurate as asked. Which corner hits first is chance, so the median of five starts counts.
 TEST(Accuracy, PassesAccumulatingImpacts) {
   std::vector<std::int64_t> all, longest;
   const auto fall = [&](double accuracy, double beside) {
-    Simulation play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).finish());
+    Simulation play(Scene()
+                        .ground()
+                        .box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3))
+                        .box("b", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3))
+                        .finish());
     play.options.accuracy = accuracy;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
-    play.set({0, 0, 0.3, 0.104612, 0.104612, 0.020922, 0.988771, 0.03 + beside, 0.01, 0.62, 0.026804, 0.089346, 0.035738, 0.995004});
+    play.set(
+        {0, 0, 0.3, 0.104612, 0.104612, 0.020922, 0.988771, 0.03 + beside, 0.01, 0.62, 0.026804, 0.089346, 0.035738, 0.995004});
     double estimate = 0;
     std::int64_t steps = 0, most = 0;
     for (int k = 0; k < 100; ++k) {
@@ -127,7 +142,8 @@ TEST(Accuracy, PassesAccumulatingImpacts) {
     std::sort(longest.begin(), longest.end());
     EXPECT_LT(longest[2], accuracy == 1e-3 ? 500 : 3000) << accuracy;
   }
-  for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(places[1][k], places[0][k], 0.03) << k;  // (chance decides which of two corners hits first)
+  for (std::size_t k = 0; k < 14; ++k)
+    EXPECT_NEAR(places[1][k], places[0][k], 0.03) << k;  // (chance decides which of two corners hits first)
 }
 
 }  // namespace

@@ -36,7 +36,9 @@ TEST(Actuators, MotorTurnsAWheel) {
     control(run, {5});  // beyond its range: 1
     run.steps(1000);
     EXPECT_NEAR(3 / inertia, run.v[0], 1e-12) << by;
-    EXPECT_NEAR(0.5 * 3 / inertia, run.q[0], by == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || by == DYN_INTEGRATOR_IMPLICIT_FAST ? 3.1e-3 : 1e-12) << by;
+    EXPECT_NEAR(0.5 * 3 / inertia, run.q[0],
+                by == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || by == DYN_INTEGRATOR_IMPLICIT_FAST ? 3.1e-3 : 1e-12)
+        << by;
     EXPECT_EQ(1, run.array("actuator_force")[0]) << by;
   }
 }
@@ -86,7 +88,11 @@ TEST(Actuators, FilterIsAFirstOrderLag) {
     const double w = 1 - std::exp(-0.5 / 0.2);
     EXPECT_NEAR(w, run.array("act")[0], by == DYN_INTEGRATOR_RK4 ? 1e-11 : 1e-12) << by;
     const double v = (0.5 - 0.2 * w) / inertia;
-    EXPECT_NEAR(v, run.v[0], by == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || by == DYN_INTEGRATOR_IMPLICIT_FAST ? 1.1e-3 : by == DYN_INTEGRATOR_IMPLICIT_MIDPOINT ? 1e-5 : 1e-12) << by;
+    EXPECT_NEAR(v, run.v[0],
+                by == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || by == DYN_INTEGRATOR_IMPLICIT_FAST ? 1.1e-3
+                : by == DYN_INTEGRATOR_IMPLICIT_MIDPOINT                                       ? 1e-5
+                                                                                               : 1e-12)
+        << by;
   }
 }
 
@@ -100,7 +106,9 @@ TEST(Actuators, ControlIsIntegrated) {
     control(run, {2});
     run.steps(100);
     EXPECT_NEAR(0.2, run.array("act")[0], 1e-12) << by;
-    EXPECT_NEAR(0.5 * 2 * 0.1 * 0.1 / inertia, run.v[0], by == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || by == DYN_INTEGRATOR_IMPLICIT_FAST ? 2.1e-4 : 1e-12) << by;
+    EXPECT_NEAR(0.5 * 2 * 0.1 * 0.1 / inertia, run.v[0],
+                by == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || by == DYN_INTEGRATOR_IMPLICIT_FAST ? 2.1e-4 : 1e-12)
+        << by;
     run.steps(100);
     EXPECT_NEAR(0.3, run.array("act")[0], 1e-15) << by;
     control(run, {-1});
@@ -206,8 +214,12 @@ TEST(Actuators, BuilderFromModelKeepsActuators) {
 
 TEST(Actuators, InvalidSpecsAreRefused) {
   Builder b;
-  b.joint(Spec("hinge", DYN_JOINT_TYPE_REVOLUTE)).joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL)).body("x", "hinge", 1).body("y", "ball", 1);
-  const auto refused = [&](dynStatus expected, const dynActuator& a, const char* joint, const char* word, const char* name = "a") {
+  b.joint(Spec("hinge", DYN_JOINT_TYPE_REVOLUTE))
+      .joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL))
+      .body("x", "hinge", 1)
+      .body("y", "ball", 1);
+  const auto refused = [&](dynStatus expected, const dynActuator& a, const char* joint, const char* word,
+                           const char* name = "a") {
     EXPECT_EQ(expected, dyn_builder_add_actuator(b, name, &a, joint)) << word;
     EXPECT_TRUE(says({word})) << dyn_last_error();
   };

@@ -1,4 +1,5 @@
-// Steps stopped before their tolerance: impulses are feasible, the residual is reported, and more time or iterations never make it worse.
+// Steps stopped before their tolerance: impulses are feasible, the residual is reported, and more time or iterations never make
+// it worse.
 #include "common/every.hpp"
 #include "simulation/scene.hpp"
 
@@ -86,7 +87,8 @@ TEST(Anytime, ExpiredDeadlineStillMakesOneSweep) {
   for (const int layers : {3, 9})
     for (const double restitution : {0.0, 0.5})
       for (const dynContactSolverType solver : solvers) {
-        Pile one(layers, solver, restitution), again(layers, solver, restitution), whole(layers, solver, restitution), free(layers, solver, restitution);
+        Pile one(layers, solver, restitution), again(layers, solver, restitution), whole(layers, solver, restitution),
+            free(layers, solver, restitution);
         one.budget(100, 1e-12), again.budget(100, 1e-12), whole.budget(1200, 1e9);
         for (int k = 0; k < 100; ++k) {
           one.steps(1), again.steps(1);

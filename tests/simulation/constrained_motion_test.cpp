@@ -1,4 +1,5 @@
-// Smooth motion under constraints: integrators keep their order, constraints stay closed, mechanisms pass singular configurations.
+// Smooth motion under constraints: integrators keep their order, constraints stay closed, mechanisms pass singular
+// configurations.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -11,7 +12,8 @@ struct Linkage : Simulation {
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
     Numbers at = {-5.852, 6.519, 3.858}, rates(at.size(), 5);
     EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_CONSTRAINTS, &other));
-    EXPECT_EQ(DYN_OK, dyn_project(m, other, at.data(), rates.data(), nullptr, at.data(), rates.data(), nullptr)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_project(m, other, at.data(), rates.data(), nullptr, at.data(), rates.data(), nullptr))
+        << dyn_last_error();
     set(at, rates);
   }
   ~Linkage() { dyn_data_free(other); }
@@ -41,7 +43,8 @@ double max_difference(const Simulation& a, const Simulation& b) {
 void check_order(dynIntegrator integrator, double order, int n) {
   Linkage reference(DYN_INTEGRATOR_REFERENCE, 0.05), coarse(integrator, 0.5 / n), fine(integrator, 0.25 / n);
   reference.steps(10), coarse.steps(n), fine.steps(2 * n);
-  EXPECT_NEAR(order, std::log2(max_difference(coarse, reference) / max_difference(fine, reference)), 0.3) << max_difference(coarse, reference) << ' ' << max_difference(fine, reference);
+  EXPECT_NEAR(order, std::log2(max_difference(coarse, reference) / max_difference(fine, reference)), 0.3)
+      << max_difference(coarse, reference) << ' ' << max_difference(fine, reference);
   EXPECT_LT(fine.constraint_error(), 1e-12);
 }
 
@@ -81,16 +84,20 @@ Model windows(int count) {
   EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, down));
   for (int k = 0; k <= count; ++k) {
     const std::string upright = "upright" + std::to_string(k), coupler = "coupler" + std::to_string(k);
-    b.joint(Spec(upright.c_str(), DYN_JOINT_TYPE_REVOLUTE, nullptr, {double(k), 0, 0}).about(0, 0, 1)).body((upright + "_rod").c_str(), upright.c_str(), 1, {0.5, 0, 0}, inertia);
+    b.joint(Spec(upright.c_str(), DYN_JOINT_TYPE_REVOLUTE, nullptr, {double(k), 0, 0}).about(0, 0, 1))
+        .body((upright + "_rod").c_str(), upright.c_str(), 1, {0.5, 0, 0}, inertia);
     if (k < count)
-      b.joint(Spec(coupler.c_str(), DYN_JOINT_TYPE_REVOLUTE, upright.c_str(), {1, 0, 0}).about(0, 0, 1)).body((coupler + "_rod").c_str(), coupler.c_str(), 1, {0.5, 0, 0}, inertia);
+      b.joint(Spec(coupler.c_str(), DYN_JOINT_TYPE_REVOLUTE, upright.c_str(), {1, 0, 0}).about(0, 0, 1))
+          .body((coupler + "_rod").c_str(), coupler.c_str(), 1, {0.5, 0, 0}, inertia);
   }
   dynConstraint corner;
   dyn_constraint_init(&corner, DYN_CONSTRAINT_TYPE_CONNECT);
   corner.placement1[9] = corner.placement2[9] = 1;
   for (int k = 0; k < count; ++k)
-    EXPECT_EQ(DYN_OK, dyn_builder_add_constraint(b, ("corner" + std::to_string(k)).c_str(), &corner, ("coupler" + std::to_string(k) + "_rod").c_str(),
-                                             ("upright" + std::to_string(k + 1) + "_rod").c_str())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_builder_add_constraint(b, ("corner" + std::to_string(k)).c_str(), &corner,
+                                                 ("coupler" + std::to_string(k) + "_rod").c_str(),
+                                                 ("upright" + std::to_string(k + 1) + "_rod").c_str()))
+        << dyn_last_error();
   return b.finish();
 }
 // One rod that moves as the uprights do, with the same inertia and weight about its pin.
@@ -122,7 +129,9 @@ TEST(ConstrainedMotion, AccuracyIsMetThroughSingularConfigurations) {
       all.options.accuracy = accuracy;
       ASSERT_EQ(DYN_OK, dyn_data_set_step_options(all.m, all.d, &all.options));
       ASSERT_EQ(DYN_OK, dyn_advance(all.m, all.d, 10)) << dyn_last_error();
-      EXPECT_LE(std::max(std::abs(std::cos(all.q[0]) - std::cos(one.q[0])), std::abs(std::sin(all.q[0]) - std::sin(one.q[0]))), 3 * accuracy) << count << " windows";
+      EXPECT_LE(std::max(std::abs(std::cos(all.q[0]) - std::cos(one.q[0])), std::abs(std::sin(all.q[0]) - std::sin(one.q[0]))),
+                3 * accuracy)
+          << count << " windows";
     }
   }
 }
@@ -141,7 +150,8 @@ TEST(ConstrainedMotion, OpenLoopsClose) {
 // A weld stretches an arm whose wrist axes are aligned but for rounding of decimals in a file.
 // The weld's rows contradict one another by 1e-8 of the velocities; only impulses of 1e8 times the arm's weight would fix that.
 TEST(ConstrainedMotion, InconsistentWeldKeepsImpulsesBounded) {
-  const char* text = R"(<mujoco><option gravity='.3 -1.2 -9.7'/><worldbody><body pos='0 0 .1'><joint axis='0 0 1'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.03'/>
+  const char* text =
+      R"(<mujoco><option gravity='.3 -1.2 -9.7'/><worldbody><body pos='0 0 .1'><joint axis='0 0 1'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.03'/>
       <body pos='0 0 .05'><joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 .06 0 .3' size='.03'/>
       <body pos='.06 0 .3'><joint axis='0 1 1e-10'/><geom type='capsule' fromto='0 0 0 .2 0 0' size='.03'/>
       <body pos='.2 0 0'><joint axis='1 1e-10 0'/><geom type='capsule' fromto='0 0 0 .1 0 0' size='.03'/>

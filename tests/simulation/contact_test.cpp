@@ -12,7 +12,8 @@ class Incline : public testing::TestWithParam<double> {};
 // A box on an incline: it sticks below the friction angle and slides with g (sin a - mu cos a) above.
 TEST_P(Incline, SticksOrSlides) {
   const double mu = 0.5, angle = std::atan(mu * GetParam());
-  Simulation run(Scene({g * std::sin(angle), 0, -g * std::cos(angle)}).ground().box("box", 1, {0.2, 0.2, 0.2}, material(mu)).finish());
+  Simulation run(
+      Scene({g * std::sin(angle), 0, -g * std::cos(angle)}).ground().box("box", 1, {0.2, 0.2, 0.2}, material(mu)).finish());
   run.place({{0, 0, 0.1}});
   run.steps(1000);
   EXPECT_LE(run.residual, 1.01e-9);
@@ -54,19 +55,27 @@ TEST(Contact, BounceHeightsAndComingToRest) {
     if (std::abs(run.v[2]) > 1e-9) rest = (k + 1) * dt;
   }
   ASSERT_GE(peaks.size(), 3u);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(std::pow(e, 2.0 * double(k + 1)) * height, peaks[k], dt * std::sqrt(2 * g * height)) << k;  // motion in one step
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(std::pow(e, 2.0 * double(k + 1)) * height, peaks[k], dt * std::sqrt(2 * g * height)) << k;  // motion in one step
   EXPECT_NEAR(std::sqrt(2 * height / g) * (1 + e) / (1 - e), rest, 0.01);
 }
 
 TEST(Contact, ForcesOnARestingStackAddUpToItsWeight) {
-  Simulation run(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(1)).box("b", 2, {0.2, 0.2, 0.2}, material(1)).box("c", 1e-3, {0.2, 0.2, 0.2}, material(1)).finish());
+  Simulation run(Scene()
+                     .ground()
+                     .box("a", 1, {0.2, 0.2, 0.2}, material(1))
+                     .box("b", 2, {0.2, 0.2, 0.2}, material(1))
+                     .box("c", 1e-3, {0.2, 0.2, 0.2}, material(1))
+                     .finish());
   run.exactly(), run.place({{0, 0, 0.1}, {0.01, 0, 0.3}, {0, 0.02, 0.5}});
   run.steps(500);
   EXPECT_LE(run.residual, 1.01e-9);
   double on_ground = 0;
   for (const dynContactForce& f : run.contacts()) {
     if (f.contact.shape_a == 0) on_ground += f.force_on_b[2];
-    EXPECT_GE(f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2], -1e-9);
+    EXPECT_GE(
+        f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2],
+        -1e-9);
   }
   EXPECT_NEAR(3.001 * g, on_ground, 1e-7);
   for (int k = 0; k < 18; ++k) EXPECT_NEAR(0, run.v[k], 1e-8) << k;
@@ -79,7 +88,8 @@ TEST(Contact, FrictionIsIsotropic) {
     const double angle = 2 * M_PI * k / 64;
     Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.2)).finish(), 1e-3);
     run.place({{0, 0, 0.1}});
-    run.set({}, {std::cos(angle), std::sin(angle), 0, -10 * std::sin(angle) * -1, 10 * std::cos(angle) * -1, 0});  // spinning backwards: it slides to the end
+    run.set({}, {std::cos(angle), std::sin(angle), 0, -10 * std::sin(angle) * -1, 10 * std::cos(angle) * -1,
+                 0});  // spinning backwards: it slides to the end
     run.steps(300);
     const double distance = std::hypot(run.q[0], run.q[1]);
     least = std::min(least, distance), most = std::max(most, distance);
@@ -127,7 +137,8 @@ TEST(Contact, SpringDepthAndBeltVelocity) {
 
 // Rebound off a spring and damper that act only in contact: exp(-z / sqrt(1 - z^2) (pi - 2 asin z)), z = d / (2 sqrt(k m)).
 TEST(Contact, SoftReboundMatchesSpringAndDamper) {
-  const double k = 1e3, damping = 10, z = damping / (2 * std::sqrt(k)), exact = std::exp(-z / std::sqrt(1 - z * z) * (3.141592653589793 - 2 * std::asin(z)));
+  const double k = 1e3, damping = 10, z = damping / (2 * std::sqrt(k)),
+               exact = std::exp(-z / std::sqrt(1 - z * z) * (3.141592653589793 - 2 * std::asin(z)));
   dynMaterial soft = material(0);
   soft.stiffness = k, soft.damping = damping;
   for (const double radius : {0.1, 1.0}) {

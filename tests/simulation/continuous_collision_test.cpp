@@ -19,7 +19,8 @@ TEST(ContinuousCollision, BoxSlidesOverFlushSeams) {
   for (const double lower : {0.0, 1e-6, 1e-4})
     for (const double dt : {1e-3, 1e-4}) {
       Scene scene;
-      for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, mu), box_at(1.1, -0.05 - lower, {2, 2, 0.1}, mu)}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
+      for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, mu), box_at(1.1, -0.05 - lower, {2, 2, 0.1}, mu)})
+        ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
       scene.box("box", 1, {0.1, 0.1, 0.1}, material(mu));
       Simulation run(scene.finish(), dt);
       run.set({-0.1, 0, 0.05, 0, 0, 0, 1}, {2, 0, 0, 0, 0, 0});
@@ -50,7 +51,8 @@ TEST(ContinuousCollision, BoxSlidesOverTiles) {
 // A ledge as high as a tenth of the box stops it.
 TEST(ContinuousCollision, LedgeStopsBox) {
   Scene scene;
-  for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, 0), box_at(1.1, -0.04, {2, 2, 0.1}, 0)}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
+  for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, 0), box_at(1.1, -0.04, {2, 2, 0.1}, 0)})
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
   scene.box("box", 1, {0.1, 0.1, 0.1}, material(0));
   Simulation run(scene.finish());
   run.set({-0.1, 0, 0.05, 0, 0, 0, 1}, {0.3, 0, 0, 0, 0, 0});

@@ -39,7 +39,8 @@ TEST(StepInstructions, FarShapesAddNothing) {
   const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
   SKIP_UNCOUNTED(alone);
   for (const int boxes : {900, 3000})
-    EXPECT_LE(double(count(bench::scene(bench::chain(10, "", bench::touching) + bench::far_boxes(boxes)))), 1.01 * double(alone)) << boxes;
+    EXPECT_LE(double(count(bench::scene(bench::chain(10, "", bench::touching) + bench::far_boxes(boxes)))), 1.01 * double(alone))
+        << boxes;
 }
 
 TEST(StepInstructions, InactiveLimitsAddNothing) {
@@ -55,14 +56,20 @@ TEST(StepInstructions, DisabledEffectsAddNothing) {
   const struct {
     const char* joint;
     std::uint32_t effect;
-  } effects[] = {{bench::limited, DYN_EFFECT_LIMITS}, {bench::damped, DYN_EFFECT_DAMPING}, {"stiffness='1'", DYN_EFFECT_SPRINGS}, {"armature='.01'", DYN_EFFECT_ARMATURE}};
+  } effects[] = {{bench::limited, DYN_EFFECT_LIMITS},
+                 {bench::damped, DYN_EFFECT_DAMPING},
+                 {"stiffness='1'", DYN_EFFECT_SPRINGS},
+                 {"armature='.01'", DYN_EFFECT_ARMATURE}};
   for (const auto& e : effects)
-    EXPECT_NEAR(double(count(bench::scene(bench::chain(10, e.joint, bench::masked)), awake & ~e.effect)), double(alone), 0.01 * double(alone)) << e.joint;
+    EXPECT_NEAR(double(count(bench::scene(bench::chain(10, e.joint, bench::masked)), awake & ~e.effect)), double(alone),
+                0.01 * double(alone))
+        << e.joint;
 }
 
 // The same for effects that are not at the joints.
 TEST(StepInstructions, DisabledSceneEffectsAddNothing) {
-  const std::string chain = bench::chain(10, "name='j' frictionloss='.1'", bench::masked), plain = bench::chain(10, "name='j'", bench::masked);
+  const std::string chain = bench::chain(10, "name='j' frictionloss='.1'", bench::masked),
+                    plain = bench::chain(10, "name='j'", bench::masked);
   const auto unnamed = [](std::string text) {  // except the first joint
     for (std::size_t at = text.find("name='j'") + 1; (at = text.find("name='j'", at)) != std::string::npos;) text.erase(at, 8);
     return text;
@@ -74,15 +81,20 @@ TEST(StepInstructions, DisabledSceneEffectsAddNothing) {
     EXPECT_NEAR(double(count(text, awake & ~effect)), double(alone), 0.01 * double(alone)) << effect;
   };
   expect_alone("<mujoco><worldbody>" + unnamed(chain) + "</worldbody></mujoco>", DYN_EFFECT_FRICTION);
-  expect_alone("<mujoco><worldbody>" + unnamed(plain) + "</worldbody><actuator><position joint='j' kp='10' kv='1'/></actuator></mujoco>", DYN_EFFECT_ACTUATORS);
-  expect_alone("<mujoco><option density='1.2' viscosity='1e-5'/><worldbody>" + unnamed(plain) + "</worldbody></mujoco>", DYN_EFFECT_FLUID);
+  expect_alone(
+      "<mujoco><worldbody>" + unnamed(plain) + "</worldbody><actuator><position joint='j' kp='10' kv='1'/></actuator></mujoco>",
+      DYN_EFFECT_ACTUATORS);
+  expect_alone("<mujoco><option density='1.2' viscosity='1e-5'/><worldbody>" + unnamed(plain) + "</worldbody></mujoco>",
+               DYN_EFFECT_FLUID);
 }
 
 // A box within reach whose pairs are switched off.
 TEST(StepInstructions, DisabledPairsAddNothing) {
   const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
   SKIP_UNCOUNTED(alone);
-  Counted c(bench::scene(bench::chain(10, "", bench::touching) + "<geom type='box' size='.3 .3 .3' pos='.5 0 -.3' contype='0' conaffinity='1'/>"), awake);
+  Counted c(bench::scene(bench::chain(10, "", bench::touching) +
+                         "<geom type='box' size='.3 .3 .3' pos='.5 0 -.3' contype='0' conaffinity='1'/>"),
+            awake);
   ASSERT_EQ("", c.error);
   ASSERT_EQ(DYN_OK, dyn_data_set_pair(c.m, c.d, -1, 0)) << dyn_last_error();
   EXPECT_NEAR(double(c.step()), double(alone), 0.01 * double(alone));

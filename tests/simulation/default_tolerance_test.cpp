@@ -21,7 +21,8 @@ struct Heap {
     const double ground[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
     plane(ground);
     for (const double side : {-1.0, 1.0}) {
-      const double z = -side, across[12] = {0, z, 0, 0, 0, 1, z, 0, 0, 0.4 * side, 0, 0}, beside[12] = {0, 0, 1, z, 0, 0, 0, z, 0, 0, 0.4 * side, 0};
+      const double z = -side, across[12] = {0, z, 0, 0, 0, 1, z, 0, 0, 0.4 * side, 0, 0},
+                   beside[12] = {0, 0, 1, z, 0, 0, 0, z, 0, 0, 0.4 * side, 0};
       plane(across), plane(beside);
     }
     for (int k = 0; k < 9 * layers; ++k) {
@@ -34,7 +35,8 @@ struct Heap {
 Numbers turned(const std::vector<std::array<double, 3>>& at) {
   Numbers q;
   for (std::size_t k = 0; k < at.size(); ++k) {
-    double u[4] = {std::sin(3.0 * double(k)), std::sin(5.0 * double(k)), std::sin(7.0 * double(k)), std::sin(11.0 * double(k) + 1)};
+    double u[4] = {std::sin(3.0 * double(k)), std::sin(5.0 * double(k)), std::sin(7.0 * double(k)),
+                   std::sin(11.0 * double(k) + 1)};
     const double size = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
     q.insert(q.end(), {at[k][0], at[k][1], at[k][2], u[0] / size, u[1] / size, u[2] / size, u[3] / size});
   }
@@ -53,11 +55,13 @@ TEST(DefaultTolerance, HeapOfBoxesRestsWithBoundedIterations) {
     rows = std::max(rows, r.rows);
     ASSERT_LE(r.iterations, 100 * r.islands) << k;
     for (const dynContactForce& f : play.contacts()) {
-      const double n = f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
+      const double n =
+          f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
       double across = 0;
       for (int i = 0; i < 3; ++i) across += std::pow(f.force_on_b[i] - n * f.contact.normal[i], 2);
       ASSERT_GE(n, -1e-9) << k;
-      ASSERT_LE(std::sqrt(across), 0.6 * n * (1 + 1e-3) + 1e-6) << k << ", n " << n;  // Newton's method keeps cones to the residual
+      ASSERT_LE(std::sqrt(across), 0.6 * n * (1 + 1e-3) + 1e-6)
+          << k << ", n " << n;  // Newton's method keeps cones to the residual
     }
     if (k >= 950) {
       EXPECT_LE(r.residual, 1e-4) << k;
@@ -73,7 +77,9 @@ TEST(DefaultTolerance, ForcesOfAStackHoldItsWeight) {
   Scene scene;
   scene.ground();
   std::vector<std::array<double, 3>> at;
-  for (int k = 0; k < 8; ++k) scene.box(("box" + std::to_string(k)).c_str(), 1, {0.2, 0.2, 0.2}, material(0.6)), at.push_back({0.003 * k, 0, 0.1 + 0.2 * k});
+  for (int k = 0; k < 8; ++k)
+    scene.box(("box" + std::to_string(k)).c_str(), 1, {0.2, 0.2, 0.2}, material(0.6)),
+        at.push_back({0.003 * k, 0, 0.1 + 0.2 * k});
   Simulation play(scene.finish());
   play.place(at);
   play.steps(1000);
@@ -90,7 +96,8 @@ TEST(DefaultTolerance, GapsThatCannotCloseAreNoRows) {
   Scene scene;
   scene.ground();
   std::vector<std::array<double, 3>> at;
-  for (int k = 0; k < 3; ++k) scene.box(("box" + std::to_string(k)).c_str(), 1, {0.2, 0.2, 0.2}, material(0.6)), at.push_back({0.201 * k, 0, 0.1});
+  for (int k = 0; k < 3; ++k)
+    scene.box(("box" + std::to_string(k)).c_str(), 1, {0.2, 0.2, 0.2}, material(0.6)), at.push_back({0.201 * k, 0, 0.1});
   Simulation play(scene.finish());
   play.place(at);
   play.steps(100);

@@ -10,9 +10,12 @@ TEST(Wrenches, ForceAtAPointEqualsItsWrench) {
   Simulation run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}).finish());
   const double push[6] = {F[0], F[1], F[2], 0, 0, 0};
   const int stone = dyn_model_frame_id(run.m, "stone");
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, stone, point, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, stone, point, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED))
+      << dyn_last_error();
   run.steps(1);
-  const double moment[3] = {point[1] * F[2] - point[2] * F[1], point[2] * F[0] - point[0] * F[2], point[0] * F[1] - point[1] * F[0]}, I[3] = {0.1, 0.2, 0.25};
+  const double moment[3] = {point[1] * F[2] - point[2] * F[1], point[2] * F[0] - point[0] * F[2],
+                            point[0] * F[1] - point[1] * F[0]},
+               I[3] = {0.1, 0.2, 0.25};
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(F[k] / 2 * 1e-3, run.velocity()[std::size_t(k)], 1e-9);
     EXPECT_NEAR(moment[k] / I[k] * 1e-3, run.v[3 + k], 1e-6);

@@ -9,10 +9,13 @@ namespace {
 // The same with a negligible wrench on the first body: then all bodies take the recursion.
 void take_recursion(Simulation& run) {
   const double nothing[6] = {1e-300, 0, 0, 0, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "body0"), nullptr, nothing, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "body0"), nullptr, nothing,
+                                          DYN_REFERENCE_LOCAL_WORLD_ALIGNED))
+      << dyn_last_error();
 }
 
-// Nine driven, rotating bodies with offset centres of mass, one (with equal inertias) by more than 1 rad a step; quaternions of any norm.
+// Nine driven, rotating bodies with offset centres of mass, one (with equal inertias) by more than 1 rad a step; quaternions of
+// any norm.
 struct Tumbling {
   static constexpr int bodies = 9;
   Simulation run;
@@ -30,7 +33,8 @@ struct Tumbling {
   }
   static Model model() {
     Scene scene;
-    for (int k = 0; k < bodies; ++k) scene.free(("body" + std::to_string(k)).c_str(), 1 + k, {k ? 0.2 : 0.4, k ? 0.3 : 0.4, 0.4}, {0, 0, 0.02 * k});
+    for (int k = 0; k < bodies; ++k)
+      scene.free(("body" + std::to_string(k)).c_str(), 1 + k, {k ? 0.2 : 0.4, k ? 0.3 : 0.4, 0.4}, {0, 0, 0.02 * k});
     return scene.finish();
   }
 };
@@ -39,7 +43,8 @@ TEST(FreeBodies, MoveLikeTheRecursion) {
   Tumbling a(false), b(true);
   for (int k = 0; k < 200; ++k) {
     a.run.steps(1), b.run.steps(1);
-    for (int i = 0; i < dyn_model_nq(a.run.m); ++i) ASSERT_NEAR(b.run.q[i], a.run.q[i], 1e-11 * (1 + std::abs(b.run.q[i]))) << k << " " << i;
+    for (int i = 0; i < dyn_model_nq(a.run.m); ++i)
+      ASSERT_NEAR(b.run.q[i], a.run.q[i], 1e-11 * (1 + std::abs(b.run.q[i]))) << k << " " << i;
     for (int i = 0; i < dyn_model_nv(a.run.m); ++i)  // tolerances grow with the speed of points
       ASSERT_NEAR(b.run.v[i], a.run.v[i], 1e-11 * (1 + std::abs(b.run.v[i / 6 * 6 + 5]))) << k << " " << i;
   }
@@ -97,7 +102,8 @@ TEST(FreeBodies, MomentumIsKeptAtAnySpeed) {
       const double L = std::hypot(before[3], before[4], before[5]), energy = run.energy();
       run.steps(1000);
       const auto after = momentum();
-      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before[k], after[k], 1e-11 + 1e-14 * rate) << rate;  // tolerances grow with the speed of points
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(before[k], after[k], 1e-11 + 1e-14 * rate) << rate;  // tolerances grow with the speed of points
       for (std::size_t k = 3; k < 6 && rate <= 2000; ++k) EXPECT_NEAR(before[k], after[k], 1e-11 * L) << rate << " " << recursion;
       EXPECT_NEAR(L, std::hypot(after[3], after[4], after[5]), 1e-11 * L) << rate << " " << recursion;
       EXPECT_LT(run.energy(), 2.7 * energy) << rate;
@@ -107,16 +113,20 @@ TEST(FreeBodies, MomentumIsKeptAtAnySpeed) {
 TEST(FreeBodies, CostLessThanTheRecursion) {
   Tumbling a(false), b(true);
   a.run.steps(3), b.run.steps(3);
-  const long loose = bench::instructions([&] { dyn_step(a.run.m, a.run.d); }), others = bench::instructions([&] { dyn_step(b.run.m, b.run.d); });
+  const long loose = bench::instructions([&] { dyn_step(a.run.m, a.run.d); }),
+             others = bench::instructions([&] { dyn_step(b.run.m, b.run.d); });
   if (loose < 0) GTEST_SKIP() << "this system does not let a process trace its child";
   EXPECT_LT(loose, 0.7 * double(others));
 }
 
-// A rolling ball with an offset centre of mass touches the ground and another ball: three contacts, each determined by one equation.
+// A rolling ball with an offset centre of mass touches the ground and another ball: three contacts, each determined by one
+// equation.
 TEST(FreeBodies, ContactsMatchTheRecursion) {
   const auto make = [] {
     Scene scene;
-    scene.ground().free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02}).shape("body0", DYN_SHAPE_TYPE_SPHERE, {0.1, 0, 0}, material(0.5));
+    scene.ground()
+        .free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02})
+        .shape("body0", DYN_SHAPE_TYPE_SPHERE, {0.1, 0, 0}, material(0.5));
     scene.sphere("other", 2, 0.1, material(0.4));
     return scene.finish();
   };
@@ -150,7 +160,8 @@ TEST(FreeBodies, TouchingWithoutLoadNeedsNoSolver) {
   for (const dynContactForce& f : run.contacts()) EXPECT_EQ(0, f.force_on_b[0]);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(0.5, run.v[6 * k], 1e-14);
   const double push[6] = {8, 0, 0, 0, 0, 0};  // the first pushes all
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "ball0"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "ball0"), nullptr, push,
+                                          DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
   run.steps(100);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(0.5 + 2 * 0.1, run.v[6 * k], 1e-8);
   const auto forces = run.contacts();

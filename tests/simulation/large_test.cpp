@@ -21,7 +21,8 @@ struct Spheres {
 // Forces in N.
 bool within_cones(const Simulation& play, double friction) {
   for (const dynContactForce& f : play.contacts()) {
-    const double n = f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
+    const double n =
+        f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
     double across = 0;
     for (int i = 0; i < 3; ++i) across += std::pow(f.force_on_b[i] - n * f.contact.normal[i], 2);
     if (n < -1e-9 || std::sqrt(across) > friction * n + 1e-6) return false;
@@ -44,7 +45,8 @@ TEST(Large, PouredSpheresAreSolvedInEveryStep) {
   EXPECT_GT(rows, 240);
 }
 
-// Spheres jam between equally rough walls: hundreds of contacts that stick hold one another. Each step's impulses exist and are found.
+// Spheres jam between equally rough walls: hundreds of contacts that stick hold one another. Each step's impulses exist and are
+// found.
 TEST(Large, JammedSpheresAreSolved) {
   constexpr double wall = 0.5;
   Spheres s(4, 64, 0.22, 1, {0, 0, -9.81});
@@ -56,7 +58,8 @@ TEST(Large, JammedSpheresAreSolved) {
       dyn_shape_spec_init(&plane);
       plane.body = "universe", plane.type = DYN_SHAPE_TYPE_HALF_SPACE, plane.material = material(1);
       const double z = -side;
-      const double across[12] = {0, z, 0, 0, 0, 1, z, 0, 0, side * wall, 0, 0}, beside[12] = {0, 0, 1, z, 0, 0, 0, z, 0, 0, side * wall, 0};
+      const double across[12] = {0, z, 0, 0, 0, 1, z, 0, 0, side * wall, 0, 0},
+                   beside[12] = {0, 0, 1, z, 0, 0, 0, z, 0, 0, side * wall, 0};
       std::copy_n(along ? across : beside, 12, plane.placement);
       ASSERT_EQ(DYN_OK, dyn_builder_add_shape(s.scene.builder(), &plane)) << dyn_last_error();
     }
@@ -66,7 +69,8 @@ TEST(Large, JammedSpheresAreSolved) {
   double worst = 0;
   for (int k = 0; k < 500; ++k) {
     play.steps(1);
-    rows = std::max(rows, play.report().rows), unsolved += play.report().residual > 1.01e-9, worst = std::max(worst, play.report().residual);
+    rows = std::max(rows, play.report().rows), unsolved += play.report().residual > 1.01e-9,
+    worst = std::max(worst, play.report().residual);
     ASSERT_TRUE(within_cones(play, 1)) << k;
   }
   EXPECT_GT(rows, 240);
@@ -82,7 +86,8 @@ void add_mimic_pair(dynBuilder* b) {
   follow.mimic = "lead", follow.mimic_ratio = 2;
   for (const Spec* s : {&lead, &follow}) {
     ASSERT_EQ(DYN_OK, dyn_builder_add_joint(b, s)) << dyn_last_error();
-    ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, (std::string(s->name) + "_arm").c_str(), s->name, nullptr, 1, com, I)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, (std::string(s->name) + "_arm").c_str(), s->name, nullptr, 1, com, I))
+        << dyn_last_error();
   }
 }
 void place_beside(Simulation& play, const Spheres& s) {
@@ -128,7 +133,8 @@ TEST(Large, MimicJointAddsNoCouplingInFlight) {
   EXPECT_LE(double(twice), 2.2 * double(some)) << some << ' ' << twice;
 }
 
-// Gauss-Seidel alone, to two digits: contacts stay in their cones, no energy is gained, and velocity errors do not add up to overlap.
+// Gauss-Seidel alone, to two digits: contacts stay in their cones, no energy is gained, and velocity errors do not add up to
+// overlap.
 TEST(Large, CoarseGaussSeidelStaysBounded) {
   Spheres s(4, 64, 0.21, 0.5, {0, 0, -9.81});
   s.scene.ground();
@@ -221,15 +227,18 @@ TEST(Large, FallingTrunkWithLimbsIsSolvedInNearlyEveryStep) {
       s.about(k == 0 ? 1 : 0, k == 0 ? 0 : 1, 0), s.lower = &lower, s.upper = &upper;
       EXPECT_EQ(DYN_OK, dyn_builder_add_joint(scene.builder(), &s)) << dyn_last_error();
       const double I[9] = {0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.004}, com[3] = {0, 0, -0.15};
-      EXPECT_EQ(DYN_OK, dyn_builder_add_body(scene.builder(), body.c_str(), joint.c_str(), nullptr, 3.0 - k, com, I)) << dyn_last_error();
+      EXPECT_EQ(DYN_OK, dyn_builder_add_body(scene.builder(), body.c_str(), joint.c_str(), nullptr, 3.0 - k, com, I))
+          << dyn_last_error();
       dynShapeSpec c;
       dyn_shape_spec_init(&c);
-      c.body = body.c_str(), c.type = DYN_SHAPE_TYPE_CAPSULE, c.material = material(0.5), c.size[0] = 0.04, c.size[1] = 0.25, c.placement[11] = -0.15;
+      c.body = body.c_str(), c.type = DYN_SHAPE_TYPE_CAPSULE, c.material = material(0.5), c.size[0] = 0.04, c.size[1] = 0.25,
+      c.placement[11] = -0.15;
       EXPECT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &c)) << dyn_last_error();
       parent = joint;
     }
   };
-  limb("left_leg", 0.1, -0.35, 0.5), limb("right_leg", -0.1, -0.35, 0.7), limb("left_arm", 0.25, 0.25, 1.0), limb("right_arm", -0.25, 0.25, 1.2);
+  limb("left_leg", 0.1, -0.35, 0.5), limb("right_leg", -0.1, -0.35, 0.7), limb("left_arm", 0.25, 0.25, 1.0),
+      limb("right_arm", -0.25, 0.25, 1.2);
   Simulation play(scene.finish(), 2e-3);
   Numbers q(std::size_t(7 + 12));
   q[2] = 1.4, q[3] = 0.1, q[6] = std::sqrt(0.99);

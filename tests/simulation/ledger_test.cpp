@@ -18,7 +18,8 @@ void keep(Simulation& play, dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLI
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options)) << dyn_last_error();
 }
 double sources(const dynErrorLedger& l) {
-  return l.applied + l.actuators + l.wrenches + l.damping + l.friction + l.fluid + l.contact_normal + l.contact_friction + l.limits + l.constraints + l.correction;
+  return l.applied + l.actuators + l.wrenches + l.damping + l.friction + l.fluid + l.contact_normal + l.contact_friction +
+         l.limits + l.constraints + l.correction;
 }
 
 // A block slides to rest: friction takes m v^2 / 2, in every step to rounding.
@@ -61,8 +62,11 @@ TEST(Ledger, DefectHasTheIntegratorsOrder) {
     std::vector<double> defects;
     for (const double dt : {4e-3, 2e-3}) {
       dynModel* m = nullptr;
-      const char* text = "<mujoco><compiler angle='radian'/><worldbody><body><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 .5 0 0' contype='0' conaffinity='0'/>"
-                          "<body pos='.5 0 0'><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 .5 0 0' contype='0' conaffinity='0'/></body></body></worldbody></mujoco>";
+      const char* text =
+          "<mujoco><compiler angle='radian'/><worldbody><body><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 "
+          ".5 0 0' contype='0' conaffinity='0'/>"
+          "<body pos='.5 0 0'><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 .5 0 0' contype='0' "
+          "conaffinity='0'/></body></body></worldbody></mujoco>";
       ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
       Simulation play(Model(m), dt);
       keep(play, c.integrator);
@@ -79,7 +83,8 @@ TEST(Ledger, DefectHasTheIntegratorsOrder) {
 // The ledger changes no bit of a step.
 TEST(Ledger, ChangesNoBit) {
   const auto run = [](bool kept, double accuracy) {
-    Simulation play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
+    Simulation play(
+        Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
     play.options.accuracy = accuracy;
     play.options.ledger = kept;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));

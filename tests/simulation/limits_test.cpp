@@ -51,7 +51,9 @@ Model ball_pendulum(bool beside, double angle = 0.5, double damping = 0) {
   }
   return b.finish();
 }
-double angle_of(const Simulation& run) { return 2 * std::atan2(std::sqrt(run.q[0] * run.q[0] + run.q[1] * run.q[1] + run.q[2] * run.q[2]), std::abs(run.q[3])); }
+double angle_of(const Simulation& run) {
+  return 2 * std::atan2(std::sqrt(run.q[0] * run.q[0] + run.q[1] * run.q[1] + run.q[2] * run.q[2]), std::abs(run.q[3]));
+}
 
 // In a plane a ball's limit equals a hinge's, for either sign of the quaternion.
 TEST(Limits, BallLimitMatchesHingeLimitInAPlane) {
@@ -75,7 +77,8 @@ TEST(Limits, BallLimitMatchesHingeLimitInAPlane) {
 }
 
 // About any axis, with spin: the limit holds except for the axis' rotation in a step, and no energy is gained.
-// With cos(a'/2) = cos(a/2) cos(h w/2) a step along the limit leads (h w)^2 / 4 cot(a/2) beyond; each step removes half of the error.
+// With cos(a'/2) = cos(a/2) cos(h w/2) a step along the limit leads (h w)^2 / 4 cot(a/2) beyond; each step removes half of the
+// error.
 TEST(Limits, BallLimitHolds) {
   for (const double angle : {0.2, 0.5, 1.5, 3.0}) {
     Simulation run(ball_pendulum(false, angle));

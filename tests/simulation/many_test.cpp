@@ -20,7 +20,9 @@ struct Heap {
       const std::string name = "body" + std::to_string(k);
       if (k % 3 == 0) scene.box(name.c_str(), 1, {0.1, 0.12, 0.14}, material(0.5));
       else if (k % 3 == 1) scene.sphere(name.c_str(), 0.5, 0.06, material(0.4, 0.2));
-      else scene.free(name.c_str(), 0.7, {2e-3, 2e-3, 1e-3}).shape(name.c_str(), DYN_SHAPE_TYPE_CAPSULE, {0.04, 0.1, 0}, material(0.6));
+      else
+        scene.free(name.c_str(), 0.7, {2e-3, 2e-3, 1e-3})
+            .shape(name.c_str(), DYN_SHAPE_TYPE_CAPSULE, {0.04, 0.1, 0}, material(0.6));
       q.insert(q.end(), {0.25 * u(random), 0.25 * u(random), 0.15 + 0.09 * k, 0, 0, 0, 1});
       double norm = 0;
       for (int i = 0; i < 4; ++i) {
@@ -111,7 +113,8 @@ TEST(ManyShapes, FiltersMatchThePairList) {
     heap.scene.free(body, 1, {0.1, 0.1, 0.1});
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
-    s.body = body, s.name = body, s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = 0.05, s.contype = contype, s.conaffinity = conaffinity;
+    s.body = body, s.name = body, s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = 0.05, s.contype = contype,
+    s.conaffinity = conaffinity;
     ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   };
   ball("meets", 1, 1), ball("passes", 2, 2), ball("wanted", 2, 2);
@@ -131,7 +134,8 @@ TEST(ManyShapes, FiltersMatchThePairList) {
   EXPECT_NEAR(0.15 - 0.5 * g * 0.01, run.q[9], 1e-3);
   EXPECT_NEAR(0.15, run.q[16], 1e-9);
   ASSERT_EQ(2u, run.contacts().size());
-  for (const dynContactForce& f : run.contacts()) EXPECT_EQ(f.contact.pair, f.contact.shape_a == run.contacts()[0].contact.shape_a ? -1 : 0);
+  for (const dynContactForce& f : run.contacts())
+    EXPECT_EQ(f.contact.pair, f.contact.shape_a == run.contacts()[0].contact.shape_a ? -1 : 0);
   // disabled pairs, and groups at run time
   ASSERT_EQ(DYN_OK, dyn_data_set_pair(run.m, run.d, 0, 0));
   run.steps(1);
@@ -173,7 +177,8 @@ TEST(ManyShapes, InitialOverlapsAreNotTested) {
   }
 }
 
-// A heap of 1,500 balls falls onto the floor: in every step the floor's impulse is the change of momentum; nothing passes through.
+// A heap of 1,500 balls falls onto the floor: in every step the floor's impulse is the change of momentum; nothing passes
+// through.
 TEST(ManyShapes, FallingBallsKeepMomentum) {
   constexpr int n = 1500;
   constexpr double r = 0.05, m = 0.5, h = 2e-3;
@@ -208,7 +213,8 @@ TEST(ManyShapes, FallingBallsKeepMomentum) {
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     EXPECT_GT(contacts[k].contact.distance, -2e-3) << k;
     if (k > 0) {
-      EXPECT_LT(std::pair(contacts[k - 1].contact.shape_a, contacts[k - 1].contact.shape_b), std::pair(contacts[k].contact.shape_a, contacts[k].contact.shape_b));
+      EXPECT_LT(std::pair(contacts[k - 1].contact.shape_a, contacts[k - 1].contact.shape_b),
+                std::pair(contacts[k].contact.shape_a, contacts[k].contact.shape_b));
     }
   }
 }
@@ -218,7 +224,9 @@ TEST(ManyShapes, MovingHalfSpaceCollides) {
   Heap few(0, 0), many(0, 1000);
   std::vector<Numbers> ends;
   for (Heap* heap : {&few, &many}) {
-    heap->scene.free("plane", 5, {1, 1, 1}).shape("plane", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5)).sphere("ball", 1, 0.05, material(0.5));
+    heap->scene.free("plane", 5, {1, 1, 1})
+        .shape("plane", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5))
+        .sphere("ball", 1, 0.05, material(0.5));
     Simulation run(heap->scene.finish());
     // upside down: it falls onto the ball, which lies on the floor's box
     run.set({0, 0, 0.5, 1, 0, 0, 0, 0, 0, 0.1, 0, 0, 0, 1});

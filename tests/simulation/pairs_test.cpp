@@ -9,7 +9,8 @@ TEST(Pairs, RequestedPairsAreTested) {
   Scene scene;
   dynShapeSpec floor, shape;
   dyn_shape_spec_init(&floor), dyn_shape_spec_init(&shape);
-  floor.name = "floor", floor.type = DYN_SHAPE_TYPE_HALF_SPACE, floor.contype = floor.conaffinity = 0, floor.material = material(0.9);
+  floor.name = "floor", floor.type = DYN_SHAPE_TYPE_HALF_SPACE, floor.contype = floor.conaffinity = 0,
+  floor.material = material(0.9);
   ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &floor)) << dyn_last_error();
   scene.free("box", 1, {1, 1, 1});
   shape.name = "side", shape.body = "box", shape.size[0] = shape.size[1] = shape.size[2] = 0.2, shape.material = material(0.9);

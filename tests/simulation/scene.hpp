@@ -43,7 +43,9 @@ class Scene {
     return *this;
   }
   Scene& box(const char* name, double mass, std::array<double, 3> s, const dynMaterial& x) {
-    auto two = [&](int i, int j) { return mass / 12 * (s[std::size_t(i)] * s[std::size_t(i)] + s[std::size_t(j)] * s[std::size_t(j)]); };
+    auto two = [&](int i, int j) {
+      return mass / 12 * (s[std::size_t(i)] * s[std::size_t(i)] + s[std::size_t(j)] * s[std::size_t(j)]);
+    };
     return free(name, mass, {two(1, 2), two(0, 2), two(0, 1)}).shape(name, DYN_SHAPE_TYPE_BOX, s, x);
   }
   Scene& sphere(const char* name, double mass, double r, const dynMaterial& x) {
@@ -72,7 +74,8 @@ struct Simulation {
   dynData* d = nullptr;
   dynStepOptions options;
   double residual = 0;  // largest of all steps
-  explicit Simulation(Model model, double dt = 1e-3, dynContactSolverType solver = DYN_CONTACT_SOLVER_TYPE_ADMM) : m(std::move(model)) {
+  explicit Simulation(Model model, double dt = 1e-3, dynContactSolverType solver = DYN_CONTACT_SOLVER_TYPE_ADMM)
+      : m(std::move(model)) {
     EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_CENTROIDAL, &d));
     q = array("q"), v = array("v");
     dyn_step_options_init(&options);
@@ -94,7 +97,9 @@ struct Simulation {
   }
   const double *q = nullptr, *v = nullptr;  // arrays of the data
   void set(const Numbers& at, const Numbers& velocity = {}) {
-    ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, at.empty() ? nullptr : at.data(), velocity.empty() ? nullptr : velocity.data(), nullptr, nullptr)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, at.empty() ? nullptr : at.data(), velocity.empty() ? nullptr : velocity.data(),
+                                         nullptr, nullptr))
+        << dyn_last_error();
   }
   // Places free bodies upright.
   void place(const std::vector<std::array<double, 3>>& at) {
@@ -130,11 +135,14 @@ struct Simulation {
   std::array<double, 3> velocity(int body = 0) const {
     const double *x = q + 7 * body + 3, *u = v + 6 * body;
     const double t[3] = {2 * (x[1] * u[2] - x[2] * u[1]), 2 * (x[2] * u[0] - x[0] * u[2]), 2 * (x[0] * u[1] - x[1] * u[0])};
-    return {u[0] + x[3] * t[0] + x[1] * t[2] - x[2] * t[1], u[1] + x[3] * t[1] + x[2] * t[0] - x[0] * t[2], u[2] + x[3] * t[2] + x[0] * t[1] - x[1] * t[0]};
+    return {u[0] + x[3] * t[0] + x[1] * t[2] - x[2] * t[1], u[1] + x[3] * t[1] + x[2] * t[0] - x[0] * t[2],
+            u[2] + x[3] * t[2] + x[0] * t[1] - x[1] * t[0]};
   }
 };
 
-inline void control(Simulation& run, const Numbers& u) { ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data())) << dyn_last_error(); }
+inline void control(Simulation& run, const Numbers& u) {
+  ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data())) << dyn_last_error();
+}
 inline void integrate_by(Simulation& run, dynIntegrator by) {
   run.options.integrator = by;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));

@@ -49,7 +49,8 @@ struct Pair {
       ++compared;
       for (int i = 0; i < dyn_model_nq(a.m); ++i) ASSERT_EQ(a.q[i], b.q[i]) << "step " << compared << ", q " << i;
       for (int i = 0; i < dyn_model_nv(a.m); ++i) ASSERT_EQ(a.v[i], b.v[i]) << "step " << compared << ", v " << i;
-      for (int i = 0; i < dyn_model_nactuators(a.m); ++i) ASSERT_EQ(a.array("actuator_force")[i], b.array("actuator_force")[i]) << "step " << compared << ", actuator " << i;
+      for (int i = 0; i < dyn_model_nactuators(a.m); ++i)
+        ASSERT_EQ(a.array("actuator_force")[i], b.array("actuator_force")[i]) << "step " << compared << ", actuator " << i;
       ASSERT_EQ(a.report().sleeping, b.report().sleeping) << compared;
       slept = std::max(slept, a.report().sleeping);
       const auto x = a.contacts(), y = b.contacts();
@@ -113,10 +114,15 @@ TEST_P(Sleeping, WakingGivesTheBitsOfNoSleep) {
   });
   run.steps(50);
   EXPECT_EQ(again - 1, run.a.report().sleeping);
-  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, Numbers(std::size_t(dyn_model_nv(p.m)), 0).data())); });
+  run.both([&](Simulation& p) {
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, Numbers(std::size_t(dyn_model_nv(p.m)), 0).data()));
+  });
   run.steps(50);
   const double push[6] = {0, 0, 30, 0, 0, 0};
-  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "box2"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Simulation& p) {
+    ASSERT_EQ(DYN_OK,
+              dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "box2"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
+  });
   run.steps(30);
   run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
   run.steps(300);
@@ -136,12 +142,15 @@ Model robots(int n, const char* more = "") {
     bodies += "<body name='trunk" + i + "' pos='" + i + " 0 .16'><freejoint/><geom type='box' size='.15 .1 .03' mass='2'/>";
     for (const std::string side : {"l", "r"})
       bodies += "<body pos='0 " + std::string(side == "l" ? ".08" : "-.08") + " 0'><joint name='" + side + i +
-                "' axis='0 1 0' range='-1.5 1.5' damping='.2' frictionloss='.05' stiffness='1' armature='.01'/><geom type='capsule' size='.02' fromto='0 0 0 .1 0 -.1' mass='.3'/></body>";
+                "' axis='0 1 0' range='-1.5 1.5' damping='.2' frictionloss='.05' stiffness='1' armature='.01'/><geom "
+                "type='capsule' size='.02' fromto='0 0 0 .1 0 -.1' mass='.3'/></body>";
     bodies += "</body>";
-    actuators += "<position joint='l" + i + "' kp='8' kv='.3' timeconst='.02' forcerange='-3 3'/><position joint='r" + i + "' kp='8' kv='.3'/>";
+    actuators += "<position joint='l" + i + "' kp='8' kv='.3' timeconst='.02' forcerange='-3 3'/><position joint='r" + i +
+                 "' kp='8' kv='.3'/>";
   }
   const std::string text = "<mujoco><compiler angle='radian'/><worldbody><geom type='plane' size='1 1 1'/>" + bodies +
-                           "<body name='ball' pos='.5 5 2000'><freejoint/><geom size='.05'/></body></worldbody><actuator>" + actuators + "</actuator>" + more + "</mujoco>";
+                           "<body name='ball' pos='.5 5 2000'><freejoint/><geom size='.05'/></body></worldbody><actuator>" +
+                           actuators + "</actuator>" + more + "</mujoco>";
   dynModel* m = nullptr;
   EXPECT_EQ(DYN_OK, dyn_model_load_string(text.c_str(), nullptr, &m)) << dyn_last_error();
   return Model(m);
@@ -181,7 +190,8 @@ TEST(Sleep, DrivenAndDampedRobotsSleepAndWake) {
   run.steps(300);
   EXPECT_EQ(n - 1, run.a.report().sleeping);
   // stronger and rotated
-  for (const auto& gravity : {std::array<double, 3>{0, 0, -15}, std::array<double, 3>{4, 0, -9}, std::array<double, 3>{0, 0, -g}}) {
+  for (const auto& gravity :
+       {std::array<double, 3>{0, 0, -15}, std::array<double, 3>{4, 0, -9}, std::array<double, 3>{0, 0, -g}}) {
     run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, gravity.data())); });
     run.steps(150);
   }
@@ -199,7 +209,10 @@ TEST(Sleep, DrivenAndDampedRobotsSleepAndWake) {
   run.steps(400);
   EXPECT_LT(run.a.report().sleeping, asleep);
   const double push[6] = {0, 20, 10, 0, 0, 0};
-  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk1"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Simulation& p) {
+    ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk1"), nullptr, push,
+                                            DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
+  });
   run.steps(100);
   run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
   run.steps(500);
@@ -210,7 +223,10 @@ TEST(Sleep, ConstantForcesAllowSleep) {
   Pair run(robots(1, "<option density='1.2' viscosity='1e-5'/>"), robots(1, "<option density='1.2' viscosity='1e-5'/>"));
   start_robots(run);
   const double pull[6] = {0, 0, -1, 0, 0, 0};
-  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk0"), nullptr, pull, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Simulation& p) {
+    ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk0"), nullptr, pull,
+                                            DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
+  });
   run.steps(2500);
   EXPECT_EQ(1, run.a.report().sleeping);
   const double tiny[2] = {1e-9, 0};
@@ -261,7 +277,8 @@ TEST(Sleep, MovingBodiesStayAwake) {
   run.place({{0, 0, 1}, {5, 0, 1}});
   run.set({}, {2e-4, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0});
   const double pull[6] = {0, 0, -0.1, 0, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "thrown"), nullptr, pull, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "thrown"), nullptr, pull,
+                                          DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
   run.steps(2000);
   EXPECT_EQ(0, run.report().sleeping);
   EXPECT_NEAR(4e-4, run.q[0], 1e-12);

@@ -35,7 +35,8 @@ TEST(Step, CollisionsKeepMomentum) {
   run.steps(300);
   const Numbers now = momentum(run);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(before[i], now[i], 1e-12);
-  for (std::size_t i = 3; i < 6; ++i) EXPECT_NEAR(before[i], now[i], 1e-3);  // moments of an impact use its position at the beginning of the step
+  for (std::size_t i = 3; i < 6; ++i)
+    EXPECT_NEAR(before[i], now[i], 1e-3);  // moments of an impact use its position at the beginning of the step
   EXPECT_GT(std::abs(run.velocity(1)[0]), 0.5);
 }
 
@@ -138,7 +139,8 @@ TEST(Step, RestoredStateReproducesTheBits) {
 
 // Results computed for a restored state are not reused for the next one.
 TEST(Step, RestoredStateInvalidatesResults) {
-  Simulation play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish()), fresh(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish());
+  Simulation play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish()),
+      fresh(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish());
   play.place({{0, 0, 0.3}});
   play.steps(10);
   std::vector<unsigned char> kept(dyn_model_state_size(play.m));
@@ -238,8 +240,8 @@ TEST(Step, MaterialsCombineAndInvalidOnesAreRefused) {
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_material(run.m, run.d, -1, &good));
   ASSERT_EQ(DYN_OK, dyn_data_shape_material(run.m, run.d, 0, &x));
   EXPECT_EQ(0.75, x.friction);
-  for (double dynMaterial::*number : {&dynMaterial::friction, &dynMaterial::torsion, &dynMaterial::rolling, &dynMaterial::restitution, &dynMaterial::stiffness,
-                                      &dynMaterial::damping})
+  for (double dynMaterial::* number : {&dynMaterial::friction, &dynMaterial::torsion, &dynMaterial::rolling,
+                                       &dynMaterial::restitution, &dynMaterial::stiffness, &dynMaterial::damping})
     for (const double bad : {-1.0, nan, inf, 1e16}) {
       dynMaterial wrong = good;
       wrong.*number = bad;

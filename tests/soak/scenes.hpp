@@ -38,7 +38,8 @@ class Builder {
   ~Builder() { dyn_builder_free(b_); }
 
   struct Joint : dynJointSpec {
-    Joint(const char* name_, dynJointType type_, const char* parent_ = nullptr, std::array<double, 3> at = {}, std::array<double, 3> about = {0, 0, 1}) {
+    Joint(const char* name_, dynJointType type_, const char* parent_ = nullptr, std::array<double, 3> at = {},
+          std::array<double, 3> about = {0, 0, 1}) {
       dyn_joint_spec_init(this);
       name = name_, type = type_, parent = parent_;
       for (std::size_t k = 0; k < 3; ++k) placement[9 + k] = at[k], axis[k] = about[k];
@@ -55,8 +56,8 @@ class Builder {
     const double I[9] = {s * (y + z), 0, 0, 0, s * (x + z), 0, 0, 0, s * (x + y)};
     return check(dyn_builder_add_body(b_, ("link_" + joint).c_str(), joint.c_str(), nullptr, mass, com.data(), I)), *this;
   }
-  Builder& shape(const std::string& joint, dynShapeType type, std::array<double, 3> size, std::array<double, 3> at = {}, double friction = 0.6, double restitution = 0,
-                 double rolling = 0) {
+  Builder& shape(const std::string& joint, dynShapeType type, std::array<double, 3> size, std::array<double, 3> at = {},
+                 double friction = 0.6, double restitution = 0, double rolling = 0) {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
     const std::string link = "link_" + joint;
@@ -68,7 +69,8 @@ class Builder {
   // a floor and four walls: half-spaces rotated by quarter turns
   Builder& room(double half) {
     shape("", DYN_SHAPE_TYPE_HALF_SPACE, {});
-    const double walls[4][9] = {{0, 0, -1, 0, 1, 0, 1, 0, 0}, {0, 0, 1, 0, 1, 0, -1, 0, 0}, {1, 0, 0, 0, 0, -1, 0, 1, 0}, {1, 0, 0, 0, 0, 1, 0, -1, 0}};
+    const double walls[4][9] = {
+        {0, 0, -1, 0, 1, 0, 1, 0, 0}, {0, 0, 1, 0, 1, 0, -1, 0, 0}, {1, 0, 0, 0, 0, -1, 0, 1, 0}, {1, 0, 0, 0, 0, 1, 0, -1, 0}};
     for (int k = 0; k < 4; ++k) {
       dynShapeSpec s;
       dyn_shape_spec_init(&s);
@@ -118,8 +120,10 @@ inline dynModel* arm() {
   std::string parent;
   for (int k = 0; k < 7; ++k) {
     const std::string name = "j" + std::to_string(k);
-    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, k ? parent.c_str() : nullptr, {0, 0, 0.2}, {double(k % 2), double(k % 3 == 1), double(k % 2 == 0)})
-                .limits(&lower, &upper).losses(&armature, &damping, &friction));
+    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, k ? parent.c_str() : nullptr, {0, 0, 0.2},
+                           {double(k % 2), double(k % 3 == 1), double(k % 2 == 0)})
+                .limits(&lower, &upper)
+                .losses(&armature, &damping, &friction));
     b.body(name, 2 - 0.2 * k, {0.1, 0.1, 0.2}, {0, 0, 0.1});
     parent = name;
   }
@@ -131,22 +135,29 @@ inline dynModel* quadruped() {
   Builder b("quadruped");
   static const double damping = 1.5, armature = 0.01, friction = 0.1, lower = -2.7, upper = 2.7;
   b.room(3);
-  b.joint(Builder::Joint("trunk", DYN_JOINT_TYPE_FREE_FLYER)).body("trunk", 7, {0.4, 0.2, 0.1}).shape("trunk", DYN_SHAPE_TYPE_BOX, {0.4, 0.2, 0.1});
+  b.joint(Builder::Joint("trunk", DYN_JOINT_TYPE_FREE_FLYER))
+      .body("trunk", 7, {0.4, 0.2, 0.1})
+      .shape("trunk", DYN_SHAPE_TYPE_BOX, {0.4, 0.2, 0.1});
   for (int leg = 0; leg < 4; ++leg) {
     const std::string l = std::to_string(leg), hip = "hip" + l, thigh = "thigh" + l, calf = "calf" + l;
     const double x = leg < 2 ? 0.2 : -0.2, y = leg % 2 ? -0.12 : 0.12;
-    const auto hinge = [&](const std::string& name, const std::string& parent, std::array<double, 3> at, std::array<double, 3> axis) {
-      b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.c_str(), at, axis).limits(&lower, &upper).losses(&armature, &damping, &friction));
+    const auto hinge = [&](const std::string& name, const std::string& parent, std::array<double, 3> at,
+                           std::array<double, 3> axis) {
+      b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.c_str(), at, axis)
+                  .limits(&lower, &upper)
+                  .losses(&armature, &damping, &friction));
     };
     hinge(hip, "trunk", {x, y, 0}, {1, 0, 0}), b.body(hip, 0.6, {0.08, 0.08, 0.08});
     hinge(thigh, hip, {0, 0, 0}, {0, 1, 0}), b.body(thigh, 1, {0.05, 0.05, 0.2}, {0, 0, -0.1});
     hinge(calf, thigh, {0, 0, -0.2}, {0, 1, 0}), b.body(calf, 0.2, {0.03, 0.03, 0.2}, {0, 0, -0.1});
-    b.shape(calf, DYN_SHAPE_TYPE_SPHERE, {0.02, 0, 0}, {0, 0, -0.2}, 0.8).shape(thigh, DYN_SHAPE_TYPE_CAPSULE, {0.025, 0.12, 0}, {0, 0, -0.1});
+    b.shape(calf, DYN_SHAPE_TYPE_SPHERE, {0.02, 0, 0}, {0, 0, -0.2}, 0.8)
+        .shape(thigh, DYN_SHAPE_TYPE_CAPSULE, {0.025, 0.12, 0}, {0, 0, -0.1});
   }
   return b.finish();
 }
 inline void stand(const dynModel* m, double* q) {
-  for (int k = 0; k < dyn_model_nq(m); ++k) q[k] = k == 2 ? 0.32 : k == 6 ? 1 : k < 7 ? 0 : (k - 7) % 3 == 1 ? 0.7 : (k - 7) % 3 == 2 ? -1.4 : 0;
+  for (int k = 0; k < dyn_model_nq(m); ++k)
+    q[k] = k == 2 ? 0.32 : k == 6 ? 1 : k < 7 ? 0 : (k - 7) % 3 == 1 ? 0.7 : (k - 7) % 3 == 2 ? -1.4 : 0;
 }
 
 // Shapes of six kinds that fall into a heap between walls.
@@ -169,7 +180,8 @@ inline dynModel* heap() {
 }
 inline void drop(const dynModel* m, double* q) {
   for (int k = 0; k < dyn_model_nq(m) / 7; ++k, q += 7) {
-    const double at[7] = {0.15 * (k % 3 - 1), 0.15 * (k / 3 % 2) - 0.07, 0.15 + 0.13 * (k / 6) + 0.02 * k, 0.1 * (k % 4), 0.2, 0, 0.9};
+    const double at[7] = {
+        0.15 * (k % 3 - 1), 0.15 * (k / 3 % 2) - 0.07, 0.15 + 0.13 * (k / 6) + 0.02 * k, 0.1 * (k % 4), 0.2, 0, 0.9};
     double norm = 0;
     for (int i = 3; i < 7; ++i) norm += at[i] * at[i];
     double root = 1;
@@ -183,13 +195,15 @@ inline dynModel* linkage() {
   Builder b("linkage");
   static const double damping[3] = {0.2, 0.2, 0.2}, some[3] = {0.01, 0.01, 0.01};
   const auto hinge = [&](const char* name, const char* parent, double at, double length) {
-    b.joint(Builder::Joint(name, DYN_JOINT_TYPE_CONTINUOUS, parent, {at, 0, 0}, {0, 1, 0}).losses(some, damping, nullptr)).body(name, 0.5, {length, 0.05, 0.05}, {length / 2, 0, 0});
+    b.joint(Builder::Joint(name, DYN_JOINT_TYPE_CONTINUOUS, parent, {at, 0, 0}, {0, 1, 0}).losses(some, damping, nullptr))
+        .body(name, 0.5, {length, 0.05, 0.05}, {length / 2, 0, 0});
   };
   hinge("crank", nullptr, 0, 0.2), hinge("coupler", "crank", 0.2, 0.5), hinge("rocker", nullptr, 0.5, 0.35);
   Builder::Joint follower("follower", DYN_JOINT_TYPE_CONTINUOUS, nullptr, {0, 1, 0}, {0, 1, 0});
   follower.mimic = "crank", follower.mimic_ratio = -0.5;
   b.joint(follower).body("follower", 0.3, {0.2, 0.05, 0.05}, {0.1, 0, 0});
-  b.joint(Builder::Joint("ball", DYN_JOINT_TYPE_SPHERICAL, "follower", {0.2, 0, 0}).losses(some, damping, nullptr)).body("ball", 0.2, {0.05, 0.05, 0.1}, {0, 0, -0.1});
+  b.joint(Builder::Joint("ball", DYN_JOINT_TYPE_SPHERICAL, "follower", {0.2, 0, 0}).losses(some, damping, nullptr))
+      .body("ball", 0.2, {0.05, 0.05, 0.1}, {0, 0, -0.1});
   Builder::Joint screw("screw", DYN_JOINT_TYPE_HELICAL, nullptr, {0, -1, 0});
   screw.pitch = 0.01, screw.losses(some, damping, nullptr);
   b.joint(screw).body("screw", 0.4, {0.1, 0.1, 0.1});
@@ -222,7 +236,9 @@ inline dynModel* balls() {
   b.room(1);
   for (int k = 0; k < 6; ++k) {
     const std::string name = "ball" + std::to_string(k);
-    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_FREE_FLYER)).body(name, 0.3 + 0.1 * k, {0.1, 0.1, 0.1}).shape(name, DYN_SHAPE_TYPE_SPHERE, {0.08, 0, 0}, {}, 0.5, 0.1 * k, 2e-3);
+    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_FREE_FLYER))
+        .body(name, 0.3 + 0.1 * k, {0.1, 0.1, 0.1})
+        .shape(name, DYN_SHAPE_TYPE_SPHERE, {0.08, 0, 0}, {}, 0.5, 0.1 * k, 2e-3);
   }
   return b.finish();
 }
@@ -234,7 +250,8 @@ inline dynModel* tops() {
   check(dyn_builder_set_gravity(b, none));
   for (int k = 0; k < 3; ++k) {
     const std::string name = "top" + std::to_string(k);
-    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_SPHERICAL, nullptr, {double(k), 0, 0})).body(name, 1, {0.1, 0.2, 0.3 + 0.1 * k});
+    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_SPHERICAL, nullptr, {double(k), 0, 0}))
+        .body(name, 1, {0.1, 0.2, 0.3 + 0.1 * k});
   }
   return b.finish();
 }
@@ -242,12 +259,39 @@ inline dynModel* tops() {
 inline const Scene scenes[] = {
     {"arm", arm, as_it_is, 20, 100, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {200, 3, 1}, 30},
     {"arm, rk4", arm, as_it_is, 5, 100, DYN_INTEGRATOR_RK4, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {200, 3, 1}, 20},
-    {"quadruped", quadruped, stand, 15, 150, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {300, 5, 0.02}, 6},
+    {"quadruped",
+     quadruped,
+     stand,
+     15,
+     150,
+     DYN_INTEGRATOR_SEMI_IMPLICIT_EULER,
+     DYN_CONTACT_SOLVER_TYPE_ADMM,
+     1e-3,
+     {300, 5, 0.02},
+     6},
     {"heap", heap, drop, 4, 200, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {300, 5, 0.02}, 1},
-    {"heap, newton", heap, drop, 4, 200, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_NEWTON, 1e-3, {300, 5, 0.02}, 1},
+    {"heap, newton",
+     heap,
+     drop,
+     4,
+     200,
+     DYN_INTEGRATOR_SEMI_IMPLICIT_EULER,
+     DYN_CONTACT_SOLVER_TYPE_NEWTON,
+     1e-3,
+     {300, 5, 0.02},
+     1},
     {"balls, pgs", balls, drop, 3, 200, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_PGS, 1e-3, {300, 5, 0.02}, 2},
     {"linkage", linkage, close, 1, 100, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {300, 1e4, 1}, 20},
-    {"tops, midpoint", tops, as_it_is, 0.02, 50, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {500, 2, 1}, 20},
+    {"tops, midpoint",
+     tops,
+     as_it_is,
+     0.02,
+     50,
+     DYN_INTEGRATOR_IMPLICIT_MIDPOINT,
+     DYN_CONTACT_SOLVER_TYPE_ADMM,
+     1e-3,
+     {500, 2, 1},
+     20},
 };
 
 }  // namespace soak

@@ -8,7 +8,8 @@ namespace soak {
 // A simulated scene.
 class Simulation {
  public:
-  explicit Simulation(const Scene& scene) : s(scene), m(scene.build()), q(std::size_t(dyn_model_nq(m))), tau_(std::size_t(dyn_model_nv(m))), turns_(tau_.size()) {
+  explicit Simulation(const Scene& scene)
+      : s(scene), m(scene.build()), q(std::size_t(dyn_model_nq(m))), tau_(std::size_t(dyn_model_nv(m))), turns_(tau_.size()) {
     check(dyn_data_new(m, DYN_PART_SIMULATION | DYN_PART_ENERGY, &d));
     dynStepOptions o;
     dyn_step_options_init(&o);

@@ -53,10 +53,14 @@ int main(int count, char** argument) {
     }
     grown = resident() - pages;
     if (wrong) std::fprintf(stderr, "%s, step %ld: %s\n", scene.name, play.steps, wrong);
-    good = good && !wrong && (hash || sanitized || grown <= 256);  // 1 MiB: the kernel counts in batches, and under an emulator its memory counts, too
+    good =
+        good && !wrong &&
+        (hash || sanitized || grown <= 256);  // 1 MiB: the kernel counts in batches, and under an emulator its memory counts, too
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (hash) std::printf("%-16s %016llx\n", scene.name, (unsigned long long)play.hash());
-    else std::printf("%-16s %10ld steps, %6.1f s, %6.2f us a step, %ld pages more, %s\n", scene.name, play.steps, seconds, 1e6 * seconds / double(play.steps), grown, wrong ? wrong : "within bounds");
+    else
+      std::printf("%-16s %10ld steps, %6.1f s, %6.2f us a step, %ld pages more, %s\n", scene.name, play.steps, seconds,
+                  1e6 * seconds / double(play.steps), grown, wrong ? wrong : "within bounds");
     std::fflush(stdout);
   }
   if (!played) return std::fprintf(stderr, "dyn_soak: no scene is called %s\n", only), 2;

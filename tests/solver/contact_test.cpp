@@ -20,7 +20,8 @@ void expect_solved(Scene& s, const Answer& a, double tolerance, const std::strin
     EXPECT_GE(v[2], -tolerance * speed) << what << " dual " << k;
     EXPECT_LE(std::fabs(l[2] * v[2]), 10 * tolerance * impulse * speed) << what << " signorini " << k;
     // maximum dissipation: l_t = -mu l_n v_t / |v_t|
-    for (int i = 0; i < 2; ++i) EXPECT_NEAR(0, l[i] * vt + mu * l[2] * v[i], 20 * tolerance * impulse * speed) << what << " dissipation " << k;
+    for (int i = 0; i < 2; ++i)
+      EXPECT_NEAR(0, l[i] * vt + mu * l[2] * v[i], 20 * tolerance * impulse * speed) << what << " dissipation " << k;
   }
 }
 
@@ -31,8 +32,10 @@ TEST(ContactSolver, RandomProblemsAreSolved) {
         for (const int dof : {6, 2 * contacts + 6, 3 * contacts}) {
           Scene s = random_scene(contacts, dof, mu, 1000 * contacts + dof);
           const Answer a = solve(s, with(type, type == DYN_CONTACT_SOLVER_TYPE_PGS ? 100000 : 100));
-          const std::string what = std::string(solver_names[type]) + " contacts " + std::to_string(contacts) + " mu " + std::to_string(mu) + " dof " + std::to_string(dof);
-          EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << what << " residual " << a.report.residual << " iterations " << a.report.iterations;
+          const std::string what = std::string(solver_names[type]) + " contacts " + std::to_string(contacts) + " mu " +
+                                   std::to_string(mu) + " dof " + std::to_string(dof);
+          EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status)
+              << what << " residual " << a.report.residual << " iterations " << a.report.iterations;
           EXPECT_LE(a.report.residual, 1e-10) << what;
           expect_solved(s, a, 1e-9, what);
         }
@@ -42,11 +45,13 @@ TEST(ContactSolver, RandomProblemsAreSolved) {
 TEST(ContactSolver, StacksOfUnequalMassesCarryTheirLoad) {
   const double dt = 1e-3;
   for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
-    for (const Vector& masses : std::vector<Vector>{{1, 1}, {1, 1e3}, {1, 1e6}, {1e-3, 1e3}, {1e3, 1e-3}, {1e6, 1}, {1, 10, 100, 1e3, 1e4, 1e5, 1e6}, Vector(10, 1.0)}) {
+    for (const Vector& masses : std::vector<Vector>{
+             {1, 1}, {1, 1e3}, {1, 1e6}, {1e-3, 1e3}, {1e3, 1e-3}, {1e6, 1}, {1, 10, 100, 1e3, 1e4, 1e5, 1e6}, Vector(10, 1.0)}) {
       const Bodies bodies = stack(masses);
       Scene s = bodies.scene(0.7, bodies.falling(dt));
       const Answer a = solve(s, with(type, 100));
-      EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << solver_names[type] << " " << masses.size() << " " << masses.back() << " residual " << a.report.residual;
+      EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status)
+          << solver_names[type] << " " << masses.size() << " " << masses.back() << " residual " << a.report.residual;
       double above = 0, total = 0;
       for (const double m : masses) total += m;
       for (int b = int(masses.size()) - 1; b >= 0; --b) {
@@ -72,7 +77,8 @@ TEST(ContactSolver, RedundantLegsShareTheLoad) {
           v[0] = push, v[1] = 0.3 * push;
           Scene s = bodies.scene(0.5, v);
           const Answer a = solve(s, with(type, type == DYN_CONTACT_SOLVER_TYPE_PGS ? 100000 : 100));
-          const std::string what = std::string(solver_names[type]) + " legs " + std::to_string(legs) + " x " + std::to_string(copies) + " push " + std::to_string(push);
+          const std::string what = std::string(solver_names[type]) + " legs " + std::to_string(legs) + " x " +
+                                   std::to_string(copies) + " push " + std::to_string(push);
           EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << what << " residual " << a.report.residual;
           expect_solved(s, a, 1e-9, what);
           if (push > 0) continue;
@@ -93,7 +99,8 @@ TEST(ContactSolver, PainleveRodHasASolution) {
     paradoxical += 1 + 3 * std::cos(theta) * std::cos(theta) - 3 * mu * std::sin(theta) * std::cos(theta) < 0;
     for (const dynContactSolverType type : all_solvers) {
       const Answer a = solve(s, with(type, 100));
-      ASSERT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << solver_names[type] << " " << k << " residual " << a.report.residual;
+      ASSERT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status)
+          << solver_names[type] << " " << k << " residual " << a.report.residual;
       expect_solved(s, a, 1e-9, std::string(solver_names[type]) + " " + std::to_string(k));
     }
   }
@@ -139,7 +146,8 @@ TEST(ContactSolver, PointMassMatchesClosedForms) {
       s.G = {1, 0, 0, 0, 1, 0, 0, 0, 1}, s.g = std::move(g), s.friction = {mu};
       return solve(s, with(type));
     };
-    const Answer apart = point({1, 2, 3}, 0.5), stuck = point({0.3, 0.4, -2}, 0.5), slides = point({3, 4, -2}, 0.5), limit = point({0.6, 0.8, -2}, 0.5);
+    const Answer apart = point({1, 2, 3}, 0.5), stuck = point({0.3, 0.4, -2}, 0.5), slides = point({3, 4, -2}, 0.5),
+                 limit = point({0.6, 0.8, -2}, 0.5);
     EXPECT_EQ((Vector{0, 0, 0}), apart.lambda);
     for (int i = 0; i < 3; ++i) {
       EXPECT_NEAR((Vector{-0.3, -0.4, 2})[i], stuck.lambda[i], 1e-14);
@@ -154,7 +162,8 @@ TEST(ContactSolver, PointMassMatchesClosedForms) {
   }
 }
 
-// Torsion and rolling: a ball spinning about the normal stops at the rate of its coefficient; without rolling friction it rolls on.
+// Torsion and rolling: a ball spinning about the normal stops at the rate of its coefficient; without rolling friction it rolls
+// on.
 TEST(ContactSolver, TorsionAndRollingMatchClosedForms) {
   for (const dynContactSolverType type : all_solvers) {
     Scene s;

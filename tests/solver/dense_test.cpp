@@ -46,7 +46,8 @@ TEST(Dense, LuSolves) {
     std::vector<Index> pivots(n);
     ASSERT_TRUE(lu(s.A, n, pivots.data())) << n;
     for (Index j = 0; j < n; ++j)
-      for (Index i = j + 1; i < n; ++i) EXPECT_LE(std::fabs(s.A(i, j)), 1) << "a pivot that is not the largest of its column: " << n;
+      for (Index i = j + 1; i < n; ++i)
+        EXPECT_LE(std::fabs(s.A(i, j)), 1) << "a pivot that is not the largest of its column: " << n;
     lu_solve(s.A, n, pivots.data(), x.data());
     std::vector<double> left = b;
     for (Index j = 0; j < n; ++j)

@@ -1,5 +1,6 @@
-// Hard problems in numbers: random ones, tables, and pushed stacks of random and extreme masses, in which light bodies slide under heavy ones.
-// Friction makes them nonconvex, and no method solves all: the test counts how many are solved in how many iterations.
+// Hard problems in numbers: random ones, tables, and pushed stacks of random and extreme masses, in which light bodies slide
+// under heavy ones. Friction makes them nonconvex, and no method solves all: the test counts how many are solved in how many
+// iterations.
 #include "common/quad.hpp"
 #include "solver/scenes.hpp"
 
@@ -20,7 +21,8 @@ double natural_map(const Scene& s, const Vector& lambda) {
     }
     const double mu = s.friction[k], *l = &lambda[3 * k];
     const double unit = std::max({s.G[(3 * k) * (n + 1)], s.G[(3 * k + 1) * (n + 1)], s.G[(3 * k + 2) * (n + 1)]});
-    double w[3] = {l[0] - c[0] / unit, l[1] - c[1] / unit, l[2] - (c[2] + mu * std::hypot(c[0], c[1])) / unit}, p[3] = {w[0], w[1], w[2]};
+    double w[3] = {l[0] - c[0] / unit, l[1] - c[1] / unit, l[2] - (c[2] + mu * std::hypot(c[0], c[1])) / unit},
+           p[3] = {w[0], w[1], w[2]};
     const double t = std::hypot(w[0], w[1]);
     if (w[2] <= -mu * t)
       p[0] = p[1] = p[2] = 0;
@@ -60,28 +62,59 @@ Scene light_under_heavy(int seed) {
 }
 
 const Family families[] = {
-    {"random", [](int seed) {
+    {"random",
+     [](int seed) {
        Draw draw(seed);
        const int contacts = 1 + draw.below(39);
        return random_scene(contacts, 6 + draw.below(3 * contacts), draw.uniform(0, 1.5), unsigned(seed));
-     }, 200, 197, 200},
-    {"tables", [](int seed) {
+     },
+     200, 197, 200},
+    {"tables",
+     [](int seed) {
        Draw draw(seed);
        return pushed(table(3 + draw.below(5), 1 + draw.below(10), draw.uniform(0, 0.5)), draw, draw.uniform(0.1, 1.1));
-     }, 60, 59, 60},
-    {"ten cubes", [](int seed) { Draw draw(seed); return pushed(stack(Vector(10, 1.0)), draw, draw.uniform(0.2, 1)); }, 60, 53, 58},
-    {"1 under 1e3", [](int seed) { Draw draw(seed); return pushed(stack({1, 1e3}), draw, draw.uniform(0.2, 1)); }, 60, 57, 59},
-    {"1e6 under 1", [](int seed) { Draw draw(seed); return pushed(stack({1e6, 1}), draw, draw.uniform(0.2, 1)); }, 60, 60, 60},
+     },
+     60, 59, 60},
+    {"ten cubes",
+     [](int seed) {
+       Draw draw(seed);
+       return pushed(stack(Vector(10, 1.0)), draw, draw.uniform(0.2, 1));
+     },
+     60, 53, 58},
+    {"1 under 1e3",
+     [](int seed) {
+       Draw draw(seed);
+       return pushed(stack({1, 1e3}), draw, draw.uniform(0.2, 1));
+     },
+     60, 57, 59},
+    {"1e6 under 1",
+     [](int seed) {
+       Draw draw(seed);
+       return pushed(stack({1e6, 1}), draw, draw.uniform(0.2, 1));
+     },
+     60, 60, 60},
     {"1 under 1e6", light_under_heavy<false>, 60, 43, 56},
     {"1 under 1e6, its top pushed", light_under_heavy<true>, 60, 35, 55},
-    {"1 to 1e6", [](int seed) { Draw draw(seed); return pushed(stack({1, 10, 100, 1e3, 1e4, 1e5, 1e6}), draw, draw.uniform(0.2, 1)); }, 60, 50, 56},
-    {"1e6 to 1", [](int seed) { Draw draw(seed); return pushed(stack({1e6, 1e5, 1e4, 1e3, 100, 10, 1}), draw, draw.uniform(0.2, 1)); }, 60, 59, 60},
-    {"random masses", [](int seed) {
+    {"1 to 1e6",
+     [](int seed) {
+       Draw draw(seed);
+       return pushed(stack({1, 10, 100, 1e3, 1e4, 1e5, 1e6}), draw, draw.uniform(0.2, 1));
+     },
+     60, 50, 56},
+    {"1e6 to 1",
+     [](int seed) {
+       Draw draw(seed);
+       return pushed(stack({1e6, 1e5, 1e4, 1e3, 100, 10, 1}), draw, draw.uniform(0.2, 1));
+     },
+     60, 59, 60},
+    {"random masses",
+     [](int seed) {
        Draw draw(seed);
        Vector masses(2 + draw.below(6));
        for (double& m : masses) m = std::pow(10, draw.uniform(0, 6));
        return pushed(stack(masses), draw, draw.uniform(0.2, 1));
-     }, 60, 56, 59},
+     },
+     60, 56, 59},
 };
 
 TEST(HardContacts, SolvedSharesStayHigh) {
@@ -93,7 +126,8 @@ TEST(HardContacts, SolvedSharesStayHigh) {
         Answer a = solve(s, with(type, 100));
         EXPECT_LE(a.report.iterations + a.report.newton_steps, 100);
         // the reported residual is true
-        EXPECT_LE(natural_map(s, a.lambda), 10 * a.report.residual + 1e-11) << solver_names[type] << ", " << family.name << " " << k;
+        EXPECT_LE(natural_map(s, a.lambda), 10 * a.report.residual + 1e-11)
+            << solver_names[type] << ", " << family.name << " " << k;
         EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_STATUS_CONVERGED);
         in_100 += a.report.residual <= 1e-10;
         if (a.report.residual > 1e-9) a = solve(s, with(type, 1000));
@@ -101,7 +135,8 @@ TEST(HardContacts, SolvedSharesStayHigh) {
       }
       EXPECT_GE(in_100, family.in_100) << solver_names[type] << ", " << family.name;
       EXPECT_GE(in_1000, family.in_1000) << solver_names[type] << ", " << family.name;
-      RecordProperty(std::string(solver_names[type]) + ": " + family.name, std::to_string(in_100) + ", " + std::to_string(in_1000));
+      RecordProperty(std::string(solver_names[type]) + ": " + family.name,
+                     std::to_string(in_100) + ", " + std::to_string(in_1000));
     }
 }
 
@@ -123,7 +158,8 @@ TEST(HardContacts, AllKindsOfRowsTogetherAreSolved) {
       for (int k = 0; k < contacts; ++k) {
         static const int sizes[] = {1, 3, 4, 6};
         s.rows_of.push_back(sizes[draw.below(4)]), rows += s.rows_of.back();
-        s.friction.push_back(draw.uniform(0, 1)), s.torsion.push_back(draw.uniform(0, 0.1)), s.rolling.push_back(draw.uniform(0, 0.1));
+        s.friction.push_back(draw.uniform(0, 1)), s.torsion.push_back(draw.uniform(0, 0.1)),
+            s.rolling.push_back(draw.uniform(0, 0.1));
       }
       const int dof = std::max(int(s.problem.equalities) + 1, rows / 2 + draw.below(rows));
       s.J.resize(std::size_t(rows) * dof), s.minv.assign(dof, 1);
@@ -136,7 +172,8 @@ TEST(HardContacts, AllKindsOfRowsTogetherAreSolved) {
       const Answer a = solve(s, with(type, 100));
       solved += a.report.status == DYN_CONTACT_STATUS_CONVERGED;
       EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_STATUS_CONVERGED);
-      EXPECT_LE(a.report.status == DYN_CONTACT_STATUS_CONVERGED ? a.report.natural_map : 0, 1e-8) << solver_names[type] << " " << seed;
+      EXPECT_LE(a.report.status == DYN_CONTACT_STATUS_CONVERGED ? a.report.natural_map : 0, 1e-8)
+          << solver_names[type] << " " << seed;
     }
     EXPECT_GE(solved, count - 3) << solver_names[type];
     RecordProperty(solver_names[type], solved);

@@ -92,7 +92,8 @@ TEST(ContactSolver, StoppedEarlyTheImpulseIsFeasible) {
       EXPECT_LE(a.report.iterations + a.report.newton_steps, most);
       EXPECT_LE(a.report.residual, before);
       before = a.report.residual;
-      for (int k = 0; k < 20; ++k) EXPECT_LE(std::hypot(a.lambda[3 * k], a.lambda[3 * k + 1]), 0.8 * a.lambda[3 * k + 2] * (1 + 1e-14));
+      for (int k = 0; k < 20; ++k)
+        EXPECT_LE(std::hypot(a.lambda[3 * k], a.lambda[3 * k + 1]), 0.8 * a.lambda[3 * k + 2] * (1 + 1e-14));
       dynContactReport again{};
       again.struct_size = sizeof again;
       const Solver solver(60);

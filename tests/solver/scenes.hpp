@@ -46,8 +46,10 @@ struct Scene {
   }
   const dynContactProblem* get() {
     const auto data = [](auto& x) { return x.empty() ? nullptr : x.data(); };
-    problem.G = data(G), problem.g = data(g), problem.friction = data(friction), problem.torsion = data(torsion), problem.rolling = data(rolling);
-    problem.restitution = data(restitution), problem.v_minus = data(v_minus), problem.compliance = data(compliance), problem.bias = data(bias);
+    problem.G = data(G), problem.g = data(g), problem.friction = data(friction), problem.torsion = data(torsion),
+    problem.rolling = data(rolling);
+    problem.restitution = data(restitution), problem.v_minus = data(v_minus), problem.compliance = data(compliance),
+    problem.bias = data(bias);
     problem.lower = data(lower), problem.upper = data(upper), problem.contact_rows = data(rows_of);
     problem.contacts = int(friction.size());
     return &problem;
@@ -70,7 +72,8 @@ struct Bodies {
     for (std::size_t b = 0; b < mass.size(); ++b)
       for (int i = 0; i < 3; ++i) s.minv[6 * b + i] = 1 / mass[b], s.minv[6 * b + 3 + i] = 1 / inertia[b];
     for (int c = 0; c < nc; ++c)
-      for (const auto& [body, p, sign] : {std::tuple(contacts[c].a, contacts[c].on_a, 1.0), std::tuple(contacts[c].b, contacts[c].on_b, -1.0)}) {
+      for (const auto& [body, p, sign] :
+           {std::tuple(contacts[c].a, contacts[c].on_a, 1.0), std::tuple(contacts[c].b, contacts[c].on_b, -1.0)}) {
         if (body < 0) continue;
         for (int i = 0; i < 3; ++i) {
           const int j = (i + 1) % 3, k = (i + 2) % 3, row = 3 * c + i;
@@ -108,7 +111,8 @@ inline Bodies table(int legs, int copies, double x) {
   Bodies t;
   t.mass = {1}, t.inertia = {0.1};
   for (int l = 0; l < legs; ++l)
-    for (int k = 0; k < copies; ++k) t.contacts.push_back({0, -1, {std::cos(2 * pi * (l + 0.5) / legs) - x, std::sin(2 * pi * (l + 0.5) / legs), -0.7}, {}});
+    for (int k = 0; k < copies; ++k)
+      t.contacts.push_back({0, -1, {std::cos(2 * pi * (l + 0.5) / legs) - x, std::sin(2 * pi * (l + 0.5) / legs), -0.7}, {}});
   return t;
 }
 

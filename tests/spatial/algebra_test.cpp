@@ -11,7 +11,8 @@ struct Sample {
   M4 A, B;
   V6 m, n;
   V6 f;
-  explicit Sample(std::uint64_t seed) : dice(seed), A(dice.pose()), B(dice.pose()), m(dice.vector(6)), n(dice.vector(6)), f(dice.vector(6)) {}
+  explicit Sample(std::uint64_t seed)
+      : dice(seed), A(dice.pose()), B(dice.pose()), m(dice.vector(6)), n(dice.vector(6)), f(dice.vector(6)) {}
 };
 template <class F>
 void for_samples(F&& f) {
@@ -47,7 +48,9 @@ TEST(Algebra, Matrices) {
     EXPECT_EQ(0, gap(eigen(transpose(mat3(A))), A.transpose()));
     EXPECT_LE(gap(eigen(cross(vec3(x), mat3(B))), hat(x) * B), tol);
     EXPECT_LE(gap(eigen(times_skew(mat3(B), vec3(x))), B * hat(x)), tol);
-    EXPECT_LE(gap(eigen(rotate_z(mat3(B), std::cos(0.7), std::sin(0.7))), B * Eigen::AngleAxisd(0.7, V3::UnitZ()).toRotationMatrix()), tol);
+    EXPECT_LE(
+        gap(eigen(rotate_z(mat3(B), std::cos(0.7), std::sin(0.7))), B * Eigen::AngleAxisd(0.7, V3::UnitZ()).toRotationMatrix()),
+        tol);
     const M3 S = A + A.transpose();
     EXPECT_EQ(0, gap(eigen(sym3(S)), S));
     EXPECT_LE(gap(eigen(sym3(S) * vec3(x)), S * x), tol);
@@ -123,7 +126,8 @@ TEST(Algebra, TheFourthLaneStaysZero) {
   for_samples([](Sample& s) {
     const SE3<double> X = se3(s.A) * se3(s.B);
     const Mat3<double> T = transpose(X.R) * X.R;
-    for (const Vec3<double>& a : {X.p, X.R.x, T.y, T.z, cross(X.p, X.R.y), -X.p, X.act(motion(s.m)).linear, X.act(force(s.f)).angular})
+    for (const Vec3<double>& a :
+         {X.p, X.R.x, T.y, T.z, cross(X.p, X.R.y), -X.p, X.act(motion(s.m)).linear, X.act(force(s.f)).angular})
       EXPECT_EQ(0, a.v[3]);
   });
 #else

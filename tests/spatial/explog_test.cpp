@@ -7,7 +7,8 @@
 namespace dyn_test {
 namespace {
 
-constexpr double tol = 1e-14;  // relative to the norm of the result, as promised; where the map itself is ill-conditioned the test says so
+constexpr double tol =
+    1e-14;  // relative to the norm of the result, as promised; where the map itself is ill-conditioned the test says so
 
 const double angles[] = {0, 1e-160, 1e-20, 1e-9, 1e-3, 0.5, 0.999, 1, 1.001, 1.999, 2, 2.001, 3, pi - 1e-3, pi - 1e-9, pi};
 const double beyond[] = {pi + 1e-9, 4, 5, 6};  // only of the exponential and its Jacobian
@@ -82,7 +83,8 @@ TEST(Exp3, Quaternion) {
 }
 
 TEST(Exp3, Jacobian) {
-  for_samples(true, [](const Sample& s) { EXPECT_LE(relative(eigen(Jexp3(vec3(s.w))), dense(right_jacobian(hat3(s.w.data())))), tol); });
+  for_samples(
+      true, [](const Sample& s) { EXPECT_LE(relative(eigen(Jexp3(vec3(s.w))), dense(right_jacobian(hat3(s.w.data())))), tol); });
 }
 
 TEST(Log3, OfAMatrix) {

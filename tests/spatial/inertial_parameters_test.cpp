@@ -1,5 +1,5 @@
-// Inertial parameters, pseudo-inertia and log-Cholesky parameters: against sums over points, the published formulas, and differences
-// in quadruple precision.
+// Inertial parameters, pseudo-inertia and log-Cholesky parameters: against sums over points, the published formulas, and
+// differences in quadruple precision.
 #include "spatial/inertial_parameters.hpp"
 
 #include "common/eigen.hpp"
@@ -80,7 +80,8 @@ TEST(InertialParameters, BodiesThatCannotExist) {
 
 // The formula of Rucker and Wensing 2022, written out.
 V10 published(const V10& t) {
-  const double d1 = std::exp(t[1]), d2 = std::exp(t[2]), d3 = std::exp(t[3]), s12 = t[4], s23 = t[5], s13 = t[6], t1 = t[7], t2 = t[8], t3 = t[9];
+  const double d1 = std::exp(t[1]), d2 = std::exp(t[2]), d3 = std::exp(t[3]), s12 = t[4], s23 = t[5], s13 = t[6], t1 = t[7],
+               t2 = t[8], t3 = t[9];
   V10 pi;
   pi << 1, t1, t2, t3, s23 * s23 + t2 * t2 + t3 * t3 + d2 * d2 + d3 * d3, -s12 * d2 - s13 * s23 - t1 * t2,
       s12 * s12 + s13 * s13 + t1 * t1 + t3 * t3 + d1 * d1 + d3 * d3, -s13 * d3 - t1 * t3, -s23 * d3 - t2 * t3,

@@ -1,4 +1,5 @@
-// Elementary functions of our own: their errors against quadruple precision, what they do at the ends, and that they have the same bits everywhere.
+// Elementary functions of our own: their errors against quadruple precision, what they do at the ends, and that they have the
+// same bits everywhere.
 #include "base/portable.hpp"
 
 #include <algorithm>
@@ -15,7 +16,8 @@ using namespace dyn;
 double ulps(double got, Quad exact) {
   const double rounded = double(exact);
   if (rounded == got) return 0;
-  const double unit = std::abs(rounded) < std::numeric_limits<double>::min() ? std::numeric_limits<double>::denorm_min() : std::ldexp(1.0, std::ilogb(rounded) - 52);
+  const double unit = std::abs(rounded) < std::numeric_limits<double>::min() ? std::numeric_limits<double>::denorm_min()
+                                                                             : std::ldexp(1.0, std::ilogb(rounded) - 52);
   return double(abs(Quad(got) - exact) / Quad(unit));
 }
 
@@ -37,8 +39,12 @@ TEST(Portable, Errors) {
   expect_within(2.5, "tan", [](double x) { return portable::tan(x); }, [](Quad x) { return tan(x); }, about_ten);
   expect_within(1, "sin", [](double x) { return portable::sin(x); }, [](Quad x) { return sin(x); }, wide);
   expect_within(1, "cos", [](double x) { return portable::cos(x); }, [](Quad x) { return cos(x); }, wide);
-  expect_within(1, "exp", [](double x) { return portable::exp(x); }, [](Quad x) { return exp(x); }, [](Dice& dice) { return dice.in(-700, 709); });
-  expect_within(1.5, "tanh", [](double x) { return portable::tanh(x); }, [](Quad x) { return tanh(x); }, [](Dice& dice) { return dice.in(-3, 3); });
+  expect_within(
+      1, "exp", [](double x) { return portable::exp(x); }, [](Quad x) { return exp(x); },
+      [](Dice& dice) { return dice.in(-700, 709); });
+  expect_within(
+      1.5, "tanh", [](double x) { return portable::tanh(x); }, [](Quad x) { return tanh(x); },
+      [](Dice& dice) { return dice.in(-3, 3); });
   Dice dice(6);
   for (int k = 0; k < 20000; ++k) {
     const double y = wide(dice) * 1e-100, x = y * dice.in(-3, 3);

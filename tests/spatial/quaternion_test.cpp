@@ -56,8 +56,9 @@ TEST(Quaternion, NormalisedForEveryNorm) {
 
 TEST(Quaternion, NormalisedAtTheEdgesOfDouble) {
   const double big = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
-  for (const Eigen::Vector4d& x : {Eigen::Vector4d(big, -big, big, big), Eigen::Vector4d(0, tiny, 0, 0), Eigen::Vector4d(tiny, 0, -tiny, 0),
-                                   Eigen::Vector4d(1, 1e-300, 0, 0), Eigen::Vector4d(1e-310, 2e-310, 0, 1e-310)}) {
+  for (const Eigen::Vector4d& x :
+       {Eigen::Vector4d(big, -big, big, big), Eigen::Vector4d(0, tiny, 0, 0), Eigen::Vector4d(tiny, 0, -tiny, 0),
+        Eigen::Vector4d(1, 1e-300, 0, 0), Eigen::Vector4d(1e-310, 2e-310, 0, 1e-310)}) {
     EXPECT_LE(gap(coefficients(normalized(quaternion_of(x))), normalized_reference(x)), 4e-16) << x.transpose();
   }
 }
@@ -67,7 +68,8 @@ TEST(Quaternion, OfAMatrix) {
   std::vector<M3> rotations;
   for (int k = 0; k < 500; ++k) rotations.push_back(dice.rotation());
   // half turns and nearly half turns about every kind of axis: the trace is -1
-  for (const V3& axis : {V3(1, 0, 0), V3(0, 1, 0), V3(0, 0, 1), V3(1, 1, 0), V3(0, 1, -1), V3(1, 1, 1), V3(1e-9, 1, 0), V3(-1, 2, 3)})
+  for (const V3& axis :
+       {V3(1, 0, 0), V3(0, 1, 0), V3(0, 0, 1), V3(1, 1, 0), V3(0, 1, -1), V3(1, 1, 1), V3(1e-9, 1, 0), V3(-1, 2, 3)})
     for (double angle : {pi, pi - 1e-9, -pi + 1e-3, pi / 2, 2 * pi / 3, -2 * pi / 3 - 1e-12, 1e-12})
       rotations.push_back(Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix());
   for (const M3& R : rotations) {

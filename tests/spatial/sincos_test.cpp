@@ -71,8 +71,10 @@ TEST(Sincos, HugeAngles) {
   Swept(make(40000, [](Dice& dice) { return sign(dice) * std::pow(10.0, dice.in(5, 308)); })).expect_within_one_ulp();
 }
 TEST(Sincos, Edges) {
-  const double max = std::numeric_limits<double>::max(), min = std::numeric_limits<double>::min(), denormal = std::numeric_limits<double>::denorm_min();
-  std::vector<double> x = {0, 1, pi, pi / 2, pi / 4, 3 * pi / 4, 1e22, 0x1p20, std::nextafter(0x1p20, infinity), max, min, denormal, 5 * denormal};
+  const double max = std::numeric_limits<double>::max(), min = std::numeric_limits<double>::min(),
+               denormal = std::numeric_limits<double>::denorm_min();
+  std::vector<double> x = {0,   1,   pi,       pi / 2,      pi / 4, 3 * pi / 4, 1e22, 0x1p20, std::nextafter(0x1p20, infinity),
+                           max, min, denormal, 5 * denormal};
   for (std::size_t i = 0, n = x.size(); i < n; ++i) x.push_back(-x[i]);
   Swept(x).expect_within_one_ulp();
   const Swept zero({0.0, -0.0});

@@ -59,7 +59,9 @@ TEST(Traps, IntegrationStaysOnTheManifold) {
     // steps use the same integration
     Data d(m);
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), nullptr, nullptr));
-    for (int k = 0; k < 100; ++k) ASSERT_EQ(DYN_OK, take_step(m, d, k % 2 ? DYN_INTEGRATOR_RK4 : DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-5)) << dyn_last_error();
+    for (int k = 0; k < 100; ++k)
+      ASSERT_EQ(DYN_OK, take_step(m, d, k % 2 ? DYN_INTEGRATOR_RK4 : DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-5))
+          << dyn_last_error();
     ASSERT_EQ(DYN_OK, dyn_configuration_is_normalized(m, field(m, d, "q").data(), 1e-14, &normalized));
     EXPECT_EQ(1, normalized);
   }

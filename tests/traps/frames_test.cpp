@@ -13,7 +13,8 @@ TEST(Traps, VelocitiesAndJacobiansAgreeInEveryReference) {
     const std::size_t n = std::size_t(m.nv());
     for (int f = 0; f < m.nframes(); ++f) {
       const Numbers X = placement(m, d, f);
-      const Numbers L = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL), A = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED),
+      const Numbers L = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL),
+                    A = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED),
                     W = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_WORLD);
       auto turn = [&](const double* x) {
         Numbers y(3, 0.0);
@@ -72,12 +73,14 @@ TEST(Traps, SpatialAndClassicalAccelerationHaveTwoNames) {
     };
     for (int f : {1, m.nframes() / 2, m.nframes() - 1}) {
       const Numbers classical = frame6(dyn_frame_classical_acceleration, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED),
-                    spatial = frame6(dyn_frame_acceleration, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED), V = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED);
+                    spatial = frame6(dyn_frame_acceleration, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED),
+                    V = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED);
       const double h = 2e-3;
       const Numbers before = position(-h, f), now = position(0, f), after = position(h, f);
       const Numbers turn = cross(V.data() + 3, V.data());
       for (std::size_t k = 0; k < 3; ++k) {
-        EXPECT_NEAR((after[9 + k] - 2 * now[9 + k] + before[9 + k]) / (h * h), classical[k], 2e-3 * (1 + largest(classical))) << dyn_model_frame_name(m, f);
+        EXPECT_NEAR((after[9 + k] - 2 * now[9 + k] + before[9 + k]) / (h * h), classical[k], 2e-3 * (1 + largest(classical)))
+            << dyn_model_frame_name(m, f);
         EXPECT_NEAR(spatial[k] + turn[k], classical[k], 1e-10 * (1 + largest(classical)));
         EXPECT_EQ(spatial[3 + k], classical[3 + k]);
       }
@@ -105,7 +108,8 @@ TEST(Traps, ParentFrameMakesNoDifference) {
   expect_near(placement(m, d, one), placement(m, d, two), 1e-15, "placement");
   for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED}) {
     expect_near(frame6(dyn_frame_velocity, m, d, one, r), frame6(dyn_frame_velocity, m, d, two, r), 1e-15, "velocity");
-    expect_near(frame6(dyn_frame_acceleration, m, d, one, r), frame6(dyn_frame_acceleration, m, d, two, r), 1e-15, "acceleration");
+    expect_near(frame6(dyn_frame_acceleration, m, d, one, r), frame6(dyn_frame_acceleration, m, d, two, r), 1e-15,
+                "acceleration");
   }
 }
 
@@ -122,9 +126,12 @@ TEST(Traps, SixVectorsAreLinearThenAngular) {
   std::fill(s.q.begin(), s.q.end(), 0.0);
   s.q.back() = 1;
   compute_all(m, d, s);
-  expect_near({5, 0, 0, 0, 0, 0}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "rail"), DYN_REFERENCE_LOCAL), 1e-15, "rail");
-  expect_near({5, 0, 0, 0, 0, 7}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "pivot"), DYN_REFERENCE_LOCAL), 1e-15, "pivot");
-  expect_near({1, 2, 3, 4, 5, 6}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "free"), DYN_REFERENCE_LOCAL), 1e-15, "free");
+  expect_near({5, 0, 0, 0, 0, 0}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "rail"), DYN_REFERENCE_LOCAL), 1e-15,
+              "rail");
+  expect_near({5, 0, 0, 0, 0, 7}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "pivot"), DYN_REFERENCE_LOCAL), 1e-15,
+              "pivot");
+  expect_near({1, 2, 3, 4, 5, 6}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "free"), DYN_REFERENCE_LOCAL), 1e-15,
+              "free");
   const Numbers J = field(m, d, "J");
   expect_near({1, 0, 0, 0, 0, 0}, Numbers(J.begin(), J.begin() + 6), 1e-15, "column of rail");
   expect_near({0, 0, 0, 0, 0, 1}, Numbers(J.begin() + 6, J.begin() + 12), 1e-15, "column of pivot");
@@ -149,7 +156,8 @@ TEST(Traps, ExternalForceActsAtTheJointFramesOrigin) {
       Numbers fext(s.fext.size(), 0.0);
       std::copy_n(s.fext.begin() + 6 * j, 6, fext.begin() + 6 * j);
       ASSERT_EQ(DYN_OK, dyn_rnea(m, d, nullptr, nullptr, nullptr, fext.data(), with.data()));
-      ASSERT_EQ(DYN_OK, dyn_frame_jacobian(m, d, dyn_model_frame_id(m, dyn_model_joint_name(m, j)), DYN_REFERENCE_LOCAL, J.data()));
+      ASSERT_EQ(DYN_OK,
+                dyn_frame_jacobian(m, d, dyn_model_frame_id(m, dyn_model_joint_name(m, j)), DYN_REFERENCE_LOCAL, J.data()));
       for (std::size_t c = 0; c < n; ++c) {
         double power = 0;
         for (std::size_t k = 0; k < 6; ++k) power += J[k + 6 * c] * fext[std::size_t(6 * j) + k];

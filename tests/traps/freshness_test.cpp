@@ -57,7 +57,8 @@ TEST(Traps, FramesAreCurrentAfterAllTerms) {
 
 // Inputs, which are set and not computed.
 bool of_the_state(const std::string& field) {
-  return std::set<std::string>{"q", "v", "a", "tau_applied", "time", "world_gravity", "ctrl", "act", "actuator_force"}.count(field) > 0;
+  return std::set<std::string>{"q", "v", "a", "tau_applied", "time", "world_gravity", "ctrl", "act", "actuator_force"}.count(
+             field) > 0;
 }
 
 // Changing q makes every pose stale until it is computed again.
@@ -105,9 +106,17 @@ TEST(Traps, AllTermsTellsWhichFieldsAreFresh) {
   static const struct {
     std::uint32_t term;
     std::vector<const char*> fields;
-  } rows[] = {{DYN_TERM_FRAMES, {"placements"}}, {DYN_TERM_JACOBIANS, {"J"}}, {DYN_TERM_JACOBIANS_TIME_VARIATION, {"dJ"}}, {DYN_TERM_COM, {"com", "vcom"}},
-              {DYN_TERM_JCOM, {"Jcom"}}, {DYN_TERM_NLE, {"nle"}}, {DYN_TERM_GRAVITY_TORQUE, {"g"}}, {DYN_TERM_MASS, {"M"}}, {DYN_TERM_MINV, {"Minv"}},
-              {DYN_TERM_CORIOLIS, {"coriolis"}}, {DYN_TERM_ENERGY, {"kinetic", "potential", "mechanical"}}};
+  } rows[] = {{DYN_TERM_FRAMES, {"placements"}},
+              {DYN_TERM_JACOBIANS, {"J"}},
+              {DYN_TERM_JACOBIANS_TIME_VARIATION, {"dJ"}},
+              {DYN_TERM_COM, {"com", "vcom"}},
+              {DYN_TERM_JCOM, {"Jcom"}},
+              {DYN_TERM_NLE, {"nle"}},
+              {DYN_TERM_GRAVITY_TORQUE, {"g"}},
+              {DYN_TERM_MASS, {"M"}},
+              {DYN_TERM_MINV, {"Minv"}},
+              {DYN_TERM_CORIOLIS, {"coriolis"}},
+              {DYN_TERM_ENERGY, {"kinetic", "potential", "mechanical"}}};
   const Model m = all_types();
   Random g{14};
   for (int round = 0; round < 400; ++round) {
@@ -125,7 +134,8 @@ TEST(Traps, AllTermsTellsWhichFieldsAreFresh) {
         EXPECT_TRUE(!fresh || filled & row.term || row.fields.size() > 1) << name << " of mask " << mask;
       }
     Numbers X(12), V(6), ones(std::size_t(m.nv()), 1.0);
-    EXPECT_EQ(filled & DYN_TERM_KINEMATICS ? DYN_OK : DYN_ERROR_STALE, dyn_frame_velocity(m, d, 1, DYN_REFERENCE_LOCAL, V.data()));
+    EXPECT_EQ(filled & DYN_TERM_KINEMATICS ? DYN_OK : DYN_ERROR_STALE,
+              dyn_frame_velocity(m, d, 1, DYN_REFERENCE_LOCAL, V.data()));
     EXPECT_EQ(filled & DYN_TERM_CHOLESKY ? DYN_OK : DYN_ERROR_STALE, dyn_cholesky_solve(m, d, ones.data(), 1, ones.data()));
     EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, 1, X.data()));  // always included
   }

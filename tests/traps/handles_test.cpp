@@ -76,7 +76,8 @@ TEST(Traps, FirstCallGivesTheResultOfLaterCalls) {
   for (const Model& m : models()) {
     const State s = random_state(m, 18);
     for (const CallRow& row : call_rows) {
-      if (row.needs != Needs::nothing || std::string(row.name) == "dyn_step" || std::string(row.name) == "dyn_data_array") continue;
+      if (row.needs != Needs::nothing || std::string(row.name) == "dyn_step" || std::string(row.name) == "dyn_data_array")
+        continue;
       Data d(m);
       Prepared first(row, m, s), second(row, m, s);
       ASSERT_EQ(DYN_OK, first(m, d)) << row.name;

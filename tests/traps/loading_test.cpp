@@ -12,7 +12,8 @@ TEST(Traps, FixedJointsKeepNamesPlacementsAndMasses) {
       "<link name='b'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
       "<link name='c'><inertial><mass value='0.5'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
       "<link name='d'/>"
-      "<joint name='ab' type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+      "<joint name='ab' type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' "
+      "effort='1' velocity='1'/></joint>"
       "<joint name='bc' type='fixed'><origin xyz='0.5 0 0'/><parent link='b'/><child link='c'/></joint>"
       "<joint name='cd' type='fixed'><origin xyz='0 0.25 0'/><parent link='c'/><child link='d'/></joint></robot>";
   dynLoadOptions options;
@@ -46,7 +47,8 @@ TEST(Traps, FixedJointsKeepNamesPlacementsAndMasses) {
 // A missing mesh is reported with the paths tried; strict loading refuses it.
 TEST(Traps, MissingMeshIsReported) {
   const char* text =
-      "<robot name='r'><link name='a'>\n<collision><geometry><mesh filename='package://nowhere/meshes/a.stl'/></geometry></collision></link></robot>";
+      "<robot name='r'><link name='a'>\n<collision><geometry><mesh "
+      "filename='package://nowhere/meshes/a.stl'/></geometry></collision></link></robot>";
   dynLoadOptions options;
   dyn_load_options_init(&options);
   options.base = DYN_BASE_FIXED;
@@ -60,7 +62,8 @@ TEST(Traps, MissingMeshIsReported) {
     dynReportEntry e{};
     e.struct_size = sizeof e;
     ASSERT_EQ(DYN_OK, dyn_model_report_entry(m, k, &e));
-    found |= e.level == DYN_REPORT_LEVEL_WARNING && e.line == 2 && says({"package://nowhere/meshes/a.stl", "not found", "/none/such"}, e.message);
+    found |= e.level == DYN_REPORT_LEVEL_WARNING && e.line == 2 &&
+             says({"package://nowhere/meshes/a.stl", "not found", "/none/such"}, e.message);
   }
   EXPECT_TRUE(found);
   options.strict = 1;
@@ -72,7 +75,8 @@ TEST(Traps, MissingMeshIsReported) {
 // Damping and dry friction act when switched on, in inverse and forward dynamics alike. Until then the robot is frictionless.
 TEST(Traps, DampingActsInStepsAndInAlgorithmsWhenSwitchedOn) {
   const char* text =
-      "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+      "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' "
+      "ixz='0' iyz='0'/></inertial></link>"
       "<joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/>%s</joint></robot>";
   Model m[2];
   for (int k = 0; k < 2; ++k) {
@@ -107,10 +111,11 @@ TEST(Traps, DampingActsInStepsAndInAlgorithmsWhenSwitchedOn) {
 TEST(Traps, JointsKeepTheOrderOfTheFile) {
   const char* names[] = {"zeta", "alpha", "mid"};
   std::string text = "<robot name='r'><link name='root'/>";
-  const std::string solid = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>";
+  const std::string solid =
+      "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>";
   for (const char* n : names)
-    text += std::string("<link name='l") + n + "'>" + solid + "<joint name='" + n + "' type='continuous'><parent link='root'/><child link='l" + n +
-            "'/><axis xyz='0 0 1'/></joint>";
+    text += std::string("<link name='l") + n + "'>" + solid + "<joint name='" + n +
+            "' type='continuous'><parent link='root'/><child link='l" + n + "'/><axis xyz='0 0 1'/></joint>";
   text += "</robot>";
   dynLoadOptions options;
   dyn_load_options_init(&options);

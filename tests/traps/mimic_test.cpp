@@ -10,7 +10,8 @@ Model geared(bool bound) {
   const std::array<double, 3> at = {0.2, 0.1, -0.1};
   b.joint(Spec("base", DYN_JOINT_TYPE_FREE_FLYER)).body("trunk", "base", 3);
   b.joint(Spec("lead", DYN_JOINT_TYPE_REVOLUTE, "base", at).about(0, 1, 0)).body("b1", "lead");
-  auto follow = [&](const char* name, dynJointType type, const char* parent, const char* leader, double ratio, double offset, double x) {
+  auto follow = [&](const char* name, dynJointType type, const char* parent, const char* leader, double ratio, double offset,
+                    double x) {
     Spec s(name, type, parent, at);
     s.about(x, 1, 0.5);
     if (bound) s.mimic = leader, s.mimic_ratio = ratio, s.mimic_offset = offset;
@@ -35,7 +36,8 @@ TEST(Traps, MimicHoldsInEveryAlgorithm) {
     const dynJointInfo f = joint_info(full, j), r = joint_info(m, j);
     ASSERT_STREQ(f.name, r.name);
     EXPECT_EQ(r.mimic_leader < 0 ? f.nv : 0, r.nv) << f.name;
-    for (int k = 0; k < f.nv; ++k) G[std::size_t(f.idx_v + k) + N * std::size_t(r.idx_v + k)] = r.mimic_leader < 0 ? 1 : r.mimic_ratio;
+    for (int k = 0; k < f.nv; ++k)
+      G[std::size_t(f.idx_v + k) + N * std::size_t(r.idx_v + k)] = r.mimic_leader < 0 ? 1 : r.mimic_ratio;
   }
   auto expand = [&](const Numbers& x) {
     Numbers y(N, 0.0);
@@ -66,12 +68,14 @@ TEST(Traps, MimicHoldsInEveryAlgorithm) {
     for (int j = 1; j < full.njoints(); ++j) {
       const dynJointInfo f = joint_info(full, j), r = joint_info(m, j);
       for (int k = 0; k < f.nq; ++k)
-        x.q[std::size_t(f.idx_q + k)] = r.mimic_leader < 0 ? s.q[std::size_t(r.idx_q + k)] : r.mimic_ratio * s.q[std::size_t(r.idx_q)] + r.mimic_offset;
+        x.q[std::size_t(f.idx_q + k)] =
+            r.mimic_leader < 0 ? s.q[std::size_t(r.idx_q + k)] : r.mimic_ratio * s.q[std::size_t(r.idx_q)] + r.mimic_offset;
     }
     x.v = expand(s.v), x.a = expand(s.a), x.tau.assign(N, 0.0), x.fext = s.fext;
     Data d(m), e(full);
     compute_all(m, d, s), compute_all(full, e, x);
-    for (const char* name : {"tau", "nle", "g", "static_torque"}) expect_near(reduce(field(full, e, name)), field(m, d, name), 1e-12, name);
+    for (const char* name : {"tau", "nle", "g", "static_torque"})
+      expect_near(reduce(field(full, e, name)), field(m, d, name), 1e-12, name);
     for (const char* name : {"placements", "com", "vcom", "acom", "kinetic", "potential", "mechanical"})
       expect_near(field(full, e, name), field(m, d, name), 1e-12, name);
     for (const char* name : {"J", "dJ"}) expect_near(reduce(field(full, e, name), 6), field(m, d, name), 1e-12, name);
@@ -123,7 +127,8 @@ TEST(Traps, MimicHoldsInEveryAlgorithm) {
       info.struct_size = sizeof info;
       ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, j, &info));
       if (info.type == DYN_JOINT_TYPE_FREE_FLYER || info.mimic_leader >= 0) continue;  // free flyers are stepped in fixed axes
-      for (int k = info.idx_v; k < info.idx_v + info.nv; ++k) EXPECT_NEAR(s.v[std::size_t(k)] + 1e-3 * free_ddq[std::size_t(k)], field(m, step, "v")[std::size_t(k)], 1e-12);
+      for (int k = info.idx_v; k < info.idx_v + info.nv; ++k)
+        EXPECT_NEAR(s.v[std::size_t(k)] + 1e-3 * free_ddq[std::size_t(k)], field(m, step, "v")[std::size_t(k)], 1e-12);
     }
   }
 }

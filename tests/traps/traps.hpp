@@ -21,12 +21,15 @@ inline Numbers placement(const dynModel* m, dynData* d, int frame) {
   EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, frame, x.data())) << dyn_last_error();
   return x;
 }
-inline Numbers frame6(dynStatus (*call)(const dynModel*, dynData*, int, dynReference, double*), const dynModel* m, dynData* d, int frame, dynReference r) {
+inline Numbers frame6(dynStatus (*call)(const dynModel*, dynData*, int, dynReference, double*), const dynModel* m, dynData* d,
+                      int frame, dynReference r) {
   Numbers x(6);
   EXPECT_EQ(DYN_OK, call(m, d, frame, r, x.data())) << dyn_last_error();
   return x;
 }
-inline Numbers cross(const double* a, const double* b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+inline Numbers cross(const double* a, const double* b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 inline dynJointInfo joint_info(const dynModel* m, int joint) {
   dynJointInfo info{};
   info.struct_size = sizeof info;

@@ -76,7 +76,8 @@ struct Robot {
 };
 
 // Effects that are no bits of dyn.h.
-inline constexpr std::uint32_t has_gravity = 1u << 16, has_contact = 1u << 17, has_constraints = 1u << 18, of_the_whole = has_gravity | has_contact | has_constraints;
+inline constexpr std::uint32_t has_gravity = 1u << 16, has_contact = 1u << 17, has_constraints = 1u << 18,
+                               of_the_whole = has_gravity | has_contact | has_constraints;
 
 struct Data {
   Data(const Robot& robot, dynParts parts, std::uint32_t effects = std::uint32_t(DYN_EFFECT_DEFAULT) | of_the_whole);
@@ -91,7 +92,8 @@ inline const char* shape_type_name(dynShapeType type) { return name_of("dynShape
 inline const char* frame_type_name(dynFrameType type) { return capital_name_of("dynFrameType", type); }  // "FIXED_JOINT"
 
 // [{"name", "active", "reason", "bytes"}]: which effects the robot calls for, as far as they are switched on.
-json effects(const Robot& robot, std::uint32_t on = (std::uint32_t(DYN_EFFECT_ALL) & ~std::uint32_t(DYN_EFFECT_SLEEPING)) | of_the_whole);
+json effects(const Robot& robot,
+             std::uint32_t on = (std::uint32_t(DYN_EFFECT_ALL) & ~std::uint32_t(DYN_EFFECT_SLEEPING)) | of_the_whole);
 // Options --effects and --without: names with commas between.
 struct EffectOptions {
   std::string with = "all", without;
@@ -138,7 +140,8 @@ struct State {
   std::string configuration = {};
 };
 void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
-// Numbers from words that hold one or several each, separated by commas or spaces, within [ ] or without; option is named in the refusal.
+// Numbers from words that hold one or several each, separated by commas or spaces, within [ ] or without; option is named in the
+// refusal.
 Vector parse_list(const std::string& option, const std::vector<std::string>& words);
 State read_state(const Robot& robot, const StateOptions& options);
 std::string read_text(const std::string& file, const char* what);  // what: for messages

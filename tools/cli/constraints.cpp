@@ -11,7 +11,8 @@ namespace cli {
 namespace {
 
 std::string slot_name(const Robot& robot, int slot) {
-  return slot < dyn_model_nconstraints(robot) ? dyn_model_constraint_name(robot, slot) : "contact " + std::to_string(slot - dyn_model_nconstraints(robot) + 1);
+  return slot < dyn_model_nconstraints(robot) ? dyn_model_constraint_name(robot, slot)
+                                              : "contact " + std::to_string(slot - dyn_model_nconstraints(robot) + 1);
 }
 
 int row_count(const Robot& robot, const Data& data) {
@@ -23,8 +24,12 @@ int row_count(const Robot& robot, const Data& data) {
 }  // namespace
 
 void add_contact_options(CLI::App& command, ContactOptions& options) {
-  command.add_option("--points", options.points, "Frames with a point contact on the ground, separated by commas")->allow_extra_args(false)->type_name("LIST");
-  command.add_option("--faces", options.faces, "Frames with a face contact on the ground, separated by commas")->allow_extra_args(false)->type_name("LIST");
+  command.add_option("--points", options.points, "Frames with a point contact on the ground, separated by commas")
+      ->allow_extra_args(false)
+      ->type_name("LIST");
+  command.add_option("--faces", options.faces, "Frames with a face contact on the ground, separated by commas")
+      ->allow_extra_args(false)
+      ->type_name("LIST");
 }
 
 int contact_count(const ContactOptions& options) {
@@ -81,7 +86,8 @@ std::vector<std::string> misalignment_notes(const Robot& robot, const dynConstra
   constexpr double aligned = 1e-9, slight = 0.02;
   std::vector<std::string> notes;
   if (report.contradictory == 0 && report.contradiction > aligned)
-    notes.push_back("redundant rows are misaligned by " + short_number(report.contradiction, 3) + " m or rad: steps leave them out, and the mechanism moves");
+    notes.push_back("redundant rows are misaligned by " + short_number(report.contradiction, 3) +
+                    " m or rad: steps leave them out, and the mechanism moves");
   if (report.rank == robot.nv && report.rank > 0 && std::sqrt(report.smallest) < slight)
     notes.push_back("the mechanism is locked by a misalignment of about " + short_number(std::sqrt(report.smallest), 2) +
                     " rad: align its axes to 5e-4 rad, or remove rows that only repeat others");
@@ -106,8 +112,8 @@ struct CheckOptions {
   bool as_is = false;
 };
 
-// A q that satisfies the constraints, from q and, as a linkage stretched flat lets no step go anywhere, from starts ever farther from it; where
-// none leads to one, what q itself led to.
+// A q that satisfies the constraints, from q and, as a linkage stretched flat lets no step go anywhere, from starts ever farther
+// from it; where none leads to one, what q itself led to.
 Vector satisfying(const Robot& robot, const Data& data, const Vector& q) {
   constexpr int starts = 32;
   dynConstraintResult found{};
@@ -139,28 +145,45 @@ void run(const CheckOptions& options) {
   dynConstraintReport report{};
   report.struct_size = sizeof report;
   check(dyn_constraint_report(robot, data, q.data(), &report, list.data(), rows));
-  json answer = {{"constraints", 0}, {"rows", report.rows}, {"rank", report.rank}, {"redundant", report.redundant}, {"contradictory", report.contradictory},
-                 {"mobility", robot.nv - report.rank}, {"condition", report.condition}, {"error", report.error}, {"contradiction", report.contradiction},
-                 {"satisfied", report.error < 1e-9}, {"q", vector_json(q.data(), robot.nq)}, {"dependent", json::array()}};
+  json answer = {{"constraints", 0},
+                 {"rows", report.rows},
+                 {"rank", report.rank},
+                 {"redundant", report.redundant},
+                 {"contradictory", report.contradictory},
+                 {"mobility", robot.nv - report.rank},
+                 {"condition", report.condition},
+                 {"error", report.error},
+                 {"contradiction", report.contradiction},
+                 {"satisfied", report.error < 1e-9},
+                 {"q", vector_json(q.data(), robot.nq)},
+                 {"dependent", json::array()}};
   std::set<int> slots;
   for (const dynRowReport& r : list) {
     slots.insert(r.slot);
     if (r.verdict == DYN_ROW_VERDICT_INDEPENDENT) continue;
-    answer["dependent"].push_back({{"constraint", slot_name(robot, r.slot)}, {"row", r.row}, {"verdict", name_of("dynRowVerdict", r.verdict)}, {"share", r.share}, {"error", r.error}});
+    answer["dependent"].push_back({{"constraint", slot_name(robot, r.slot)},
+                                   {"row", r.row},
+                                   {"verdict", name_of("dynRowVerdict", r.verdict)},
+                                   {"share", r.share},
+                                   {"error", r.error}});
   }
   answer["constraints"] = slots.size();
   const std::vector<std::string> notes = misalignment_notes(robot, report);
   answer["notes"] = notes;
   if (options.robot.json) return print(json_text(answer));
-  std::string text = std::to_string(slots.size()) + " constraints, " + std::to_string(report.rows) + " rows, rank " + std::to_string(report.rank) + ": " +
-                     std::to_string(robot.nv - report.rank) + " of " + std::to_string(robot.nv) + " degrees of freedom are left\n";
-  text += report.error < 1e-9 ? "q satisfies them" : options.as_is ? "q does not satisfy them" : "no q was found that satisfies them";
+  std::string text = std::to_string(slots.size()) + " constraints, " + std::to_string(report.rows) + " rows, rank " +
+                     std::to_string(report.rank) + ": " + std::to_string(robot.nv - report.rank) + " of " +
+                     std::to_string(robot.nv) + " degrees of freedom are left\n";
+  text += report.error < 1e-9 ? "q satisfies them"
+          : options.as_is     ? "q does not satisfy them"
+                              : "no q was found that satisfies them";
   text += ": largest error " + short_number(report.error) + "; condition " + short_number(report.condition) + "\n";
   for (const std::string& note : notes) text += note + "\n";
   if (!answer["dependent"].empty()) {
     std::vector<std::vector<std::string>> lines = {{"constraint", "row", "verdict", "share", "error"}};
     for (const json& r : answer["dependent"])
-      lines.push_back({r["constraint"], std::to_string(r["row"].get<int>()), r["verdict"], short_number(r["share"].get<double>(), 3), short_number(r["error"].get<double>(), 3)});
+      lines.push_back({r["constraint"], std::to_string(r["row"].get<int>()), r["verdict"],
+                       short_number(r["share"].get<double>(), 3), short_number(r["error"].get<double>(), 3)});
     text += table(lines);
   }
   print(text);

@@ -22,7 +22,9 @@ struct Image {
   bool narrow = false, nameless = false;
 };
 
-void collect(void* context, dynReportLevel level, const char* message) { static_cast<std::vector<Line>*>(context)->push_back({level, message}); }
+void collect(void* context, dynReportLevel level, const char* message) {
+  static_cast<std::vector<Line>*>(context)->push_back({level, message});
+}
 
 // Of the file's name, as C can say it.
 std::string identifier(const std::string& path) {
@@ -40,9 +42,11 @@ dynStatus save_c(const Robot& robot, const Image& image, const std::string& out)
   std::vector<unsigned char> bytes(size);
   if (const dynStatus s = dyn_model_image(robot, flags, bytes.data(), size, &size)) return s;
   const std::string name = identifier(out), n = std::to_string(size);
-  std::string text = "/* Made by dyn convert, libdyn " + std::string(dyn_version()) + ": a model for dyn_model_from_buffer(" + name + ", " + name + "_size, &model). */\n" +
-                     "#include <stddef.h>\n#ifdef __cplusplus\nextern \"C\" {\n#endif\nextern const unsigned char " + name + "[" + n + "];\nextern const size_t " + name +
-                     "_size;\n#ifdef __cplusplus\n}\n#endif\nconst size_t " + name + "_size = " + n + ";\n__attribute__((aligned(64))) const unsigned char " + name + "[" + n + "] = {";
+  std::string text = "/* Made by dyn convert, libdyn " + std::string(dyn_version()) + ": a model for dyn_model_from_buffer(" +
+                     name + ", " + name + "_size, &model). */\n" +
+                     "#include <stddef.h>\n#ifdef __cplusplus\nextern \"C\" {\n#endif\nextern const unsigned char " + name + "[" +
+                     n + "];\nextern const size_t " + name + "_size;\n#ifdef __cplusplus\n}\n#endif\nconst size_t " + name +
+                     "_size = " + n + ";\n__attribute__((aligned(64))) const unsigned char " + name + "[" + n + "] = {";
   for (size_t k = 0; k < size; ++k) text += (k % 32 ? "" : "\n") + std::to_string(bytes[k]) + ",";
   text += "\n};\n";
   std::FILE* file = std::fopen(out.c_str(), "wb");
@@ -62,10 +66,12 @@ void convert(const RobotOptions& options, const Image& image, const std::string&
   if (options.json) {
     check(status);
     json report = json::array();
-    for (const Line& l : lines) report.push_back({{"level", l.level == DYN_REPORT_LEVEL_WARNING ? "warning" : "info"}, {"message", l.message}});
+    for (const Line& l : lines)
+      report.push_back({{"level", l.level == DYN_REPORT_LEVEL_WARNING ? "warning" : "info"}, {"message", l.message}});
     return print(json_text({{"file", out}, {"report", report}}));
   }
-  for (const Line& l : lines) std::cerr << "dyn: " << (l.level == DYN_REPORT_LEVEL_WARNING ? "warning: lost: " : "note: ") << one_line(l.message) << '\n';
+  for (const Line& l : lines)
+    std::cerr << "dyn: " << (l.level == DYN_REPORT_LEVEL_WARNING ? "warning: lost: " : "note: ") << one_line(l.message) << '\n';
   check(status);
 }
 
@@ -76,7 +82,9 @@ void add_convert(CLI::App& app) {
   auto image = std::make_shared<Image>();
   auto out = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("convert", "Write the robot as URDF, MJCF, .dynb, or a C array");
-  command->footer("The extension of OUT is the format: .urdf, .xml or .mjcf, .dynb, .c (a .dynb for dyn_model_from_buffer). Losses are listed. With --strict they are errors.");
+  command->footer(
+      "The extension of OUT is the format: .urdf, .xml or .mjcf, .dynb, .c (a .dynb for dyn_model_from_buffer). Losses are "
+      "listed. With --strict they are errors.");
   add_robot_options(*command, *options);
   command->add_option("OUT", *out, "The file to write")->required()->check(not_empty);
   command->add_flag("--narrow", image->narrow, "C array for machines without SIMD, such as a Cortex-M");

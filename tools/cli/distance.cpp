@@ -20,7 +20,8 @@ constexpr std::size_t shown_pairs = 10;
 std::string text_of(const json& answer, bool all) {
   const json& pairs = answer["pairs"];
   if (pairs.empty()) return "no pair of collision shapes is tested: dyn info --pairs lists the reasons\n";
-  std::string out = std::to_string(pairs.size()) + " pairs, " + std::to_string(answer["collisions"].get<int>()) + " in collision\n";
+  std::string out =
+      std::to_string(pairs.size()) + " pairs, " + std::to_string(answer["collisions"].get<int>()) + " in collision\n";
   char line[256];
   std::snprintf(line, sizeof line, "%12s  %-11s  %s\n", "distance m", "", "between");
   out += line;
@@ -29,7 +30,8 @@ std::string text_of(const json& answer, bool all) {
     std::snprintf(line, sizeof line, "%12.6g  %-11s  ", p["distance"].get<double>(), p["status"].get<std::string>().c_str());
     out += line + p["a"].get<std::string>() + " - " + p["b"].get<std::string>() + "\n";
   }
-  if (!all && pairs.size() > shown_pairs) out += "and " + std::to_string(pairs.size() - shown_pairs) + " farther apart: --pairs lists them\n";
+  if (!all && pairs.size() > shown_pairs)
+    out += "and " + std::to_string(pairs.size() - shown_pairs) + " farther apart: --pairs lists them\n";
   return out;
 }
 
@@ -65,7 +67,8 @@ void run(const Options& options) {
     pairs.push_back(distance_json(robot, data, pair));
     collisions += pairs.back()["distance"].get<double>() <= 0;
   }
-  std::stable_sort(pairs.begin(), pairs.end(), [](const json& a, const json& b) { return a["distance"].get<double>() < b["distance"].get<double>(); });
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const json& a, const json& b) { return a["distance"].get<double>() < b["distance"].get<double>(); });
   const json answer = {{"collisions", collisions}, {"pairs", pairs}};
   print(options.robot.json ? json_text(answer) : text_of(answer, options.all));
 }
@@ -78,8 +81,13 @@ void add_distance(CLI::App& app) {
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
   command->add_flag("--pairs", options->all, "List all pairs instead of the nearest ten");
-  CLI::Option* sweep = command->add_flag("--sweep", options->sweep, "Measure errors and times of all pairs by method and tolerance, at q and in random configurations");
-  command->add_option("--samples", options->samples, "Random configurations of --sweep (20)")->check(whole)->check(CLI::Range(0, 100000))->needs(sweep);
+  CLI::Option* sweep =
+      command->add_flag("--sweep", options->sweep,
+                        "Measure errors and times of all pairs by method and tolerance, at q and in random configurations");
+  command->add_option("--samples", options->samples, "Random configurations of --sweep (20)")
+      ->check(whole)
+      ->check(CLI::Range(0, 100000))
+      ->needs(sweep);
   command->callback([options] { options->sweep ? run_sweep(*options) : run(*options); });
 }
 

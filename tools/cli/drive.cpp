@@ -67,12 +67,15 @@ Drive::Drive(const std::string& file, const Robot& robot) : nv_(static_cast<std:
       continue;
     }
     const std::string where = file + ":" + std::to_string(line_number);
-    if (cells.size() != width) fail(where + ": there are " + std::to_string(cells.size()) + " columns, and the first line names " + std::to_string(width) + ".");
+    if (cells.size() != width)
+      fail(where + ": there are " + std::to_string(cells.size()) + " columns, and the first line names " + std::to_string(width) +
+           ".");
     for (const std::size_t k : columns) {
       const std::string_view cell = cells[k];
       double x = 0;
       const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
-      if (error != std::errc() || stop != cell.data() + cell.size() || !std::isfinite(x)) fail(where + ": \"" + shown(std::string(cell)) + "\" is not a finite number.");
+      if (error != std::errc() || stop != cell.data() + cell.size() || !std::isfinite(x))
+        fail(where + ": \"" + shown(std::string(cell)) + "\" is not a finite number.");
       (k == columns[0] ? times_ : tau_).push_back(x);
     }
     if (times_.size() > 1 && !(times_.back() > times_[times_.size() - 2])) fail(where + ": t must grow from row to row.");

@@ -22,8 +22,11 @@ const std::vector<Name>& names() {
   static const std::vector<Name> list = [] {
     std::vector<Name> out;
     for (const Choice& c : choices("dynEffects"))
-      if (const auto bits = static_cast<std::uint32_t>(c.value); std::has_single_bit(bits) && (bits & DYN_EFFECT_ALL)) out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
-    for (const Name& n : {Name{"gravity", has_gravity}, Name{"contact", has_contact}, Name{"constraints", has_constraints}, Name{"all", of_joints | of_the_whole}, Name{"none", 0}}) out.push_back(n);
+      if (const auto bits = static_cast<std::uint32_t>(c.value); std::has_single_bit(bits) && (bits & DYN_EFFECT_ALL))
+        out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
+    for (const Name& n : {Name{"gravity", has_gravity}, Name{"contact", has_contact}, Name{"constraints", has_constraints},
+                          Name{"all", of_joints | of_the_whole}, Name{"none", 0}})
+      out.push_back(n);
     return out;
   }();
   return list;
@@ -34,7 +37,8 @@ std::uint32_t bits_of(const std::string& list, const char* option) {
   const std::vector<std::string> words = list_of(option, list);
   if (words.empty() && !list.empty()) bad_usage(std::string(option) + ": the list is empty.");
   for (const std::string& word : words) {
-    if (word == "none" && words.size() > 1) bad_usage(std::string(option) + ": \"none\" stands alone, not in \"" + shown(list) + "\".");
+    if (word == "none" && words.size() > 1)
+      bad_usage(std::string(option) + ": \"none\" stands alone, not in \"" + shown(list) + "\".");
     const auto found = std::find_if(names().begin(), names().end(), [&](const auto& e) { return word == e.name; });
     if (found == names().end()) {
       std::string known;
@@ -51,12 +55,18 @@ std::uint32_t bits_of(const std::string& list, const char* option) {
 void add_effects_option(CLI::App& command, EffectOptions& options) {
   std::string of_joints_and_links;
   for (const auto& e : names())
-    if (std::has_single_bit(e.bits) && !(e.bits & of_the_whole)) of_joints_and_links += (of_joints_and_links.empty() ? "" : ", ") + std::string(e.name);
-  command.add_option("--effects", options.with, "Effects of joints and links: " + of_joints_and_links + ", separated by commas; all (without sleeping), or none")
+    if (std::has_single_bit(e.bits) && !(e.bits & of_the_whole))
+      of_joints_and_links += (of_joints_and_links.empty() ? "" : ", ") + std::string(e.name);
+  command
+      .add_option(
+          "--effects", options.with,
+          "Effects of joints and links: " + of_joints_and_links + ", separated by commas; all (without sleeping), or none")
       ->check(not_empty)
       ->type_name("LIST")
       ->capture_default_str();
-  command.add_option("--without", options.without, "Effects to leave out: any of those, gravity, contact, constraints")->check(not_empty)->type_name("LIST");
+  command.add_option("--without", options.without, "Effects to leave out: any of those, gravity, contact, constraints")
+      ->check(not_empty)
+      ->type_name("LIST");
 }
 
 std::uint32_t parse_effects(const EffectOptions& options) {
@@ -120,7 +130,9 @@ json effects(const Robot& robot, std::uint32_t on) {
   const double* g = dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY);
   const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
   add("gravity", falls && on & has_gravity,
-      falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" + off(has_gravity) : "gravity is zero");
+      falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" +
+                  off(has_gravity)
+            : "gravity is zero");
   for (std::uint32_t bit = 1; bit & DYN_EFFECT_ALL; bit <<= 1) {
     if (const dynEffectTypeInfo info = type(bit); info.array >= 0) {
       const int n = count(static_cast<dynModelArray>(info.array), robot.nv, nonzero);
@@ -128,24 +140,31 @@ json effects(const Robot& robot, std::uint32_t on) {
     }
   }
   const auto finite = [](double x) { return std::isfinite(x); };
-  const int limits = std::max(count(DYN_MODEL_ARRAY_LOWER_LIMIT, robot.nq, finite), count(DYN_MODEL_ARRAY_UPPER_LIMIT, robot.nq, finite));
+  const int limits =
+      std::max(count(DYN_MODEL_ARRAY_LOWER_LIMIT, robot.nq, finite), count(DYN_MODEL_ARRAY_UPPER_LIMIT, robot.nq, finite));
   effect(DYN_EFFECT_LIMITS, limits, std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits");
   const int tested = present("contact");
-  add("contact", tested && on & has_contact, tested ? several(tested, " pair", " pairs") + " of shapes may touch" + off(has_contact) : "no pair of shapes is tested");
+  add("contact", tested && on & has_contact,
+      tested ? several(tested, " pair", " pairs") + " of shapes may touch" + off(has_contact) : "no pair of shapes is tested");
   const int constraints = dyn_model_nconstraints(robot);
   add("constraints", constraints && on & has_constraints,
-      constraints ? "the file has " + several(constraints, " constraint", " constraints") + off(has_constraints) : "the file has none");
+      constraints ? "the file has " + several(constraints, " constraint", " constraints") + off(has_constraints)
+                  : "the file has none");
   const int actuators = dyn_model_nactuators(robot);
-  effect(DYN_EFFECT_ACTUATORS, actuators, several(actuators, " actuator", " actuators") + " with " + several(dyn_model_nu(robot), " control", " controls"));
+  effect(DYN_EFFECT_ACTUATORS, actuators,
+         several(actuators, " actuator", " actuators") + " with " + several(dyn_model_nu(robot), " control", " controls"));
   const int drag = present("fluid"), held = present("gravity_compensation");
   effect(DYN_EFFECT_FLUID, drag, "a medium drags on " + several(drag, " link", " links"));
   effect(DYN_EFFECT_GRAVITY_COMPENSATION, held, "the weight of " + several(held, " link is", " links is") + " held");
   int followers = 0;
   for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
-  add("mimic", followers > 0, followers ? several(followers, " joint follows", " joints follow") + " another" : "no joint follows another");
+  add("mimic", followers > 0,
+      followers ? several(followers, " joint follows", " joints follow") + " another" : "no joint follows another");
   const int trees = present("sleeping");
   add("sleeping", trees && on & DYN_EFFECT_SLEEPING,
-      !trees ? type(DYN_EFFECT_SLEEPING).absent : several(trees, " tree of bodies", " trees of bodies") + " may sleep" + (on & DYN_EFFECT_SLEEPING ? "" : "; not asked for"));
+      !trees ? type(DYN_EFFECT_SLEEPING).absent
+             : several(trees, " tree of bodies", " trees of bodies") + " may sleep" +
+                   (on & DYN_EFFECT_SLEEPING ? "" : "; not asked for"));
   return list;
 }
 

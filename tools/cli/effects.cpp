@@ -1,5 +1,5 @@
-// dyn effects: what a scene calls for, measured. Each effect that acts is left out once: how far the result then is from that with all of
-// them is its magnitude, and what the steps then take less is its price.
+// dyn effects: what a scene calls for, measured. Each effect that acts is left out once: how far the result then is from that
+// with all of them is its magnitude, and what the steps then take less is its price.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,8 @@ Rollout roll_out(const Robot& robot, const State& state, const SteppingOptions& 
   for (int run = 0; run < 2; ++run) {  // the first one also warms caches
     const Data data(robot, DYN_PART_SIMULATION, on);
     set_start(robot, data, state);
-    set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0, {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget});
+    set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0,
+                 {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget});
     const double* q = state_view(robot, data, "q");
     const long long every = std::max(schedule.steps / samples, 1LL);
     const InstructionCounter counter;
@@ -98,10 +99,12 @@ Measured measure(const Robot& robot, const State& state, const SteppingOptions& 
 }
 
 // The most effects, the least ones first, that can be left out together.
-json suggest(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on, const Measured& measured, double allowed) {
+json suggest(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on, const Measured& measured,
+             double allowed) {
   std::vector<std::pair<double, std::string>> candidates;
   for (const json& e : measured.effects)
-    if (e.contains("magnitude") && !e["magnitude"].is_null() && e["magnitude"].get<double>() < allowed) candidates.emplace_back(e["magnitude"].get<double>(), e["name"].get<std::string>());
+    if (e.contains("magnitude") && !e["magnitude"].is_null() && e["magnitude"].get<double>() < allowed)
+      candidates.emplace_back(e["magnitude"].get<double>(), e["name"].get<std::string>());
   std::sort(candidates.begin(), candidates.end());
   for (;; candidates.pop_back()) {
     std::uint32_t kept = on;
@@ -112,8 +115,14 @@ json suggest(const Robot& robot, const State& state, const SteppingOptions& opti
     if (!(error < allowed) && !candidates.empty()) continue;
     json keep = json::array();
     for (const json& e : measured.effects)
-      if (e["active"].get<bool>() && std::find(without.begin(), without.end(), e["name"]) == without.end()) keep.push_back(e["name"]);
-    return {{"allowed", allowed}, {"keep", keep}, {"without", without}, {"error", error}, {"ns_per_step", run.ns}, {"instructions_per_step", number_or_null(run.instructions)},
+      if (e["active"].get<bool>() && std::find(without.begin(), without.end(), e["name"]) == without.end())
+        keep.push_back(e["name"]);
+    return {{"allowed", allowed},
+            {"keep", keep},
+            {"without", without},
+            {"error", error},
+            {"ns_per_step", run.ns},
+            {"instructions_per_step", number_or_null(run.instructions)},
             {"options", without.empty() ? std::string() : "--without " + join(without, ",")}};
   }
 }
@@ -132,7 +141,8 @@ struct Options : SteppingOptions {
 void run(const Options& given, bool asked) {
   Options options = given;
   check_stepping(options);
-  if (asked && (!(options.allowed > 0) || !std::isfinite(options.allowed))) bad_usage("--suggest must be a positive number of metres and radians.");
+  if (asked && (!(options.allowed > 0) || !std::isfinite(options.allowed)))
+    bad_usage("--suggest must be a positive number of metres and radians.");
   const std::uint32_t on = parse_effects(options.effects);
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
@@ -153,23 +163,31 @@ json measure_effects(const Robot& robot, const State& state, const SteppingOptio
 }
 
 std::string effects_text(const json& a) {
-  std::string out = "a step of " + short_number(a["dt"].get<double>()) + " s with all of them takes " + short_number(a["ns_per_step"].get<double>() / 1000, 3) + " us" +
-                    (a["instructions_per_step"].is_null() ? "" : ", " + short_number(a["instructions_per_step"].get<double>(), 4) + " instructions") +
-                    "; magnitude: change of the result after " + short_number(a["duration"].get<double>()) + " s without it, m or rad\n";
+  std::string out = "a step of " + short_number(a["dt"].get<double>()) + " s with all of them takes " +
+                    short_number(a["ns_per_step"].get<double>() / 1000, 3) + " us" +
+                    (a["instructions_per_step"].is_null()
+                         ? ""
+                         : ", " + short_number(a["instructions_per_step"].get<double>(), 4) + " instructions") +
+                    "; magnitude: change of the result after " + short_number(a["duration"].get<double>()) +
+                    " s without it, m or rad\n";
   std::vector<std::vector<std::string>> rows = {{"effect", "", "magnitude", "instructions", "us", "bytes", "why"}};
   for (const json& e : a["effects"]) {
     const bool measured = e.contains("magnitude");
-    rows.push_back({e["name"], e["active"].get<bool>() ? "on" : "off", measured ? amount(e["magnitude"], "") : "", measured ? amount(e["instructions"], "") : "",
-                    measured ? short_number(e["ns"].get<double>() / 1000, 3) : "", std::to_string(e["bytes"].get<long long>()),
-                    e["reason"].get<std::string>() + (e.contains("failed_without") ? "; without it: " + e["failed_without"].get<std::string>() : "")});
+    rows.push_back({e["name"], e["active"].get<bool>() ? "on" : "off", measured ? amount(e["magnitude"], "") : "",
+                    measured ? amount(e["instructions"], "") : "", measured ? short_number(e["ns"].get<double>() / 1000, 3) : "",
+                    std::to_string(e["bytes"].get<long long>()),
+                    e["reason"].get<std::string>() +
+                        (e.contains("failed_without") ? "; without it: " + e["failed_without"].get<std::string>() : "")});
   }
   out += table(rows);
   if (a.contains("suggested")) {
     const json& s = a["suggested"];
-    if (s["without"].empty()) out += "\nnothing can be left out: each effect changes the result by " + short_number(s["allowed"].get<double>()) + " or more\n";
+    if (s["without"].empty())
+      out += "\nnothing can be left out: each effect changes the result by " + short_number(s["allowed"].get<double>()) +
+             " or more\n";
     else
-      out += "\n" + s["options"].get<std::string>() + " changes the result by " + short_number(s["error"].get<double>(), 3) + ", and a step then takes " +
-             short_number(s["ns_per_step"].get<double>() / 1000, 3) + " us\n";
+      out += "\n" + s["options"].get<std::string>() + " changes the result by " + short_number(s["error"].get<double>(), 3) +
+             ", and a step then takes " + short_number(s["ns_per_step"].get<double>() / 1000, 3) + " us\n";
   }
   if (a.contains("warnings"))
     for (const auto& w : a["warnings"]) out += "warning: " + w.get<std::string>() + "\n";
@@ -179,11 +197,16 @@ std::string effects_text(const json& a) {
 void add_effects(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->duration = 1;
-  CLI::App* command = app.add_subcommand("effects", "Each effect of a scene, measured: its price, and the change of the result without it");
+  CLI::App* command =
+      app.add_subcommand("effects", "Each effect of a scene, measured: its price, and the change of the result without it");
   add_stepping_options(*command, *options);
   command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->capture_default_str();
   add_dt_option(*command, *options, "Step, seconds");
-  CLI::Option* suggest = command->add_option("--suggest", options->allowed, "Find the fewest effects whose result differs by less than this from that of all effects (m, rad)")->check(decimal);
+  CLI::Option* suggest =
+      command
+          ->add_option("--suggest", options->allowed,
+                       "Find the fewest effects whose result differs by less than this from that of all effects (m, rad)")
+          ->check(decimal);
   command->callback([options, suggest] { run(*options, suggest->count() > 0); });
 }
 

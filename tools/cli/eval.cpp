@@ -108,10 +108,14 @@ json forward_derivative(const Context& c, const char* name) {
 }
 
 json by_q(const Context& c, dynStatus (*call)(const dynModel*, dynData*, int, dynReference, double*, double*, double*)) {
-  return c.frame_matrix([call](const dynModel* m, dynData* d, int frame, dynReference r, double* out) { return call(m, d, frame, r, out, nullptr, nullptr); });
+  return c.frame_matrix([call](const dynModel* m, dynData* d, int frame, dynReference r, double* out) {
+    return call(m, d, frame, r, out, nullptr, nullptr);
+  });
 }
 json by_v(const Context& c, dynStatus (*call)(const dynModel*, dynData*, int, dynReference, double*, double*, double*)) {
-  return c.frame_matrix([call](const dynModel* m, dynData* d, int frame, dynReference r, double* out) { return call(m, d, frame, r, nullptr, out, nullptr); });
+  return c.frame_matrix([call](const dynModel* m, dynData* d, int frame, dynReference r, double* out) {
+    return call(m, d, frame, r, nullptr, out, nullptr);
+  });
 }
 
 // By q_k: [k] is the derivative of the frame's Jacobian.
@@ -173,7 +177,8 @@ json distance_gradients(const Context& c) {
   json out = json::array();
   for (const int pair : tested_pairs(c.robot, c.data)) {
     Vector row;
-    for (int k = 0; k < c.robot.nv; ++k) row.push_back(all[static_cast<std::size_t>(pair) + static_cast<std::size_t>(k) * static_cast<std::size_t>(pairs)]);
+    for (int k = 0; k < c.robot.nv; ++k)
+      row.push_back(all[static_cast<std::size_t>(pair) + static_cast<std::size_t>(k) * static_cast<std::size_t>(pairs)]);
     out.push_back(row);
   }
   return out;
@@ -211,9 +216,11 @@ void add_fields(std::vector<Quantity>& table) {
       dynFieldInfo made{};
       made.struct_size = sizeof made;
       check(dyn_field_info(k, &made));
-      const bool known = std::any_of(table.begin(), table.end(), [&](const Quantity& x) { return std::string(x.name) == made.name; });
+      const bool known =
+          std::any_of(table.begin(), table.end(), [&](const Quantity& x) { return std::string(x.name) == made.name; });
       if (known || made.producer != std::string("dyn_") + info.name) continue;
-      table.push_back({made.name, made.part, false, [algorithm, name = made.name](const Context& c) { return produced(c, algorithm, name); }});
+      table.push_back({made.name, made.part, false,
+                       [algorithm, name = made.name](const Context& c) { return produced(c, algorithm, name); }});
     }
   }
 }
@@ -262,11 +269,14 @@ std::vector<Quantity> listed() {
       {"inertial_parameters", DYN_PART_KINEMATICS, false, inertial_parameters},
       {"distances", DYN_PART_COLLISION, false, distances},
       {"collisions", DYN_PART_COLLISION, false, collisions},
-      {"constrained_ddq", DYN_PART_CONSTRAINTS, false, [](C c) { return constrained_json(c.robot, c.data, c.q, c.v, c.tau, false); }},
+      {"constrained_ddq", DYN_PART_CONSTRAINTS, false,
+       [](C c) { return constrained_json(c.robot, c.data, c.q, c.v, c.tau, false); }},
       {"lambda", DYN_PART_CONSTRAINTS, false, [](C c) { return constrained_json(c.robot, c.data, c.q, c.v, c.tau, true); }},
       {"delassus", DYN_PART_CONSTRAINTS, false, [](C c) { return delassus_json(c.robot, c.data, c.q); }},
-      {"constraint_error", DYN_PART_CONSTRAINTS, false, [](C c) { return constraint_terms_json(c.robot, c.data, c.q, c.v, "C"); }},
-      {"constraint_jacobian", DYN_PART_CONSTRAINTS, false, [](C c) { return constraint_terms_json(c.robot, c.data, c.q, c.v, "J"); }},
+      {"constraint_error", DYN_PART_CONSTRAINTS, false,
+       [](C c) { return constraint_terms_json(c.robot, c.data, c.q, c.v, "C"); }},
+      {"constraint_jacobian", DYN_PART_CONSTRAINTS, false,
+       [](C c) { return constraint_terms_json(c.robot, c.data, c.q, c.v, "J"); }},
       {"distance_gradients", DYN_PART_COLLISION, false, distance_gradients},
   };
   add_fields(table);
@@ -287,7 +297,8 @@ std::vector<const Quantity*> select(const Options& options) {
       if (found == table.end()) {
         std::vector<std::string> known;
         for (const auto& x : table) known.push_back(x.name);
-        bad_usage("--compute: unknown name \"" + shown(word) + "\"" + did_you_mean(word, known) + "; 'dyn eval --help' lists the names.");
+        bad_usage("--compute: unknown name \"" + shown(word) + "\"" + did_you_mean(word, known) +
+                  "; 'dyn eval --help' lists the names.");
       }
       if (found->needs_frame && options.frame.empty()) bad_usage("--compute: \"" + word + "\" needs --frame.");
       if (std::find(out.begin(), out.end(), &*found) == out.end()) out.push_back(&*found);
@@ -360,7 +371,8 @@ void add_eval(CLI::App& app) {
       ->allow_extra_args(false)
       ->type_name("LIST");
   add_state_options(*command, options->state, true);
-  command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")->check(not_empty);
+  command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")
+      ->check(not_empty);
   command->add_option("--reference", options->reference, one_of("dynReference", &Choice::capital))->capture_default_str();
   add_effects_option(*command, options->effects);
   add_contact_options(*command, options->contacts);

@@ -17,14 +17,17 @@ fs::path target_of(const std::string& path) {
   constexpr int max_links = 40;
   std::error_code ignored;
   fs::path target = path;
-  for (int links = 0; links < max_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links) target = target.parent_path() / fs::read_symlink(target, ignored);
+  for (int links = 0; links < max_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links)
+    target = target.parent_path() / fs::read_symlink(target, ignored);
   return target;
 }
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
   if (fs::exists(a, ignored) && !fs::is_regular_file(a, ignored)) return false;
-  const auto whole = [&](const std::string& path) { return fs::weakly_canonical(fs::absolute(target_of(path), ignored), ignored); };
+  const auto whole = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(target_of(path), ignored), ignored);
+  };
   return fs::equivalent(a, b, ignored) || whole(a) == whole(b);
 }
 
@@ -49,12 +52,16 @@ void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<Name
     if (out->path.empty()) continue;
     if (out->path == "-") bad_usage(std::string(out->option) + ": \"-\" is no file's name; standard output is /dev/stdout.");
     for (const NamedFile& in : inputs)
-      if (!in.path.empty() && same_file(out->path, in.path)) bad_usage(std::string(in.option) + " and " + out->option + " name the same file, " + shown(in.path) + ": it would be overwritten.");
+      if (!in.path.empty() && same_file(out->path, in.path))
+        bad_usage(std::string(in.option) + " and " + out->option + " name the same file, " + shown(in.path) +
+                  ": it would be overwritten.");
     for (auto other = outputs.begin(); other != out; ++other)
-      if (!other->path.empty() && same_file(out->path, other->path)) bad_usage(std::string(other->option) + " and " + out->option + " name the same file, " + shown(out->path) + ".");
+      if (!other->path.empty() && same_file(out->path, other->path))
+        bad_usage(std::string(other->option) + " and " + out->option + " name the same file, " + shown(out->path) + ".");
   }
   for (const NamedFile& out : outputs)
-    if (const int why = out.path.empty() ? 0 : obstacle(out.path)) fail(out.path + ": cannot be written: " + std::strerror(why) + ".");
+    if (const int why = out.path.empty() ? 0 : obstacle(out.path))
+      fail(out.path + ": cannot be written: " + std::strerror(why) + ".");
 }
 
 }  // namespace cli

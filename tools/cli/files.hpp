@@ -11,8 +11,8 @@ struct NamedFile {
 };
 // What every subcommand with a robot reads, and what else one does.
 std::vector<NamedFile> inputs_of(const RobotOptions& robot, std::vector<NamedFile> more = {});
-// Before any work: bad usage when an output is an input or another output, whatever their names; fails for one that cannot be written. Nothing is
-// changed. Devices and pipes may be anything at once.
+// Before any work: bad usage when an output is an input or another output, whatever their names; fails for one that cannot be
+// written. Nothing is changed. Devices and pipes may be anything at once.
 void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs = {});
 
 }  // namespace cli

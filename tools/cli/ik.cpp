@@ -44,7 +44,10 @@ dynIkTask frame_task(int frame, const std::string& target) {
   if (x.size() != 3 && x.size() != 4 && x.size() != 7)
     bad_usage("--target: \"" + target + "\" has " + std::to_string(x.size()) +
               " numbers; give 3 (position), 4 (quaternion x y z w) or 7 (position, then quaternion).");
-  dynIkTask out = task(x.size() == 3 ? DYN_IK_TASK_TYPE_POSITION : x.size() == 4 ? DYN_IK_TASK_TYPE_ORIENTATION : DYN_IK_TASK_TYPE_POSE, frame);
+  dynIkTask out = task(x.size() == 3   ? DYN_IK_TASK_TYPE_POSITION
+                       : x.size() == 4 ? DYN_IK_TASK_TYPE_ORIENTATION
+                                       : DYN_IK_TASK_TYPE_POSE,
+                       frame);
   if (x.size() != 4) std::copy_n(x.data(), 3, out.target + 9);
   if (x.size() != 3) rotate(x.data() + x.size() - 4, out.target);
   return out;
@@ -63,9 +66,11 @@ const char* reason_name(dynIkReason reason) {
 
 std::string sentence(const Robot& robot, const dynIkResult& r) {
   switch (r.reason) {
-    case DYN_IK_REASON_LIMITS: return "a limit of joint '" + std::string(dyn_model_joint_name(robot, r.joint)) + "' holds the tasks back";
+    case DYN_IK_REASON_LIMITS:
+      return "a limit of joint '" + std::string(dyn_model_joint_name(robot, r.joint)) + "' holds the tasks back";
     case DYN_IK_REASON_SINGULAR: return "no joint moves along the error: the target may be out of reach";
-    case DYN_IK_REASON_LOCAL_MINIMUM: return "no motion lowers the error: the tasks contradict each other, or --restarts is too small";
+    case DYN_IK_REASON_LOCAL_MINIMUM:
+      return "no motion lowers the error: the tasks contradict each other, or --restarts is too small";
     default: return "--max-iterations is too small";
   }
 }
@@ -113,16 +118,22 @@ void run(const Options& options) {
   for (std::size_t k = 0; k < tasks.size(); ++k)
     list.push_back({{"name", names[k]}, {"linear", residuals[2 * k]}, {"angular", residuals[2 * k + 1]}});
   if (options.robot.json) {
-    print(json_text({{"converged", result.reason == DYN_IK_REASON_CONVERGED}, {"reason", reason_name(result.reason)}, {"q", vector_json(q.data(), robot.nq)},
-                     {"tasks", list}, {"iterations", result.iterations}, {"restarts", result.restarts},
-                     {"joint", result.joint < 0 ? json() : json(dyn_model_joint_name(robot, result.joint))}, {"cost", result.cost},
+    print(json_text({{"converged", result.reason == DYN_IK_REASON_CONVERGED},
+                     {"reason", reason_name(result.reason)},
+                     {"q", vector_json(q.data(), robot.nq)},
+                     {"tasks", list},
+                     {"iterations", result.iterations},
+                     {"restarts", result.restarts},
+                     {"joint", result.joint < 0 ? json() : json(dyn_model_joint_name(robot, result.joint))},
+                     {"cost", result.cost},
                      {"optimality", result.optimality}}));
   } else {
-    std::string text = std::string(reason_name(result.reason)) + " after " + std::to_string(result.iterations) + " iterations and " +
-                       std::to_string(result.restarts) + " restarts\nq";
+    std::string text = std::string(reason_name(result.reason)) + " after " + std::to_string(result.iterations) +
+                       " iterations and " + std::to_string(result.restarts) + " restarts\nq";
     for (double x : q) text += " " + short_number(x, 9);
     for (const json& t : list)
-      text += "\n" + t["name"].get<std::string>() + ": " + short_number(t["linear"].get<double>(), 3) + " m, " + short_number(t["angular"].get<double>(), 3) + " rad";
+      text += "\n" + t["name"].get<std::string>() + ": " + short_number(t["linear"].get<double>(), 3) + " m, " +
+              short_number(t["angular"].get<double>(), 3) + " rad";
     print(text + "\n");
   }
 }
@@ -135,15 +146,21 @@ void add_ik(CLI::App& app) {
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
   command->add_option("--frame", options->frames, "A frame; one for each --target")->allow_extra_args(false);
-  command->add_option("--target", options->targets, "Target of the frame: position (3), quaternion x y z w (4), or both (7), separated by commas; world axes, m")
+  command
+      ->add_option("--target", options->targets,
+                   "Target of the frame: position (3), quaternion x y z w (4), or both (7), separated by commas; world axes, m")
       ->allow_extra_args(false)
       ->type_name("NUMBERS");
   command->add_option("--com", options->com, "Target of the centre of mass: 3 numbers, m")->type_name("NUMBERS");
   command->add_flag("--stay", options->stay, "Stay as near to the start (--q, --state) as the targets allow");
-  command->add_option("--tolerance", options->tolerance, "Error of a met target, m and rad")->check(decimal)->capture_default_str();
+  command->add_option("--tolerance", options->tolerance, "Error of a met target, m and rad")
+      ->check(decimal)
+      ->capture_default_str();
   command->add_option("--restarts", options->restarts, "Random starts after the given one")->check(whole)->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of the random starts")->check(whole)->capture_default_str();
-  command->add_option("--max-iterations", options->max_iterations, "Iterations of each start")->check(whole)->capture_default_str();
+  command->add_option("--max-iterations", options->max_iterations, "Iterations of each start")
+      ->check(whole)
+      ->capture_default_str();
   command->add_flag("--best", options->best, "Print the best configuration when the targets are out of reach");
   command->add_flag("--no-limits", options->no_limits, "Ignore joint limits");
   command->callback([options] { run(*options); });

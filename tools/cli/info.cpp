@@ -22,7 +22,8 @@ json joint_json(const Robot& robot, int id) {
                    {"velocity", slice(DYN_MODEL_ARRAY_VELOCITY_LIMIT, j.idx_v, j.nv)},
                    {"effort", slice(DYN_MODEL_ARRAY_EFFORT_LIMIT, j.idx_v, j.nv)}};
   if (j.mimic_leader >= 0)
-    out["mimic"] = {{"leader", dyn_model_joint_name(robot, j.mimic_leader)}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
+    out["mimic"] = {
+        {"leader", dyn_model_joint_name(robot, j.mimic_leader)}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
   return out;
 }
 
@@ -50,13 +51,15 @@ json info_json(const Robot& robot) {
                              {"mesh", s.mesh}});
   }
   out["configurations"] = json::array();
-  for (int i = 0; i < dyn_model_nconfigurations(robot); ++i) out["configurations"].push_back(dyn_model_configuration_name(robot, i));
+  for (int i = 0; i < dyn_model_nconfigurations(robot); ++i)
+    out["configurations"].push_back(dyn_model_configuration_name(robot, i));
   out["disabled_pairs"] = json::array();
   for (int i = 0; i < dyn_model_ndisabled_pairs(robot); ++i) {
     int frame1, frame2;
     const char* reason;
     check(dyn_model_disabled_pair(robot, i, &frame1, &frame2, &reason));
-    out["disabled_pairs"].push_back({{"frame1", dyn_model_frame_name(robot, frame1)}, {"frame2", dyn_model_frame_name(robot, frame2)}, {"reason", reason}});
+    out["disabled_pairs"].push_back(
+        {{"frame1", dyn_model_frame_name(robot, frame1)}, {"frame2", dyn_model_frame_name(robot, frame2)}, {"reason", reason}});
   }
   out["effects"] = effects(robot);
   out["report"] = json::array();
@@ -137,13 +140,17 @@ std::string info_text(const json& info) {
     for (const auto& name : info["configurations"]) out += " " + str(name);
     out += "\n";
   }
-  if (!info["disabled_pairs"].empty()) out += "\ndisabled pairs\n  " + std::to_string(info["disabled_pairs"].size()) + " pairs of links are not tested for collision\n";
+  if (!info["disabled_pairs"].empty())
+    out +=
+        "\ndisabled pairs\n  " + std::to_string(info["disabled_pairs"].size()) + " pairs of links are not tested for collision\n";
   if (info.contains("meshes")) out += "\nmeshes\n" + meshes_text(info["meshes"]);
   if (info.contains("pairs")) {
     rows.clear();
-    for (const auto& p : info["pairs"]) rows.push_back({str(p["a"]), str(p["b"]), p["tested"].get<bool>() ? "tested" : "not tested: " + str(p["reason"])});
+    for (const auto& p : info["pairs"])
+      rows.push_back({str(p["a"]), str(p["b"]), p["tested"].get<bool>() ? "tested" : "not tested: " + str(p["reason"])});
     out += "\npairs of collision shapes\n" + (rows.empty() ? "  none\n" : table(rows));
-    const bool any = std::any_of(info["pairs"].begin(), info["pairs"].end(), [](const json& p) { return p["tested"].get<bool>(); });
+    const bool any =
+        std::any_of(info["pairs"].begin(), info["pairs"].end(), [](const json& p) { return p["tested"].get<bool>(); });
     if (!rows.empty() && !any) out += "  warning: none of them is tested\n";
   }
   rows.clear();
@@ -153,11 +160,13 @@ std::string info_text(const json& info) {
   return out;
 }
 
-void write_html(const std::string& path, const std::string& html, const RobotOptions& options, const Robot& robot, const json& info) {
+void write_html(const std::string& path, const std::string& html, const RobotOptions& options, const Robot& robot,
+                const json& info) {
   page::Pack pack;
   SteppingOptions start;
   json notes = json::array();
-  json head = page::still("model", options, robot, start_of(robot, start, notes), std::uint32_t(DYN_EFFECT_DEFAULT) | of_the_whole, pack, notes);
+  json head = page::still("model", options, robot, start_of(robot, start, notes),
+                          std::uint32_t(DYN_EFFECT_DEFAULT) | of_the_whole, pack, notes);
   head["info"] = info;
   page::write_file(path, page::filled(html, head, pack));
 }

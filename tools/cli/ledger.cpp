@@ -11,13 +11,22 @@ struct Entry {
   const char* name;
   double dynErrorLedger::*of;
 };
-constexpr Entry sums[] = {{"energy_change", &dynErrorLedger::energy_change}, {"applied", &dynErrorLedger::applied}, {"actuators", &dynErrorLedger::actuators},
-                          {"wrenches", &dynErrorLedger::wrenches}, {"damping", &dynErrorLedger::damping}, {"friction", &dynErrorLedger::friction},
-                          {"fluid", &dynErrorLedger::fluid}, {"contact_normal", &dynErrorLedger::contact_normal},
-                          {"contact_friction", &dynErrorLedger::contact_friction}, {"limits", &dynErrorLedger::limits},
-                          {"constraints", &dynErrorLedger::constraints}, {"correction", &dynErrorLedger::correction},
+constexpr Entry sums[] = {{"energy_change", &dynErrorLedger::energy_change},
+                          {"applied", &dynErrorLedger::applied},
+                          {"actuators", &dynErrorLedger::actuators},
+                          {"wrenches", &dynErrorLedger::wrenches},
+                          {"damping", &dynErrorLedger::damping},
+                          {"friction", &dynErrorLedger::friction},
+                          {"fluid", &dynErrorLedger::fluid},
+                          {"contact_normal", &dynErrorLedger::contact_normal},
+                          {"contact_friction", &dynErrorLedger::contact_friction},
+                          {"limits", &dynErrorLedger::limits},
+                          {"constraints", &dynErrorLedger::constraints},
+                          {"correction", &dynErrorLedger::correction},
                           {"energy_defect", &dynErrorLedger::energy_defect}};
-constexpr Entry largest[] = {{"constraint_drift", &dynErrorLedger::constraint_drift}, {"cone", &dynErrorLedger::cone}, {"complementarity", &dynErrorLedger::complementarity}};
+constexpr Entry largest[] = {{"constraint_drift", &dynErrorLedger::constraint_drift},
+                             {"cone", &dynErrorLedger::cone},
+                             {"complementarity", &dynErrorLedger::complementarity}};
 
 }  // namespace
 
@@ -53,11 +62,14 @@ std::vector<std::string> Ledger::sum_names() {
 std::string Ledger::text(const json& a) {
   std::string out = "ledger            change of energy, J, by source; the rest is the error of the steps\n";
   for (const auto& e : sums)
-    if (const double x = a[e.name]; x != 0) out += "  " + std::string(e.name) + std::string(20 - std::strlen(e.name), ' ') + short_number(x) + "\n";
-  out += "  momentum_defect     " + short_number(a["momentum_defect"][0].get<double>()) + " " + short_number(a["momentum_defect"][1].get<double>()) + " " +
-         short_number(a["momentum_defect"][2].get<double>()) + " N s\n";
-  out += "  constraint_drift    " + short_number(a["constraint_drift"].get<double>()) + " m or rad\n  cone                " + short_number(a["cone"].get<double>()) +
-         " N\n  complementarity     " + short_number(a["complementarity"].get<double>()) + " W\n";
+    if (const double x = a[e.name]; x != 0)
+      out += "  " + std::string(e.name) + std::string(20 - std::strlen(e.name), ' ') + short_number(x) + "\n";
+  out += "  momentum_defect     " + short_number(a["momentum_defect"][0].get<double>()) + " " +
+         short_number(a["momentum_defect"][1].get<double>()) + " " + short_number(a["momentum_defect"][2].get<double>()) +
+         " N s\n";
+  out += "  constraint_drift    " + short_number(a["constraint_drift"].get<double>()) + " m or rad\n  cone                " +
+         short_number(a["cone"].get<double>()) + " N\n  complementarity     " + short_number(a["complementarity"].get<double>()) +
+         " W\n";
   return out;
 }
 

@@ -1,4 +1,5 @@
-// dyn manual: the man page and the completions of shells, from the options that the subcommands have. Hidden: the build calls it and installs what it prints.
+// dyn manual: the man page and the completions of shells, from the options that the subcommands have. Hidden: the build calls it
+// and installs what it prints.
 #include <CLI/CLI.hpp>
 
 #include "cli.hpp"
@@ -54,26 +55,33 @@ std::string roff(const std::string& text) {
 std::string quoted(const std::string& text) { return replaced(text, "'", "'\\''"); }
 
 std::string man(const CLI::App& app) {
-  std::string out = ".TH DYN 1 \"\" \"dyn " + std::string(dyn_version()) + "\" \"User Commands\"\n.SH NAME\ndyn \\- rigid\\-body dynamics\n.SH SYNOPSIS\n";
+  std::string out = ".TH DYN 1 \"\" \"dyn " + std::string(dyn_version()) +
+                    "\" \"User Commands\"\n.SH NAME\ndyn \\- rigid\\-body dynamics\n.SH SYNOPSIS\n";
   for (const CLI::App* c : commands(app)) {
     out += ".B dyn " + c->get_name() + "\n[OPTIONS]";
     for (const CLI::Option* o : options(*c))
       if (o->get_positional()) out += o->get_required() ? " " + o->get_single_name() : " [" + o->get_single_name() + "]";
     out += "\n.br\n";
   }
-  out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\nA robot is a URDF, MJCF or .dynb file. \\-\\-fixed or \\-\\-floating holds the root link of a URDF.\n";
+  out += ".SH DESCRIPTION\n" + roff(app.get_description()) +
+         "\nA robot is a URDF, MJCF or .dynb file. \\-\\-fixed or \\-\\-floating holds the root link of a URDF.\n";
   out += ".SH COMMANDS\n";
   for (const CLI::App* c : commands(app)) {
     out += ".SS dyn " + c->get_name() + "\n" + roff(c->get_description()) + ".\n";
     for (const CLI::Option* o : options(*c)) {
       const std::string value = argument(*o);
       const std::string name = o->get_positional() ? o->get_single_name() : join(names(*o)) + (value.empty() ? "" : " " + value);
-      out += ".TP\n.B " + roff(name) + "\n" + roff(o->get_description()) + (o->get_default_str().empty() ? "" : " (default " + roff(o->get_default_str()) + ")") + "\n";
+      out += ".TP\n.B " + roff(name) + "\n" + roff(o->get_description()) +
+             (o->get_default_str().empty() ? "" : " (default " + roff(o->get_default_str()) + ")") + "\n";
     }
     if (!c->get_footer().empty()) out += ".PP\n" + roff(c->get_footer()) + "\n";
   }
-  out += ".SH EXIT STATUS\n.TP\n0\nsuccess\n.TP\n1\nan operation on the robot or on files failed\n.TP\n2\nthe command line is wrong\n";
-  return out + ".SH FILES\nMessages are on standard error; the answer, with \\-\\-json for programs, is all there is on standard output.\n";
+  out +=
+      ".SH EXIT STATUS\n.TP\n0\nsuccess\n.TP\n1\nan operation on the robot or on files failed\n.TP\n2\nthe command line is "
+      "wrong\n";
+  return out +
+         ".SH FILES\nMessages are on standard error; the answer, with \\-\\-json for programs, is all there is on standard "
+         "output.\n";
 }
 
 std::string bash(const CLI::App& app) {
@@ -85,13 +93,20 @@ std::string bash(const CLI::App& app) {
     for (const CLI::Option* o : options(*c)) {
       if (o->get_positional()) continue;
       words += (words.empty() ? "" : " ") + join(names(*o), " ");
-      if (!choices(*o).empty()) values += "        " + join(names(*o), "|") + ") COMPREPLY=($(compgen -W '" + choices(*o) + "' -- \"$now\")); return ;;\n";
+      if (!choices(*o).empty())
+        values +=
+            "        " + join(names(*o), "|") + ") COMPREPLY=($(compgen -W '" + choices(*o) + "' -- \"$now\")); return ;;\n";
     }
     cases += "    " + c->get_name() + ")\n      case $before in\n" + values + "      esac\n      words='" + words + "' ;;\n";
   }
-  return "# bash completion of dyn\n_dyn() {\n  local now=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n  COMPREPLY=()\n"
-         "  if [ \"$COMP_CWORD\" = 1 ]; then COMPREPLY=($(compgen -W '" + all + " --help --version' -- \"$now\")); return; fi\n"
-         "  case ${COMP_WORDS[1]} in\n" + cases + "  esac\n  case $now in\n    -*) COMPREPLY=($(compgen -W \"$words\" -- \"$now\")) ;;\n"
+  return "# bash completion of dyn\n_dyn() {\n  local now=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n  "
+         "COMPREPLY=()\n"
+         "  if [ \"$COMP_CWORD\" = 1 ]; then COMPREPLY=($(compgen -W '" +
+         all +
+         " --help --version' -- \"$now\")); return; fi\n"
+         "  case ${COMP_WORDS[1]} in\n" +
+         cases +
+         "  esac\n  case $now in\n    -*) COMPREPLY=($(compgen -W \"$words\" -- \"$now\")) ;;\n"
          "    *) COMPREPLY=($(compgen -f -- \"$now\")) ;;\n  esac\n}\ncomplete -o filenames -F _dyn dyn\n";
 }
 
@@ -105,7 +120,8 @@ std::string zsh(const CLI::App& app) {
       const std::string text = quoted(replaced(replaced(replaced(o->get_description(), "[", "("), "]", ")"), ":", "\\:"));
       for (const std::string& name : names(*o)) {
         cases += " \\\n      '" + name + "[" + text + "]";
-        if (!argument(*o).empty()) cases += ":value:" + (choices(*o).empty() ? std::string(takes_file(*o) ? "_files" : " ") : "(" + choices(*o) + ")");
+        if (!argument(*o).empty())
+          cases += ":value:" + (choices(*o).empty() ? std::string(takes_file(*o) ? "_files" : " ") : "(" + choices(*o) + ")");
         cases += "'";
       }
     }
@@ -137,7 +153,9 @@ void add_manual(CLI::App& app) {
   CLI::App* command = app.add_subcommand("manual", "The man page, or a shell's completions")->group("");
   auto form = std::make_shared<std::string>();
   command->add_option("FORM", *form, "man, bash, zsh or fish")->required()->check(CLI::IsMember({"man", "bash", "zsh", "fish"}));
-  command->callback([&app, form] { print(*form == "man" ? man(app) : *form == "bash" ? bash(app) : *form == "zsh" ? zsh(app) : fish(app)); });
+  command->callback([&app, form] {
+    print(*form == "man" ? man(app) : *form == "bash" ? bash(app) : *form == "zsh" ? zsh(app) : fish(app));
+  });
 }
 
 }  // namespace cli

@@ -46,7 +46,10 @@ json meshes_json(const Robot& robot, const std::vector<std::string>& package_dir
     s.struct_size = sizeof s;
     check(dyn_model_shape_info(robot, k, &s));
     if (!*s.mesh) continue;
-    json entry = {{"shape", k}, {"link", dyn_model_frame_name(robot, s.frame)}, {"role", s.role == DYN_SHAPE_ROLE_COLLISION ? "collision" : "visual"}, {"mesh", s.mesh}};
+    json entry = {{"shape", k},
+                  {"link", dyn_model_frame_name(robot, s.frame)},
+                  {"role", s.role == DYN_SHAPE_ROLE_COLLISION ? "collision" : "visual"},
+                  {"mesh", s.mesh}};
     dynMeshOptions options;
     dyn_mesh_options_init(&options);
     std::copy(s.size, s.size + 3, options.scale);
@@ -80,8 +83,10 @@ std::string meshes_text(const json& meshes) {
       if (const auto n = i[key].get<long long>(); n > 0) notes.push_back(std::to_string(n) + " " + what);
     };
     if (i["components"].get<int>() > 1) note("components", "parts");
-    note("open_edges", "open edges"), note("flipped_edges", "flipped edges"), note("nonmanifold_edges", "edges of more than two triangles");
-    note("degenerate", "degenerate triangles dropped"), note("duplicates", "double triangles dropped"), note("skipped", "points and lines skipped");
+    note("open_edges", "open edges"), note("flipped_edges", "flipped edges"),
+        note("nonmanifold_edges", "edges of more than two triangles");
+    note("degenerate", "degenerate triangles dropped"), note("duplicates", "double triangles dropped"),
+        note("skipped", "points and lines skipped");
     if (i["orientation"].get<int>() < 0) notes.push_back("inside out");
     rows.push_back({link, role, std::to_string(i["triangles"].get<int>()), number(i["volume"]), number(i["hull_volume_ratio"]),
                     i["convex"].is_null() ? "?" : i["convex"].get<bool>() ? "yes" : "no", join(notes), file});

@@ -62,7 +62,9 @@ json pairs_json(const Robot& robot) {
       const auto found = listed.find({shapes[i], shapes[j]});
       json row = names(robot, shapes[i], shapes[j]);
       row["tested"] = found != listed.end() && found->second == DYN_PAIR_REASON_TESTED;
-      row["reason"] = found != listed.end() ? reason_text(found->second) : joint[i] == joint[j] ? "they belong to one body" : "a body and its parent";
+      row["reason"] = found != listed.end()  ? reason_text(found->second)
+                      : joint[i] == joint[j] ? "they belong to one body"
+                                             : "a body and its parent";
       out.push_back(row);
     }
   return out;

@@ -19,12 +19,19 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->allow_extra_args(false)
       ->check(not_empty)
       ->type_name("DIR");
-  command.add_option("--srdf", options.srdf, "An SRDF for this robot: named configurations, disabled pairs")->check(not_empty)->type_name("FILE");
-  command.add_option("--collision-meshes", options.meshes, "Shapes for collision meshes: none, hull, triangles, or auto, hulls of those that can be read")
+  command.add_option("--srdf", options.srdf, "An SRDF for this robot: named configurations, disabled pairs")
+      ->check(not_empty)
+      ->type_name("FILE");
+  command
+      .add_option("--collision-meshes", options.meshes,
+                  "Shapes for collision meshes: none, hull, triangles, or auto, hulls of those that can be read")
       ->check(CLI::IsMember(names_of("dynMeshUse")))
       ->type_name(join(names_of("dynMeshUse"), "|"))
       ->capture_default_str();
-  command.add_option("--contact-capacity", options.contact_capacity, "Contact points that a step can hold (the deepest stay); 0: by the number of shapes")->check(whole)
+  command
+      .add_option("--contact-capacity", options.contact_capacity,
+                  "Contact points that a step can hold (the deepest stay); 0: by the number of shapes")
+      ->check(whole)
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command.add_flag("--strict", options.strict, "Refuse a file with physics that would be dropped");

@@ -1,4 +1,5 @@
-// dyn sim: a robot under a constant tau, or one over time, with its contacts, limits and constraints, and an account of energy, error and time.
+// dyn sim: a robot under a constant tau, or one over time, with its contacts, limits and constraints, and an account of energy,
+// error and time.
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <chrono>
@@ -114,7 +115,8 @@ class Blackbox {
   void write(const std::string& error, double h, const std::string& integrator, const State& start) const {
     if (path_.empty()) return;
     json out = {{"error", error}, {"dt", h}, {"integrator", integrator}, {"states", json::array()}, {"grew", json::array()}};
-    for (const Entry& e : last_) out["states"].push_back({{"time", e.t}, {"q", e.q}, {"v", e.v}, {"tau", start.tau}, {"ctrl", start.ctrl}});
+    for (const Entry& e : last_)
+      out["states"].push_back({{"time", e.t}, {"q", e.q}, {"v", e.v}, {"tau", start.tau}, {"ctrl", start.ctrl}});
     std::vector<std::pair<double, int>> growth;
     for (int j = 1; j < robot_.njoints; ++j) {
       const dynJointInfo joint = robot_.joint(j);
@@ -146,8 +148,8 @@ class Blackbox {
 };
 
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
-double error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, const ContactSolver& solver, std::uint32_t effects,
-                      const Schedule& schedule, const Drive* drive, const double* q_end) {
+double error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, const ContactSolver& solver,
+                      std::uint32_t effects, const Schedule& schedule, const Drive* drive, const double* q_end) {
   const Data fine(robot, DYN_PART_SIMULATION, effects);
   set_start(robot, fine, state);
   const double* time = state_view(robot, fine, "time");
@@ -167,15 +169,17 @@ double error_estimate(const Robot& robot, const State& state, dynIntegrator inte
 
 std::string text_of(const json& a) {
   const auto number = [](const json& x) { return x.is_null() ? std::string("unknown") : short_number(x.get<double>()); };
-  std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + (a["steps"] == 1 ? " step of " : " steps of ") +
-                    number(a["dt"]) + " s (" + a["integrator"].get<std::string>() + ")\n";
+  std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) +
+                    (a["steps"] == 1 ? " step of " : " steps of ") + number(a["dt"]) + " s (" +
+                    a["integrator"].get<std::string>() + ")\n";
   out += "wall time         " + number(a["wall_s"]) + " s: " + number(a["real_time_factor"]) + " times real time\n";
   out += "energy            " + number(a["energy"]["initial"]) + " J at the start, " + number(a["energy"]["final"]) +
          " J at the end, largest drift " + number(a["energy"]["drift_max"]) + " J\n";
   out += "error estimate    " + number(a["error_estimate"]) + " (" + a["error_estimate_method"].get<std::string>() + ")\n";
   if (a["contacts_max"] > 0 || a["residual_max"] > 0)
-    out += "contact           up to " + std::to_string(a["contacts_max"].get<int>()) + " points, deepest " + number(a["penetration_max"]) +
-           " m, largest residual " + number(a["residual_max"]) + " (" + a["solver"].get<std::string>() + ")\n";
+    out += "contact           up to " + std::to_string(a["contacts_max"].get<int>()) + " points, deepest " +
+           number(a["penetration_max"]) + " m, largest residual " + number(a["residual_max"]) + " (" +
+           a["solver"].get<std::string>() + ")\n";
   if (a.contains("ledger")) out += Ledger::text(a["ledger"]);
   for (const char* key : {"q", "v"}) {
     out += std::string(key) + "                ";
@@ -192,7 +196,8 @@ std::string text_of(const json& a) {
 
 constexpr double profiled_s = 2;
 
-void write_html(const std::string& html, const Options& options, const Robot& robot, const page::Recording& recording, const json& answer, const json& notes) {
+void write_html(const std::string& html, const Options& options, const Robot& robot, const page::Recording& recording,
+                const json& answer, const json& notes) {
   page::Pack pack;
   json head = page::head("simulation", options.robot, robot, recording, pack, notes);
   head["answer"] = answer;
@@ -202,7 +207,8 @@ void write_html(const std::string& html, const Options& options, const Robot& ro
 void run(const Options& given) {
   Options options = given;
   check_stepping(options);
-  if (options.accuracy_given && (!(options.accuracy > 0) || !std::isfinite(options.accuracy))) bad_usage("--accuracy must be a positive number.");
+  if (options.accuracy_given && (!(options.accuracy > 0) || !std::isfinite(options.accuracy)))
+    bad_usage("--accuracy must be a positive number.");
   const ContactSolver solver{solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget};
   const std::uint32_t on = parse_effects(options.effects);
   const bool adaptive = options.accuracy > 0;
@@ -227,7 +233,8 @@ void run(const Options& given) {
     if (drive) state.tau.assign(drive->at(time), drive->at(time) + robot.nv), state.has_tau = true;
   };
   act(0);
-  if (drive && drive->begin() > 0) warnings.push_back("the first row of --tau-csv is at t = " + short_number(drive->begin()) + " s: tau is zero until then");
+  if (drive && drive->begin() > 0)
+    warnings.push_back("the first row of --tau-csv is at t = " + short_number(drive->begin()) + " s: tau is zero until then");
   const State start = state;  // of it what effects take and change is measured
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
@@ -248,7 +255,8 @@ void run(const Options& given) {
   std::unique_ptr<page::Recording> recording;
   if (page) recording = std::make_unique<page::Recording>(robot, on);
   const auto film = [&](const Ledger* ledger, double step_s) {
-    if (recording && recording->due(*time)) recording->add(data, {*time, kinetic, potential, q, v, state.tau.data()}, ledger, step_s);
+    if (recording && recording->due(*time))
+      recording->add(data, {*time, kinetic, potential, q, v, state.tau.data()}, ledger, step_s);
   };
   if (!options.csv.empty()) csv = std::make_unique<Csv>(options.csv, robot, state.has_tau);
   record();
@@ -291,14 +299,17 @@ void run(const Options& given) {
       report.struct_size = sizeof report;
       check(dyn_data_step_report(robot, data, &report));
       if (keep_ledger) ledger.add(robot, data);
-      steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped, unsolved += report.unsolved;
+      steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped,
+          unsolved += report.unsolved;
       sleeping = report.sleeping;
       contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
       penetration_max = std::max(penetration_max, report.penetration), residual_max = std::max(residual_max, report.residual);
       if (status != DYN_OK || dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential) != DYN_OK) {
         const std::string error = dyn_last_error();
         blackbox.write(error, h, options.integrator, state);
-        if (page) write_html(html, options, robot, *recording, {}, {"the simulation failed at t = " + short_number(*time, 9) + " s: " + error});
+        if (page)
+          write_html(html, options, robot, *recording, {},
+                     {"the simulation failed at t = " + short_number(*time, 9) + " s: " + error});
         fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + error);
       }
       drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
@@ -324,7 +335,8 @@ void run(const Options& given) {
   answer["residual_max"] = residual_max;
   answer["unsolved"] = unsolved;
   answer["sleeping"] = sleeping;
-  answer["integrator"] = adaptive && integrator.id != DYN_INTEGRATOR_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
+  answer["integrator"] =
+      adaptive && integrator.id != DYN_INTEGRATOR_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
   answer["solver"] = rows_max > 0 ? options.solver : "none";
   answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : schedule.length(0);
   if (adaptive) answer["accuracy"] = options.accuracy;
@@ -335,17 +347,26 @@ void run(const Options& given) {
     answer["error_estimate"] = estimate, answer["error_estimate_method"] = "sum of the estimated errors of the steps";
   } else {
     try {
-      answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, drive.get(), q_end.data());
+      answer["error_estimate"] =
+          error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, drive.get(), q_end.data());
     } catch (const Failure& failure) {  // what was simulated stands
       answer["error_estimate"] = nullptr, warnings.push_back("no error estimate: " + failure.message);
     }
-    answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
+    answer["error_estimate_method"] =
+        "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
-  if (unsolved) warnings.push_back(std::to_string(unsolved) + " contact problems ended above --tolerance: their impulses are the best within --max-iterations and --time-budget");
+  if (unsolved)
+    warnings.push_back(
+        std::to_string(unsolved) +
+        " contact problems ended above --tolerance: their impulses are the best within --max-iterations and --time-budget");
   if (adaptive && estimate > 3 * options.accuracy)
-    warnings.push_back("the accuracy " + short_number(options.accuracy) + " was not reached: errors of the steps are estimated to add up to " + short_number(estimate, 2) +
-                       ". Where contacts open and close again, and where motion is chaotic, shorter steps do not help: q is one of many that are as likely; a shorter --duration is known better");
-  if (dropped) warnings.push_back(std::to_string(dropped) + " contact points were left out in all steps, the shallowest: raise --contact-capacity");
+    warnings.push_back("the accuracy " + short_number(options.accuracy) +
+                       " was not reached: errors of the steps are estimated to add up to " + short_number(estimate, 2) +
+                       ". Where contacts open and close again, and where motion is chaotic, shorter steps do not help: q is one "
+                       "of many that are as likely; a shorter --duration is known better");
+  if (dropped)
+    warnings.push_back(std::to_string(dropped) +
+                       " contact points were left out in all steps, the shallowest: raise --contact-capacity");
   if (options.ledger) answer["ledger"] = ledger.answer();
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
@@ -372,11 +393,22 @@ void add_sim(CLI::App& app) {
   add_stepping_options(*command, *options);
   command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->required();
   add_dt_option(*command, *options, "Step, seconds; with --accuracy, the time between rows of --csv");
-  CLI::Option* accuracy = command->add_option("--accuracy", options->accuracy, "Bound on the sum of the steps' errors (m, rad and their rates); step sizes follow")->check(decimal);
-  command->add_option("--csv", options->csv, "Write every step to this file: t, q, v, tau when given, energies")->check(not_empty);
-  command->add_option("--tau-csv", options->forces, "Forces over time: a CSV file with columns t, tau0, tau1, ...; each row acts until the next row's t")->check(not_empty);
-  command->add_option("--html", options->html, "Write a page to this file: motion, forces, plots, ledger, time of each effect")->check(not_empty);
-  command->add_option("--postmortem", options->postmortem, "After a failure, write the last 100 states to this file, and name the joints whose speeds grew most")->check(not_empty);
+  CLI::Option* accuracy = command
+                              ->add_option("--accuracy", options->accuracy,
+                                           "Bound on the sum of the steps' errors (m, rad and their rates); step sizes follow")
+                              ->check(decimal);
+  command->add_option("--csv", options->csv, "Write every step to this file: t, q, v, tau when given, energies")
+      ->check(not_empty);
+  command
+      ->add_option("--tau-csv", options->forces,
+                   "Forces over time: a CSV file with columns t, tau0, tau1, ...; each row acts until the next row's t")
+      ->check(not_empty);
+  command->add_option("--html", options->html, "Write a page to this file: motion, forces, plots, ledger, time of each effect")
+      ->check(not_empty);
+  command
+      ->add_option("--postmortem", options->postmortem,
+                   "After a failure, write the last 100 states to this file, and name the joints whose speeds grew most")
+      ->check(not_empty);
   command->add_flag("--profile", options->profile, "Measure each effect, as dyn effects does");
   command->add_flag("--ledger", options->ledger, "Print energy and momentum by source, and their defects");
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Skip the second run, at half the step");

@@ -13,7 +13,9 @@
 namespace cli {
 
 void add_state_options(CLI::App& command, StateOptions& options, bool with_acceleration) {
-  auto* file = command.add_option("--state", options.file, "State file: JSON with any of q, v, a, tau, ctrl")->check(not_empty)->type_name("S.json");
+  auto* file = command.add_option("--state", options.file, "State file: JSON with any of q, v, a, tau, ctrl")
+                   ->check(not_empty)
+                   ->type_name("S.json");
   const auto list = [&](const char* name, std::vector<std::string>& words, const char* what) {
     command.add_option(name, words, what)->type_name("NUMBERS")->excludes(file);
   };
@@ -116,7 +118,8 @@ namespace {
 [[noreturn]] void fail_beyond_double(const std::string& file, const std::string& text, const std::string& said) {
   const std::size_t begin = said.find('\'') + 1, end = std::max(said.rfind('\''), begin);
   const std::string word = said.substr(begin, end - begin);
-  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(text.find(word), text.size())), '\n');
+  const auto line =
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(text.find(word), text.size())), '\n');
   fail(file + ":" + std::to_string(line) + ": \"" + shown(word) + "\" is beyond the range of a double.");
 }
 

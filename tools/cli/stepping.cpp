@@ -28,20 +28,26 @@ void lift(const Robot& robot, Vector& q, json& warnings) {
   if (!(lowest < HUGE_VAL)) return;
   bool lifted = false;
   for (int j = 1; j < robot.njoints; ++j)
-    if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_TYPE_FREE_FLYER && joint.parent == 0) q[joint.idx_q + 2] -= lowest, lifted = true;
-  if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q chooses another place");
+    if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_TYPE_FREE_FLYER && joint.parent == 0)
+      q[joint.idx_q + 2] -= lowest, lifted = true;
+  if (lifted)
+    warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) +
+                       " m along z; --q chooses another place");
 }
 
 // Steps bring back a bounded share of it each, and so a motion that begins there goes by their length.
 void warn_beyond_limits(const Robot& robot, const Vector& q, json& warnings) {
-  const double *lower = dyn_model_array(robot, DYN_MODEL_ARRAY_LOWER_LIMIT), *upper = dyn_model_array(robot, DYN_MODEL_ARRAY_UPPER_LIMIT);
+  const double *lower = dyn_model_array(robot, DYN_MODEL_ARRAY_LOWER_LIMIT),
+               *upper = dyn_model_array(robot, DYN_MODEL_ARRAY_UPPER_LIMIT);
   int farthest = -1;
   double most = 1e-9;
   for (int i = 0; i < robot.nq; ++i)
     if (const double beyond = std::max(lower[i] - q[i], q[i] - upper[i]); beyond > most) most = beyond, farthest = i;
   if (farthest < 0) return;
-  warnings.push_back("q[" + std::to_string(farthest) + "] (joint " + joint_of(robot, farthest) + ") starts at " + short_number(q[farthest]) + ", beyond its limits [" + short_number(lower[farthest]) +
-                     ", " + short_number(upper[farthest]) + "], farthest of all: steps bring it back, at a speed that depends on --dt; --q chooses another place");
+  warnings.push_back("q[" + std::to_string(farthest) + "] (joint " + joint_of(robot, farthest) + ") starts at " +
+                     short_number(q[farthest]) + ", beyond its limits [" + short_number(lower[farthest]) + ", " +
+                     short_number(upper[farthest]) +
+                     "], farthest of all: steps bring it back, at a speed that depends on --dt; --q chooses another place");
 }
 
 }  // namespace
@@ -63,35 +69,57 @@ const std::vector<Integrator>& integrators() {
 const std::vector<Solver>& solvers() {
   static const std::vector<Solver> list = [] {
     std::vector<Solver> out;
-    for (const Choice& c : choices("dynContactSolverType")) out.push_back({c.name.c_str(), static_cast<dynContactSolverType>(c.value)});
+    for (const Choice& c : choices("dynContactSolverType"))
+      out.push_back({c.name.c_str(), static_cast<dynContactSolverType>(c.value)});
     return out;
   }();
   return list;
 }
 
-const Integrator& integrator_named(const std::string& name) { return integrators()[value_of("dynIntegrator", "--integrator", name)]; }
+const Integrator& integrator_named(const std::string& name) {
+  return integrators()[value_of("dynIntegrator", "--integrator", name)];
+}
 
 const Solver& solver_named(const std::string& name) { return solvers()[value_of("dynContactSolverType", "--solver", name)]; }
 
-void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger) {
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy,
+                  const ContactSolver& solver, bool ledger) {
   dynStepOptions options;
   dyn_step_options_init(&options);
-  options.solver = solver.type, options.tolerance = solver.tolerance, options.max_iterations = solver.max_iterations, options.time_budget = solver.time_budget;
+  options.solver = solver.type, options.tolerance = solver.tolerance, options.max_iterations = solver.max_iterations,
+  options.time_budget = solver.time_budget;
   options.integrator = integrator, options.dt = dt, options.accuracy = accuracy, options.ledger = ledger;
   check(dyn_data_set_step_options(robot, data, &options));
 }
 
 void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   add_robot_options(command, options.robot);
-  command.add_option("--integrator", options.integrator, one_of("dynIntegrator") + "; default: the nearest to the file's, else semi_implicit_euler");
-  command.add_option("--solver", options.solver, "Solver of contacts, limits and constraints: " + one_of("dynContactSolverType"))->capture_default_str();
-  command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops; 0: 1e-4 of the largest velocity")->check(decimal)->capture_default_str();
-  command.add_option("--max-iterations", options.max_iterations, "Iterations of the solver, per island and step, over all that it tries; then the best impulses act; 0: 100, or 1200 with --tolerance")->check(whole)->capture_default_str();
-  command.add_option("--time-budget", options.time_budget, "Seconds of the solver in a step; then the best impulses act; 0: no limit, and repeatable results")->check(decimal)->capture_default_str();
+  command.add_option("--integrator", options.integrator,
+                     one_of("dynIntegrator") + "; default: the nearest to the file's, else semi_implicit_euler");
+  command.add_option("--solver", options.solver, "Solver of contacts, limits and constraints: " + one_of("dynContactSolverType"))
+      ->capture_default_str();
+  command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops; 0: 1e-4 of the largest velocity")
+      ->check(decimal)
+      ->capture_default_str();
+  command
+      .add_option("--max-iterations", options.max_iterations,
+                  "Iterations of the solver, per island and step, over all that it tries; then the best impulses act; 0: 100, or "
+                  "1200 with --tolerance")
+      ->check(whole)
+      ->capture_default_str();
+  command
+      .add_option("--time-budget", options.time_budget,
+                  "Seconds of the solver in a step; then the best impulses act; 0: no limit, and repeatable results")
+      ->check(decimal)
+      ->capture_default_str();
   command.add_flag("--ground", options.ground, "Add the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
-  command.add_option("--configuration", options.configuration, "Start in this configuration of the file; default: where an MJCF file draws the robot, else neutral")->check(not_empty);
-  command.add_option("--ctrl", options.ctrl, "Controls of the actuators, nu numbers; default: the configuration's")->type_name("NUMBERS");
+  command
+      .add_option("--configuration", options.configuration,
+                  "Start in this configuration of the file; default: where an MJCF file draws the robot, else neutral")
+      ->check(not_empty);
+  command.add_option("--ctrl", options.ctrl, "Controls of the actuators, nu numbers; default: the configuration's")
+      ->type_name("NUMBERS");
   add_effects_option(command, options.effects);
 }
 
@@ -109,10 +137,12 @@ void complete_stepping(const Robot& robot, SteppingOptions& options) {
 
 void check_stepping(const SteppingOptions& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
-  if (!std::isnan(options.dt) && (!(options.dt > 0) || !std::isfinite(options.dt))) bad_usage("--dt must be a positive number of seconds.");
+  if (!std::isnan(options.dt) && (!(options.dt > 0) || !std::isfinite(options.dt)))
+    bad_usage("--dt must be a positive number of seconds.");
   if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a number, 0 or more.");
   if (options.max_iterations < 0) bad_usage("--max-iterations must be 0 or more.");
-  if (!(options.time_budget >= 0) || !std::isfinite(options.time_budget)) bad_usage("--time-budget must be a number of seconds, 0 or more.");
+  if (!(options.time_budget >= 0) || !std::isfinite(options.time_budget))
+    bad_usage("--time-budget must be a number of seconds, 0 or more.");
   check_lists(options.state);
   parse_list("--ctrl", options.ctrl);
 }
@@ -142,14 +172,16 @@ State start_of(const Robot& robot, const SteppingOptions& options, json& warning
   if (!options.ctrl.empty()) {
     const Vector given = parse_list("--ctrl", options.ctrl);
     if (given.size() != state.ctrl.size())
-      fail("--ctrl has " + std::to_string(given.size()) + " numbers, but the robot has " + std::to_string(state.ctrl.size()) + " controls (nu).");
+      fail("--ctrl has " + std::to_string(given.size()) + " numbers, but the robot has " + std::to_string(state.ctrl.size()) +
+           " controls (nu).");
     state.ctrl = given;
   }
   return state;
 }
 
 void set_start(const Robot& robot, const Data& data, const State& state) {
-  if (state.in_configuration) check(dyn_data_reset(robot, data, state.configuration.empty() ? nullptr : state.configuration.c_str()));
+  if (state.in_configuration)
+    check(dyn_data_reset(robot, data, state.configuration.empty() ? nullptr : state.configuration.c_str()));
   check(dyn_data_set_state(robot, data, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   check(dyn_data_set_control(robot, data, state.ctrl.data()));
 }
@@ -163,8 +195,8 @@ std::string joint_of(const Robot& robot, int i) {
 Schedule::Schedule(double duration, double h) : dt(h), last(h) {
   const double ratio = duration / h;
   if (!(ratio <= max_steps))
-    bad_usage("--duration " + short_number(duration) + " at --dt " + short_number(h) + " is " + short_number(ratio) + " steps, more than " +
-              short_number(max_steps) + ": take a larger --dt.");
+    bad_usage("--duration " + short_number(duration) + " at --dt " + short_number(h) + " is " + short_number(ratio) +
+              " steps, more than " + short_number(max_steps) + ": take a larger --dt.");
   steps = std::llround(ratio);
   if (std::abs(ratio - static_cast<double>(steps)) > 1e-9 * ratio || steps == 0) {
     steps = static_cast<long long>(std::floor(ratio)) + 1;

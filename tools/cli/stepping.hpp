@@ -29,7 +29,8 @@ struct ContactSolver {
   int max_iterations = 0;
   double time_budget = 0;  // s a step; 0: none
 };
-void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger = false);
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy,
+                  const ContactSolver& solver, bool ledger = false);
 
 // Of the command line.
 struct SteppingOptions {
@@ -49,8 +50,8 @@ void check_stepping(const SteppingOptions& options);
 // Fills in dt and integrator that were not given: the file's.
 void complete_stepping(const Robot& robot, SteppingOptions& options);
 
-// Where the steps begin: as --state or --q say, else in --configuration, else as new data, where an MJCF file draws the robot; with
-// --ground on it, if nothing was said. Controls are those of --ctrl.
+// Where the steps begin: as --state or --q say, else in --configuration, else as new data, where an MJCF file draws the robot;
+// with --ground on it, if nothing was said. Controls are those of --ctrl.
 // A start beyond limits that act is a warning.
 State start_of(const Robot& robot, const SteppingOptions& options, json& warnings);
 void set_start(const Robot& robot, const Data& data, const State& state);
@@ -66,7 +67,8 @@ struct Schedule {
   double length(long long i) const { return i + 1 == steps ? last : dt; }
 };
 
-// What each effect that acts takes of a step and changes of the result, by runs without it: the array of objects of dyn effects. (effects.cpp)
+// What each effect that acts takes of a step and changes of the result, by runs without it: the array of objects of dyn effects.
+// (effects.cpp)
 json measure_effects(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on);
 std::string effects_text(const json& measured);
 

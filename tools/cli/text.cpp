@@ -72,7 +72,8 @@ std::string library_error() {
   std::string text = dyn_last_error();
   for (const char* base : {"fixed", "floating"}) {
     const std::string option = std::string("base ") + base;
-    for (std::size_t at; (at = text.find(option)) != std::string::npos;) text.replace(at, option.size(), std::string("--") + base);
+    for (std::size_t at; (at = text.find(option)) != std::string::npos;)
+      text.replace(at, option.size(), std::string("--") + base);
   }
   return text;
 }
@@ -106,7 +107,9 @@ std::vector<std::string> list_of(const std::string& option, const std::string& t
   const char* blanks = " \t\r\n";
   for (std::size_t at = text.find_first_not_of(blanks); at != text.npos; at = text.find_first_not_of(blanks, at)) {
     const std::size_t end = std::min(text.find_first_of(" \t\r\n,", at), text.size());
-    if (end == at) bad_usage(option + ": there is nothing " + (out.empty() ? "before the first comma" : "between two commas") + " of \"" + shown(text) + "\".");
+    if (end == at)
+      bad_usage(option + ": there is nothing " + (out.empty() ? "before the first comma" : "between two commas") + " of \"" +
+                shown(text) + "\".");
     out.push_back(text.substr(at, end - at));
     const std::size_t next = text.find_first_not_of(blanks, end);
     wanted = next != text.npos && text[next] == ',';

@@ -35,10 +35,14 @@ void open_browser(const std::string& address) {
   const pid_t child = screen ? fork() : -1;
   if (child == 0) {
     std::signal(SIGPIPE, SIG_DFL);
-    if (std::freopen("/dev/null", "w", stdout) && std::freopen("/dev/null", "w", stderr)) execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
+    if (std::freopen("/dev/null", "w", stdout) && std::freopen("/dev/null", "w", stderr))
+      execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
     _exit(127);
   }
-  std::fprintf(stderr, child > 0 ? "dyn: opening %s with %s; if nothing opens, open it yourself\n" : "dyn: there is no screen and no $BROWSER here: open %s yourself\n", address.c_str(), browser.c_str());
+  std::fprintf(stderr,
+               child > 0 ? "dyn: opening %s with %s; if nothing opens, open it yourself\n"
+                         : "dyn: there is no screen and no $BROWSER here: open %s yourself\n",
+               address.c_str(), browser.c_str());
 }
 
 void write_still(const Options& options, const std::string& html, const std::string& path) {
@@ -46,7 +50,8 @@ void write_still(const Options& options, const std::string& html, const std::str
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
   page::Pack pack;
-  const json head = page::still("model", options.robot, robot, start_of(robot, options, notes), parse_effects(options.effects), pack, notes);
+  const json head =
+      page::still("model", options.robot, robot, start_of(robot, options, notes), parse_effects(options.effects), pack, notes);
   page::write_file(path, page::filled(html, head, pack));
 }
 
@@ -62,7 +67,9 @@ void run_live(const Options& options, const std::string& html) {
   });
 }
 #else
-void run_live(const Options&, const std::string&) { fail("this dyn was built without Boost.Beast (Debian: libboost-dev), which --live needs."); }
+void run_live(const Options&, const std::string&) {
+  fail("this dyn was built without Boost.Beast (Debian: libboost-dev), which --live needs.");
+}
 #endif
 
 void run(const Options& options) {
@@ -88,13 +95,19 @@ void run(const Options& options) {
 void add_view(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->duration = 1;
-  CLI::App* command = app.add_subcommand("view", "The robot in a browser: shapes, frames, masses, movable joints; with --live a running simulation");
-  command->footer("The address of --live has a random word and is served to this machine alone. Drag with Shift held to push a link. Ctrl-C ends it.");
+  CLI::App* command = app.add_subcommand(
+      "view", "The robot in a browser: shapes, frames, masses, movable joints; with --live a running simulation");
+  command->footer(
+      "The address of --live has a random word and is served to this machine alone. Drag with Shift held to push a link. Ctrl-C "
+      "ends it.");
   add_stepping_options(*command, *options);
   add_dt_option(*command, *options, "Step of --live, seconds");
   command->add_option("--html", options->html, "Write the page to this file, and open nothing")->check(not_empty);
   command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, switch effects");
-  command->add_option("--port", options->port, "Port of --live; 0: any free one")->check(CLI::Range(0, 65535))->check(whole)->capture_default_str();
+  command->add_option("--port", options->port, "Port of --live; 0: any free one")
+      ->check(CLI::Range(0, 65535))
+      ->check(whole)
+      ->capture_default_str();
   command->add_flag("--no-browser", options->no_browser, "Print the address, and open nothing");
   command->callback([options] { run(*options); });
 }

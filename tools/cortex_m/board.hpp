@@ -1,4 +1,5 @@
-// What the tests ask of a board: text, an end, a clock. Here by semihosting, which QEMU and debuggers answer; for a product, a UART's.
+// What the tests ask of a board: text, an end, a clock. Here by semihosting, which QEMU and debuggers answer; for a product, a
+// UART's.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,8 @@ int program();
 // Bytes of stack since reset.
 std::uint32_t stack_used();
 
-// SysTick counts down 24 bits at the processor's clock. Under QEMU's -icount shift=0 an instruction takes 1 ns, and a tick of the 25 MHz 40.
+// SysTick counts down 24 bits at the processor's clock. Under QEMU's -icount shift=0 an instruction takes 1 ns, and a tick of the
+// 25 MHz 40.
 class Ticks {
  public:
   Ticks() {

@@ -24,8 +24,22 @@ std::uint32_t* stack_bottom() { return reinterpret_cast<std::uint32_t*>(bss_end)
 }  // namespace
 
 // the stack, then 15 exceptions of the processor
-__attribute__((section(".vectors"), used)) void (*const vectors[16])() = {
-    reinterpret_cast<void (*)()>(stack_top), reset, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault};
+__attribute__((section(".vectors"), used)) void (*const vectors[16])() = {reinterpret_cast<void (*)()>(stack_top),
+                                                                          reset,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault,
+                                                                          fault};
 
 std::uint32_t board::stack_used() {
   const std::uint32_t* p = stack_bottom();
@@ -39,10 +53,16 @@ void reset() {
   __asm volatile("dsb\n isb");
   // by words of their own: nothing is set up yet
   const std::uint32_t* from = reinterpret_cast<const std::uint32_t*>(data_image);
-  for (volatile std::uint32_t* to = reinterpret_cast<std::uint32_t*>(data_begin); to < reinterpret_cast<std::uint32_t*>(data_end); ++to) *to = *from++;
-  for (volatile std::uint32_t* to = reinterpret_cast<std::uint32_t*>(bss_begin); to < reinterpret_cast<std::uint32_t*>(bss_end); ++to) *to = 0;
+  for (volatile std::uint32_t* to = reinterpret_cast<std::uint32_t*>(data_begin); to < reinterpret_cast<std::uint32_t*>(data_end);
+       ++to)
+    *to = *from++;
+  for (volatile std::uint32_t* to = reinterpret_cast<std::uint32_t*>(bss_begin); to < reinterpret_cast<std::uint32_t*>(bss_end);
+       ++to)
+    *to = 0;
   const char here = 0;
-  for (volatile std::uint32_t* to = stack_bottom(); reinterpret_cast<std::uintptr_t>(to) + 64 < reinterpret_cast<std::uintptr_t>(&here); ++to) *to = paint;
+  for (volatile std::uint32_t* to = stack_bottom();
+       reinterpret_cast<std::uintptr_t>(to) + 64 < reinterpret_cast<std::uintptr_t>(&here); ++to)
+    *to = paint;
   for (void (**f)() = init_begin; f < init_end; ++f) (*f)();
   board::exit(board::program());
 }

@@ -35,7 +35,9 @@ struct Ccd : Engine {
     ccd.max_iterations = 500, ccd.mpr_tolerance = 1e-6;
   }
   const char* name() const override { return "libccd"; }
-  bool load(const Solid& a, const Solid& b) override { return std::min(a.shape.type, b.shape.type) > Type::HalfSpace && std::max(a.shape.type, b.shape.type) <= Type::Convex; }
+  bool load(const Solid& a, const Solid& b) override {
+    return std::min(a.shape.type, b.shape.type) > Type::HalfSpace && std::max(a.shape.type, b.shape.type) <= Type::Convex;
+  }
   void place(const std::vector<Scene>& scenes) override {
     placed.clear();
     for (const Scene& s : scenes) placed.push_back({{&s.a.shape, s.A}, {&s.b.shape, s.B}});

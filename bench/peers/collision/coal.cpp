@@ -14,8 +14,10 @@ namespace {
 std::shared_ptr<coal::CollisionGeometry> convert(const shape::TriangleTree& tree) {
   std::vector<coal::Vec3s> points;
   std::vector<coal::Triangle> triangles;
-  for (Index v = 0; v < tree.vertices; ++v) points.emplace_back(tree.vertex[3 * v], tree.vertex[3 * v + 1], tree.vertex[3 * v + 2]);
-  for (Index t = 0; t < tree.triangles; ++t) triangles.emplace_back(tree.corner[3 * t], tree.corner[3 * t + 1], tree.corner[3 * t + 2]);
+  for (Index v = 0; v < tree.vertices; ++v)
+    points.emplace_back(tree.vertex[3 * v], tree.vertex[3 * v + 1], tree.vertex[3 * v + 2]);
+  for (Index t = 0; t < tree.triangles; ++t)
+    triangles.emplace_back(tree.corner[3 * t], tree.corner[3 * t + 1], tree.corner[3 * t + 2]);
   auto out = std::make_shared<coal::BVHModel<coal::OBBRSS>>();
   out->beginModel();
   out->addSubModel(points, triangles);

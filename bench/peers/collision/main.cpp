@@ -1,4 +1,5 @@
-// Distance queries of libdyn, Coal, MuJoCo and libccd on the same poses, in batches, turn by turn; as JSON, a line for each pair of
+// Distance queries of libdyn, Coal, MuJoCo and libccd on the same poses, in batches, turn by turn; as JSON, a line for each pair
+// of
 // shapes and class of poses.   usage: collision_bench [--adversarial N] [part of a pair's name]
 #include <cmath>
 #include <cstdio>
@@ -40,7 +41,8 @@ struct Score {
   }
 };
 
-void print(const std::string& pair, const char* poses, const std::vector<std::unique_ptr<Engine>>& engines, const std::vector<Score>& scores) {
+void print(const std::string& pair, const char* poses, const std::vector<std::unique_ptr<Engine>>& engines,
+           const std::vector<Score>& scores) {
   std::printf("{\"pair\": \"%s\", \"poses\": \"%s\"", pair.c_str(), poses);
   for (std::size_t e = 0; e < engines.size(); ++e) {
     const Score& s = scores[e];
@@ -54,8 +56,8 @@ void print(const std::string& pair, const char* poses, const std::vector<std::un
 }
 
 // the least over passes of the mean time; of quick pairs more passes, until a twentieth of a second has gone
-void measure(const PairOfShapes& pair, const std::vector<Scene>& scenes, const std::vector<double>& truths, std::vector<std::unique_ptr<Engine>>& engines,
-             std::vector<Score>& scores) {
+void measure(const PairOfShapes& pair, const std::vector<Scene>& scenes, const std::vector<double>& truths,
+             std::vector<std::unique_ptr<Engine>>& engines, std::vector<Score>& scores) {
   std::vector<double> found(scenes.size());
   std::vector<bool> loaded;
   for (std::size_t e = 0; e < engines.size(); ++e) {
@@ -63,7 +65,8 @@ void measure(const PairOfShapes& pair, const std::vector<Scene>& scenes, const s
     if (!loaded[e]) continue;
     engines[e]->place(scenes);
     engines[e]->ask(found.data());
-    for (std::size_t i = 0; i < scenes.size(); ++i) scores[e].add(found[i], truths[i], smaller(scenes[i]), engines[e]->depths_only());
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      scores[e].add(found[i], truths[i], smaller(scenes[i]), engines[e]->depths_only());
     scores[e].ns = shape::infinity;
   }
   using Clock = std::chrono::steady_clock;
@@ -123,7 +126,8 @@ void meshes(const char* part, std::vector<std::unique_ptr<Engine>>& engines, con
     ring_mesh(ring, n, m);
     const Solid mesh = {ring.shape, nullptr};
     for (const Solid& other : {sphere(0.1), capsule(0.1, 0.3), box(0.2, 0.3, 0.4), cylinder(0.1, 0.3), mesh}) {
-      const std::string name = std::to_string(ring.count()) + " triangles-" + (other.shape.type == Type::Triangles ? "the same" : name_of(other.shape.type));
+      const std::string name = std::to_string(ring.count()) + " triangles-" +
+                               (other.shape.type == Type::Triangles ? "the same" : name_of(other.shape.type));
       if (name.find(part) == std::string::npos) continue;
       const PairOfShapes pair = mesh_pair(mesh, other);
       for (int c = 0; c < classes; ++c) {

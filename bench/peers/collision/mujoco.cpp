@@ -60,8 +60,9 @@ struct MuJoCo : Engine {
     const std::string x = geom(a, "a", assets), y = geom(b, "b", assets);
     if (x.empty() || y.empty()) return false;
     const bool plane = a.shape.type == Type::HalfSpace;  // belongs to the world
-    const std::string xml = "<mujoco><asset>" + assets + "</asset><worldbody>" + (plane ? x : "<body mocap='true'>" + x + "</body>") +
-                            "<body mocap='true'>" + y + "</body></worldbody></mujoco>";
+    const std::string xml = "<mujoco><asset>" + assets + "</asset><worldbody>" +
+                            (plane ? x : "<body mocap='true'>" + x + "</body>") + "<body mocap='true'>" + y +
+                            "</body></worldbody></mujoco>";
     char error[500] = "";
     mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error, sizeof error);
     m = spec ? mj_compile(spec, nullptr) : nullptr;

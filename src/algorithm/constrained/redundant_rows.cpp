@@ -16,7 +16,8 @@ Vec3<double> lane(const double* F, int first, Index r) {
 }  // namespace
 
 // Entries of J, and what each would be without cancellation between its force and its joint's axis: |f| |v| + |t| |w| at the
-// point where the row acts. Joints that move both bodies alike do not count. Degrees of freedom are in rad, or in lengths of the model.
+// point where the row acts. Joints that move both bodies alike do not count. Degrees of freedom are in rad, or in lengths of the
+// model.
 void RedundantRows::terms(const EqualityRows& x) const {
   const ConstraintInstance<double>& s = *x.s;
   double *const J = jacobian(), *const B = bound();

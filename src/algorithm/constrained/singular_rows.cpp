@@ -48,7 +48,8 @@ void RedundantRows::allowed_motion(Index rank, double* w) const {
   for (Index k = 0; k < m.n.nv && most > 0; ++k) w[k] /= most;
 }
 
-// Returns whether the second derivative of a dropped row, along a motion that the kept rows allow, is larger than a misalignment's.
+// Returns whether the second derivative of a dropped row, along a motion that the kept rows allow, is larger than a
+// misalignment's.
 bool RedundantRows::is_singular(Index rank) {
   bool singular = false;
   double *const w = d.row_motion, *const bend = work.vector(0), *const rates = work.vector(7);

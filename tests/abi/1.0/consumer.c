@@ -18,7 +18,8 @@ static void show(const char* what, const double* x, int n) {
 }
 
 static dynModel* arm(void) {
-  static const double inertia[9] = {0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.01}, com[3] = {0, 0, 0.2}, lower[1] = {-1}, upper[1] = {2}, damping[1] = {0.1};
+  static const double inertia[9] = {0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.01}, com[3] = {0, 0, 0.2}, lower[1] = {-1}, upper[1] = {2},
+                      damping[1] = {0.1};
   dynBuilder* builder = NULL;
   dynModel* model = NULL;
   dynJointSpec joint;
@@ -30,12 +31,14 @@ static dynModel* arm(void) {
   for (k = 0; k < 2; ++k) {
     dyn_joint_spec_init(&joint);
     joint.name = k ? "elbow" : "shoulder", joint.parent = k ? "shoulder" : NULL;
-    joint.axis[2] = 0, joint.axis[1] = 1, joint.placement[11] = k ? 0.4 : 1.0, joint.lower = lower, joint.upper = upper, joint.damping = damping;
+    joint.axis[2] = 0, joint.axis[1] = 1, joint.placement[11] = k ? 0.4 : 1.0, joint.lower = lower, joint.upper = upper,
+    joint.damping = damping;
     check(dyn_builder_add_joint(builder, &joint));
     check(dyn_builder_add_body(builder, k ? "forearm" : "upper_arm", joint.name, NULL, 1.5, com, inertia));
   }
   dyn_shape_spec_init(&shape);
-  shape.name = "hand", shape.body = "forearm", shape.type = DYN_SHAPE_TYPE_SPHERE, shape.size[0] = 0.05, shape.placement[11] = 0.4;
+  shape.name = "hand", shape.body = "forearm", shape.type = DYN_SHAPE_TYPE_SPHERE, shape.size[0] = 0.05,
+  shape.placement[11] = 0.4;
   check(dyn_builder_add_shape(builder, &shape));
   dyn_shape_spec_init(&shape);
   shape.name = "floor", shape.body = "universe", shape.type = DYN_SHAPE_TYPE_HALF_SPACE;
@@ -77,8 +80,10 @@ int main(int argc, char** argv) {
   int k;
   if (argc != 2) return 2;
 
-  printf("sizes %d %d %d %d %d %d\n", dyn_model_nq(model), dyn_model_nv(model), dyn_model_njoints(model), dyn_model_nframes(model), dyn_model_nshapes(model), dyn_model_nactuators(model));
-  joint.struct_size = sizeof joint, frame.struct_size = sizeof frame, shape.struct_size = sizeof shape, field.struct_size = sizeof field;
+  printf("sizes %d %d %d %d %d %d\n", dyn_model_nq(model), dyn_model_nv(model), dyn_model_njoints(model),
+         dyn_model_nframes(model), dyn_model_nshapes(model), dyn_model_nactuators(model));
+  joint.struct_size = sizeof joint, frame.struct_size = sizeof frame, shape.struct_size = sizeof shape,
+  field.struct_size = sizeof field;
   check(dyn_model_joint_info(model, dyn_model_joint_id(model, "elbow"), &joint));
   printf("joint %s %d %d %d %d %d\n", joint.name, (int)joint.type, joint.parent, joint.idx_q, joint.nq, joint.nv);
   show("placement", joint.placement, 12);
@@ -99,9 +104,11 @@ int main(int argc, char** argv) {
   check(dyn_forward_kinematics(model, data, q, v, NULL));
   check(dyn_frame_placement(model, data, dyn_model_frame_id(model, "forearm"), X)), show("frame placement", X, 12);
   check(dyn_joint_jacobians(model, data, q, NULL));
-  check(dyn_frame_jacobian(model, data, dyn_model_frame_id(model, "forearm"), DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J)), show("frame jacobian", J, 12);
+  check(dyn_frame_jacobian(model, data, dyn_model_frame_id(model, "forearm"), DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J)),
+      show("frame jacobian", J, 12);
   dyn_ik_task_init(&task);
-  task.type = DYN_IK_TASK_TYPE_POSITION, task.frame = dyn_model_frame_id(model, "forearm"), task.target[9] = 0.2, task.target[11] = 1.3;
+  task.type = DYN_IK_TASK_TYPE_POSITION, task.frame = dyn_model_frame_id(model, "forearm"), task.target[9] = 0.2,
+  task.target[11] = 1.3;
   found.struct_size = sizeof found;
   dyn_ik_output_init(&solved);
   solved.solution = x, solved.result = &found;

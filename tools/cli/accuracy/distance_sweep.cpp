@@ -70,7 +70,8 @@ std::map<std::string, Queries> queries_by_kind(const Robot& robot, const Shapes&
       int first, second;
       check(dyn_model_pair(robot, pair, &first, &second, nullptr));
       const std::size_t a = std::size_t(first), b = std::size_t(second);
-      const auto [low, high] = std::minmax<std::string>(shape_type_name(shapes.info[a].type), shape_type_name(shapes.info[b].type));
+      const auto [low, high] =
+          std::minmax<std::string>(shape_type_name(shapes.info[a].type), shape_type_name(shapes.info[b].type));
       out[low + "-" + high].push_back({&shapes.geometry[a], &shapes.geometry[b], X[a], X[b]});
     }
   }
@@ -78,7 +79,8 @@ std::map<std::string, Queries> queries_by_kind(const Robot& robot, const Shapes&
 }
 
 bool ask(const Query& x, const dynDistanceOptions& options, dynDistance& out) {
-  return dyn_geometry_distance(x.a, x.A.data(), x.b, x.B.data(), &options, &out) == DYN_OK && out.status != DYN_DISTANCE_STATUS_FAILED && !std::isnan(out.distance);
+  return dyn_geometry_distance(x.a, x.A.data(), x.b, x.B.data(), &options, &out) == DYN_OK &&
+         out.status != DYN_DISTANCE_STATUS_FAILED && !std::isnan(out.distance);
 }
 
 double median(Vector x) {
@@ -123,8 +125,15 @@ struct Trial {
     queries += t.queries, failed += t.failed, by_method += t.by_method;
   }
   DistanceCost cost(const std::string& kind) const {
-    return {kind, options.method, options.tolerance, errors.empty() ? 0 : *std::max_element(errors.begin(), errors.end()), median(errors),
-            median(seconds) / queries, queries, failed, by_method};
+    return {kind,
+            options.method,
+            options.tolerance,
+            errors.empty() ? 0 : *std::max_element(errors.begin(), errors.end()),
+            median(errors),
+            median(seconds) / queries,
+            queries,
+            failed,
+            by_method};
   }
 };
 
@@ -181,17 +190,26 @@ std::vector<DistanceCost> distance_sweep(const Robot& robot, const std::vector<V
 json sweep_json(const std::vector<DistanceCost>& sweep) {
   json out = json::array();
   for (const DistanceCost& c : sweep)
-    out.push_back({{"kind", c.kind}, {"method", name_of("dynDistanceMethod", c.method)}, {"tolerance", c.tolerance}, {"max_error", c.max_error},
-                   {"median_error", c.median_error}, {"wall_s", c.wall_s}, {"queries", c.queries}, {"failed", c.failed}, {"by_method", c.by_method}});
+    out.push_back({{"kind", c.kind},
+                   {"method", name_of("dynDistanceMethod", c.method)},
+                   {"tolerance", c.tolerance},
+                   {"max_error", c.max_error},
+                   {"median_error", c.median_error},
+                   {"wall_s", c.wall_s},
+                   {"queries", c.queries},
+                   {"failed", c.failed},
+                   {"by_method", c.by_method}});
   return out;
 }
 
 std::string sweep_text(const std::vector<DistanceCost>& sweep) {
-  std::vector<std::vector<std::string>> rows = {{"pairs", "method", "tolerance", "largest error m", "median m", "ns a query", "failed", "by method"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"pairs", "method", "tolerance", "largest error m", "median m", "ns a query", "failed", "by method"}};
   for (const DistanceCost& c : sweep)
     if (c.by_method > 0)
-      rows.push_back({c.kind, name_of("dynDistanceMethod", c.method), short_number(c.tolerance, 2), short_number(c.max_error, 2), short_number(c.median_error, 2),
-                      short_number(std::round(c.wall_s * 1e9)), std::to_string(c.failed), std::to_string(c.by_method) + " of " + std::to_string(c.queries)});
+      rows.push_back({c.kind, name_of("dynDistanceMethod", c.method), short_number(c.tolerance, 2), short_number(c.max_error, 2),
+                      short_number(c.median_error, 2), short_number(std::round(c.wall_s * 1e9)), std::to_string(c.failed),
+                      std::to_string(c.by_method) + " of " + std::to_string(c.queries)});
   return table(rows);
 }
 

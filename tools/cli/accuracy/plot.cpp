@@ -10,10 +10,16 @@ namespace {
 
 constexpr double min_error = 1e-16;
 
-std::string method_of(const Point& p) { return p.setting.accuracy > 0 ? std::string(p.setting.integrator.id == DYN_INTEGRATOR_RK45 ? "rk45" : "reference") + ", by accuracy" : p.setting.integrator.name; }
+std::string method_of(const Point& p) {
+  return p.setting.accuracy > 0
+             ? std::string(p.setting.integrator.id == DYN_INTEGRATOR_RK45 ? "rk45" : "reference") + ", by accuracy"
+             : p.setting.integrator.name;
+}
 
 double log_error(const Point& p) { return std::log10(std::max(p.error.m, min_error)); }
-double log_work(const Point& p, Work w) { return std::log10(w == Work::Seconds ? std::max(p.wall_s, 1e-9) : static_cast<double>(std::max(p.evaluations, 1LL))); }
+double log_work(const Point& p, Work w) {
+  return std::log10(w == Work::Seconds ? std::max(p.wall_s, 1e-9) : static_cast<double>(std::max(p.evaluations, 1LL)));
+}
 
 struct Frame {
   double left = HUGE_VAL, right = -HUGE_VAL, low = HUGE_VAL, high = -HUGE_VAL;
@@ -51,16 +57,24 @@ std::string chart(const std::vector<Point>& points) {
   char mark = 'a';
   for (const auto& [name, line] : lines_of(points)) {
     for (const Point* p : line) {
-      const std::size_t column = p->failure.empty() ? static_cast<std::size_t>(std::lround(width * f.across(log_error(*p)))) : width;
+      const std::size_t column =
+          p->failure.empty() ? static_cast<std::size_t>(std::lround(width * f.across(log_error(*p)))) : width;
       char& cell = grid[static_cast<std::size_t>(std::lround(height * (1 - f.up(log_work(*p, Work::Seconds)))))][column];
-      cell = p->failure.empty() ? (cell == ' ' || cell == mark ? (p->pareto ? static_cast<char>(mark - 'a' + 'A') : mark) : '*') : 'x';
+      cell = p->failure.empty() ? (cell == ' ' || cell == mark ? (p->pareto ? static_cast<char>(mark - 'a' + 'A') : mark) : '*')
+                                : 'x';
     }
     legend += std::string(legend.empty() ? "" : "  ") + mark++ + " " + name;
   }
   std::string out = "time, s, against error, m (capitals: nothing is both cheaper and nearer; *: several; x: failed)\n";
   for (int r = 0; r <= height; ++r)
-    out += (r == 0 ? power(f.high) : r == height ? power(f.low) : std::string()).append("      ").substr(0, 6) + "|" + grid[static_cast<std::size_t>(r)] + "\n";
-  out += "      +" + std::string(width + 1, '-') + "\n       " + power(f.left) + std::string(width - 8, ' ') + power(f.right) + "\n  " + legend + "\n";
+    out += (r == 0        ? power(f.high)
+            : r == height ? power(f.low)
+                          : std::string())
+               .append("      ")
+               .substr(0, 6) +
+           "|" + grid[static_cast<std::size_t>(r)] + "\n";
+  out += "      +" + std::string(width + 1, '-') + "\n       " + power(f.left) + std::string(width - 8, ' ') + power(f.right) +
+         "\n  " + legend + "\n";
   return out;
 }
 
@@ -71,12 +85,15 @@ std::string svg(const std::vector<Point>& points, Work work) {
   const Frame f(points, work);
   const auto x = [&](double e) { return left + (width - left - right) * f.across(e); };
   const auto y = [&](double w) { return height - bottom - (height - top - bottom) * f.up(w); };
-  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + std::to_string(width) + " " + std::to_string(height) + "\" font-family=\"system-ui\" font-size=\"11\">";
+  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + std::to_string(width) + " " +
+                    std::to_string(height) + "\" font-family=\"system-ui\" font-size=\"11\">";
   const auto text = [&](double at_x, double at_y, const char* anchor, const std::string& words, const std::string& more = "") {
-    out += "<text x=\"" + short_number(at_x, 5) + "\" y=\"" + short_number(at_y, 5) + "\" text-anchor=\"" + anchor + "\"" + more + ">" + words + "</text>";
+    out += "<text x=\"" + short_number(at_x, 5) + "\" y=\"" + short_number(at_y, 5) + "\" text-anchor=\"" + anchor + "\"" + more +
+           ">" + words + "</text>";
   };
   const auto rule = [&](double x1, double y1, double x2, double y2) {
-    out += "<line stroke=\"#ddd\" x1=\"" + short_number(x1, 5) + "\" y1=\"" + short_number(y1, 5) + "\" x2=\"" + short_number(x2, 5) + "\" y2=\"" + short_number(y2, 5) + "\"/>";
+    out += "<line stroke=\"#ddd\" x1=\"" + short_number(x1, 5) + "\" y1=\"" + short_number(y1, 5) + "\" x2=\"" +
+           short_number(x2, 5) + "\" y2=\"" + short_number(y2, 5) + "\"/>";
   };
   const double every = std::ceil((f.right - f.left) / 10);  // names of powers that do not touch
   for (double e = f.left; e <= f.right; ++e) {
@@ -85,7 +102,8 @@ std::string svg(const std::vector<Point>& points, Work work) {
   }
   for (double w = f.low; w <= f.high; ++w) rule(left, y(w), width - right, y(w)), text(left - 5, y(w) + 4, "end", power(w));
   text((left + width - right) / 2.0, height - 10, "middle", "error, m");
-  text(14, height / 2.0, "middle", work == Work::Seconds ? "time, s" : "evaluations of the dynamics", " transform=\"rotate(-90 14 " + std::to_string(height / 2) + ")\"");
+  text(14, height / 2.0, "middle", work == Work::Seconds ? "time, s" : "evaluations of the dynamics",
+       " transform=\"rotate(-90 14 " + std::to_string(height / 2) + ")\"");
   std::size_t number = 0;
   for (const auto& [name, line] : lines_of(points)) {
     const std::string colour = colours[number % std::size(colours)];
@@ -94,8 +112,10 @@ std::string svg(const std::vector<Point>& points, Work work) {
       const double at_x = p->failure.empty() ? x(log_error(*p)) : width - right, at_y = y(log_work(*p, work));
       const std::string where = short_number(at_x, 5) + "," + short_number(at_y, 5);
       if (p->failure.empty()) path += where + " ";
-      marks += "<circle cx=\"" + short_number(at_x, 5) + "\" cy=\"" + short_number(at_y, 5) + "\" r=\"" + (p->pareto ? "5" : "3") + "\" fill=\"" + (p->failure.empty() ? colour : "none") +
-               "\" stroke=\"" + colour + "\"><title>" + name_of(p->setting) + ": " + (p->failure.empty() ? short_number(p->error.m, 3) + " m" : "failed") + ", " + short_number(p->wall_s, 3) + " s</title></circle>";
+      marks += "<circle cx=\"" + short_number(at_x, 5) + "\" cy=\"" + short_number(at_y, 5) + "\" r=\"" +
+               (p->pareto ? "5" : "3") + "\" fill=\"" + (p->failure.empty() ? colour : "none") + "\" stroke=\"" + colour +
+               "\"><title>" + name_of(p->setting) + ": " + (p->failure.empty() ? short_number(p->error.m, 3) + " m" : "failed") +
+               ", " + short_number(p->wall_s, 3) + " s</title></circle>";
     }
     out += "<polyline fill=\"none\" stroke=\"" + colour + "\" points=\"" + path + "\"/>" + marks;
     text(width - right + 12, top + 16 + 16.0 * static_cast<double>(number++), "start", name, " fill=\"" + colour + "\"");

@@ -1,5 +1,5 @@
-// Work-precision diagrams: error to the right, work upwards, both logarithmic; one line a method, one mark a setting; what failed stands at the
-// right edge.
+// Work-precision diagrams: error to the right, work upwards, both logarithmic; one line a method, one mark a setting; what failed
+// stands at the right edge.
 #pragma once
 
 #include "sweep.hpp"

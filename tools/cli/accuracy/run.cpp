@@ -50,12 +50,16 @@ double angle(const double* A, const double* B) {
 }
 
 json json_of(const JointRun& r) {
-  return {{"wall_s", r.wall_s}, {"evaluations", r.evaluations}, {"steps", r.steps}, {"penetration", r.penetration}, {"residual", r.residual}, {"rows", r.rows}, {"error", r.error}, {"samples", json_of(r.samples)}};
+  return {{"wall_s", r.wall_s},     {"evaluations", r.evaluations},
+          {"steps", r.steps},       {"penetration", r.penetration},
+          {"residual", r.residual}, {"rows", r.rows},
+          {"error", r.error},       {"samples", json_of(r.samples)}};
 }
 
 JointRun run_of(const Robot& robot, const json& x) {
   JointRun r;
-  r.wall_s = x.at("wall_s"), r.evaluations = x.at("evaluations"), r.steps = x.at("steps"), r.penetration = x.at("penetration"), r.residual = x.at("residual");
+  r.wall_s = x.at("wall_s"), r.evaluations = x.at("evaluations"), r.steps = x.at("steps"), r.penetration = x.at("penetration"),
+  r.residual = x.at("residual");
   r.rows = x.at("rows"), r.error = x.at("error"), r.samples = samples_of(robot, x.at("samples"));
   return r;
 }
@@ -89,8 +93,8 @@ JointRun run(const Scene& scene, const Setting& setting) {
   JointRun out;
   const double part = scene.duration / samples, call = part / setting.parts;
   const bool adaptive = setting.accuracy > 0;
-  set_stepping(robot, data, setting.integrator.id, adaptive || setting.dt <= 0 ? call : setting.dt, adaptive ? setting.accuracy / (samples * setting.parts) : 0,
-               {setting.solver, setting.tolerance});
+  set_stepping(robot, data, setting.integrator.id, adaptive || setting.dt <= 0 ? call : setting.dt,
+               adaptive ? setting.accuracy / (samples * setting.parts) : 0, {setting.solver, setting.tolerance});
   Clock::duration wall{};
   for (int k = 0; k < samples; ++k) {
     for (int i = 0; i < setting.parts; ++i) {
@@ -181,7 +185,8 @@ Error error_between(const Robot& robot, const Samples& a, const Samples& b) {
       e.rad = std::max(e.rad, angle(A, B));
     }
     e.energy = std::max(e.energy, std::abs(x.energy - y.energy));
-    e.momentum = std::max(e.momentum, std::hypot(x.momentum[0] - y.momentum[0], x.momentum[1] - y.momentum[1], x.momentum[2] - y.momentum[2]));
+    e.momentum = std::max(
+        e.momentum, std::hypot(x.momentum[0] - y.momentum[0], x.momentum[1] - y.momentum[1], x.momentum[2] - y.momentum[2]));
   }
   return e;
 }

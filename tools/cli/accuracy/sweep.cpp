@@ -35,14 +35,17 @@ void mark_front(std::vector<Point>& points) {
   for (Point& p : points) {
     p.pareto = p.failure.empty();
     for (const Point& x : points)
-      if (x.failure.empty() && x.wall_s <= p.wall_s && x.error.m <= p.error.m && (x.wall_s < p.wall_s || x.error.m < p.error.m)) p.pareto = false;
+      if (x.failure.empty() && x.wall_s <= p.wall_s && x.error.m <= p.error.m && (x.wall_s < p.wall_s || x.error.m < p.error.m))
+        p.pareto = false;
   }
 }
 
 }  // namespace
 
 std::string name_of(const Setting& s) {
-  return s.accuracy > 0 ? std::string(s.integrator.id == DYN_INTEGRATOR_RK45 ? "rk45" : "reference") + " accuracy " + short_number(s.accuracy) : std::string(s.integrator.name) + " dt " + short_number(s.dt);
+  return s.accuracy > 0 ? std::string(s.integrator.id == DYN_INTEGRATOR_RK45 ? "rk45" : "reference") + " accuracy " +
+                              short_number(s.accuracy)
+                        : std::string(s.integrator.name) + " dt " + short_number(s.dt);
 }
 
 std::string key_of(const Setting& s) { return name_of(s) + " " + solvers()[s.solver].name + " " + short_number(s.tolerance); }
@@ -88,16 +91,22 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
   while (going && fine.dt > 1e-8 && 2.5 * out.run.wall_s < budget.left() - kept) going = halve(budget.left() - kept);
   for (const JointRun* r : std::initializer_list<const JointRun*>{&far, &near, &out.run})
     if (!r->error.empty() || r->samples.empty())
-      fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " + (r->error.empty() ? std::string(too_long) : r->error) + " (--budget gives it more time, --reference another one)");
+      fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " +
+           (r->error.empty() ? std::string(too_long) : r->error) + " (--budget gives it more time, --reference another one)");
   out.smooth = false;
   out.kind = "steps of " + short_number(fine.dt, 3) + " s, the finest that a third of the budget allows";
   const Error halved = error_between(scene.robot, out.run.samples, near.samples);
-  const double before = error_between(scene.robot, near.samples, far.samples).m, ratio = halved.m > 0 ? before / halved.m : HUGE_VAL;
-  // what a geometric series of that ratio leaves, which is what the last halving changed where errors halve; four times that where they hardly do
+  const double before = error_between(scene.robot, near.samples, far.samples).m,
+               ratio = halved.m > 0 ? before / halved.m : HUGE_VAL;
+  // what a geometric series of that ratio leaves, which is what the last halving changed where errors halve; four times that
+  // where they hardly do
   const double rest = std::clamp(1 / std::max(ratio - 1, 1e-3), 1.0, 4.0);
   out.uncertainty = {rest * halved.m, rest * halved.rad, rest * halved.energy, rest * halved.momentum};
-  out.confidence = ratio > 1.5 ? "twice and four times as long steps differ from it by " + short_number(halved.m, 3) + " m and " + short_number(before, 3) + " m: it converges"
-                               : "low: twice as long steps are off by " + short_number(halved.m, 3) + " m, hardly less than four times as long ones: the motion is chaotic, or the steps are too long";
+  out.confidence = ratio > 1.5
+                       ? "twice and four times as long steps differ from it by " + short_number(halved.m, 3) + " m and " +
+                             short_number(before, 3) + " m: it converges"
+                       : "low: twice as long steps are off by " + short_number(halved.m, 3) +
+                             " m, hardly less than four times as long ones: the motion is chaotic, or the steps are too long";
   return out;
 }
 
@@ -114,7 +123,8 @@ Reference given_reference(const Scene& scene, const Vector& q, const Vector& v) 
   return out;
 }
 
-std::vector<Point> integrator_sweep(const Scene& scene, const Reference& reference, const Setting& contact, const Budget& budget, const Known& known, const Done& done) {
+std::vector<Point> integrator_sweep(const Scene& scene, const Reference& reference, const Setting& contact, const Budget& budget,
+                                    const Known& known, const Done& done) {
   struct Method {
     Setting setting;
     bool adaptive;
@@ -127,7 +137,8 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
     Setting s = contact;
     s.integrator = i;
     if (i.id != DYN_INTEGRATOR_REFERENCE) methods.push_back({s, false});
-    if (i.id == DYN_INTEGRATOR_REFERENCE || i.id == DYN_INTEGRATOR_RK45) methods.push_back({s, true, 0, 0, reference.smooth ? 2.0 : 12.0});
+    if (i.id == DYN_INTEGRATOR_REFERENCE || i.id == DYN_INTEGRATOR_RK45)
+      methods.push_back({s, true, 0, 0, reference.smooth ? 2.0 : 12.0});
   }
   std::vector<Point> points;
   const std::size_t rungs = std::max(std::size(steps_of), std::size(accuracies));
@@ -158,7 +169,8 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
     }
   mark_front(points);
   std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
-    return std::pair(a.setting.accuracy > 0, int(a.setting.integrator.id)) < std::pair(b.setting.accuracy > 0, int(b.setting.integrator.id));
+    return std::pair(a.setting.accuracy > 0, int(a.setting.integrator.id)) <
+           std::pair(b.setting.accuracy > 0, int(b.setting.integrator.id));
   });
   return points;
 }

@@ -1,4 +1,5 @@
-// Work and precision of a scene: every integrator at every step or accuracy that the budget allows, and the contact solvers at every tolerance.
+// Work and precision of a scene: every integrator at every step or accuracy that the budget allows, and the contact solvers at
+// every tolerance.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +33,10 @@ struct Reference {
 // Seconds that are left, for all of it.
 class Budget {
  public:
-  explicit Budget(double seconds) : seconds_(seconds), end_(std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
+  explicit Budget(double seconds)
+      : seconds_(seconds),
+        end_(std::chrono::steady_clock::now() +
+             std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
   double share() const { return std::min(left(), seconds_ / 10); }  // of one run
   double left() const { return std::chrono::duration<double>(end_ - std::chrono::steady_clock::now()).count(); }
 
@@ -48,7 +52,8 @@ Reference given_reference(const Scene& scene, const Vector& q, const Vector& v);
 // known: points of an earlier run by their keys; done: is told each new one.
 using Known = std::function<const Point*(const std::string& key)>;
 using Done = std::function<void(const Point&)>;
-std::vector<Point> integrator_sweep(const Scene& scene, const Reference& reference, const Setting& contact, const Budget& budget, const Known& known, const Done& done);
+std::vector<Point> integrator_sweep(const Scene& scene, const Reference& reference, const Setting& contact, const Budget& budget,
+                                    const Known& known, const Done& done);
 // At one step; against the tightest of them.
 std::vector<Point> solver_sweep(const Scene& scene, double dt, const Budget& budget, const Known& known, const Done& done);
 

@@ -46,7 +46,9 @@ struct Service {
 
   // Also for names that others let point here: Host says what the browser thinks it talks to.
   bool own_host(std::string_view host) const { return host == "127.0.0.1:" + port || host == "localhost:" + port; }
-  bool own_origin(std::string_view origin) const { return origin == "http://127.0.0.1:" + port || origin == "http://localhost:" + port; }
+  bool own_origin(std::string_view origin) const {
+    return origin == "http://127.0.0.1:" + port || origin == "http://localhost:" + port;
+  }
 };
 
 // A page that looks on. A slow one misses frames; messages of words reach it all.
@@ -112,7 +114,9 @@ class Socket : public std::enable_shared_from_this<Socket> {
 // One request: the page, or the beginning of a WebSocket.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(tcp::socket&& socket, Service& service) : stream_(std::move(socket)), service_(service) { parser_.body_limit(largest_message); }
+  Connection(tcp::socket&& socket, Service& service) : stream_(std::move(socket)), service_(service) {
+    parser_.body_limit(largest_message);
+  }
 
   void begin() {
     stream_.expires_after(std::chrono::seconds(10));
@@ -129,8 +133,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const bool here = service_.own_host(header(http::field::host)) && (target == home || target == home + "ws");
     const bool upgrade = target == home + "ws" && websocket::is_upgrade(request);
     const std::string_view origin = header(http::field::origin);
-    if (!here) return reply(http::status::not_found, "There is nothing here: the address is the one that dyn view --live printed.\n", "text/plain");
-    if (!(origin.empty() && !upgrade) && !service_.own_origin(origin)) return reply(http::status::forbidden, "Pages of other origins are refused.\n", "text/plain");
+    if (!here)
+      return reply(http::status::not_found, "There is nothing here: the address is the one that dyn view --live printed.\n",
+                   "text/plain");
+    if (!(origin.empty() && !upgrade) && !service_.own_origin(origin))
+      return reply(http::status::forbidden, "Pages of other origins are refused.\n", "text/plain");
     if (!upgrade) return reply(http::status::ok, target == home ? service_.page : "", "text/html; charset=utf-8");
     stream_.expires_never();
     std::make_shared<Socket>(stream_.release_socket(), service_)->begin(request);
@@ -166,7 +173,9 @@ class Listener {
     if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
-    if (error == asio::error::address_in_use) fail("port " + std::to_string(port) + " of 127.0.0.1 is taken: give another one with --port, or none for one that is free.");
+    if (error == asio::error::address_in_use)
+      fail("port " + std::to_string(port) +
+           " of 127.0.0.1 is taken: give another one with --port, or none for one that is free.");
     if (error) fail("port " + std::to_string(port) + " of 127.0.0.1 cannot be listened on: " + error.message() + ".");
     accept();
   }
@@ -209,7 +218,8 @@ class Clockwork {
     if (s.failure() == told_) return;
     told_ = s.failure();
     if (!told_.empty())
-      for (const auto& socket : std::set(service_.sockets)) socket->send_text(json{{"error", told_}}.dump(-1, ' ', false, json::error_handler_t::replace));
+      for (const auto& socket : std::set(service_.sockets))
+        socket->send_text(json{{"error", told_}}.dump(-1, ' ', false, json::error_handler_t::replace));
   }
   asio::steady_timer timer_;
   Service& service_;
@@ -219,7 +229,8 @@ class Clockwork {
 
 }  // namespace
 
-void serve(Simulation& simulation, const std::string& page, unsigned short port, const std::function<void(const std::string&)>& ready) {
+void serve(Simulation& simulation, const std::string& page, unsigned short port,
+           const std::function<void(const std::string&)>& ready) {
   asio::io_context io(1);
   Service service{simulation, page, "", random_word(), {}};
   Listener listener(io, service, port);

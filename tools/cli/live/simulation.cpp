@@ -23,7 +23,11 @@ Robot load(const SteppingOptions& options) {
 }  // namespace
 
 Simulation::Simulation(const SteppingOptions& options)
-    : options_(options), robot_(load(options)), start_(start_of(robot_, options, notes_)), effects_(parse_effects(options.effects)), poses_(robot_, effects_) {
+    : options_(options),
+      robot_(load(options)),
+      start_(start_of(robot_, options, notes_)),
+      effects_(parse_effects(options.effects)),
+      poses_(robot_, effects_) {
   complete_stepping(robot_, options_);
   begin(start_);
 }
@@ -31,7 +35,8 @@ Simulation::Simulation(const SteppingOptions& options)
 void Simulation::begin(const State& state) {
   data_.emplace(robot_, DYN_PART_SIMULATION | DYN_PART_ENERGY, effects_);
   set_start(robot_, *data_, state);
-  set_stepping(robot_, *data_, integrator_named(options_.integrator).id, options_.dt, 0, {solver_named(options_.solver).id, options_.tolerance});
+  set_stepping(robot_, *data_, integrator_named(options_.integrator).id, options_.dt, 0,
+               {solver_named(options_.solver).id, options_.tolerance});
   failure_.clear();
 }
 
@@ -55,10 +60,12 @@ void Simulation::go_on(double wall) {
 
 void Simulation::push(const json& command) {
   double point[3], wrench[6] = {};
-  for (std::size_t i = 0; i < 3; ++i) point[i] = command.at("point").at(i).get<double>(), wrench[i] = command.at("force").at(i).get<double>();
+  for (std::size_t i = 0; i < 3; ++i)
+    point[i] = command.at("point").at(i).get<double>(), wrench[i] = command.at("force").at(i).get<double>();
   check(dyn_data_clear_wrenches(robot_, *data_));
   if (wrench[0] != 0 || wrench[1] != 0 || wrench[2] != 0)
-    check(dyn_data_apply_wrench(robot_, *data_, command.at("frame").get<int>(), point, wrench, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
+    check(
+        dyn_data_apply_wrench(robot_, *data_, command.at("frame").get<int>(), point, wrench, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
 }
 
 std::string Simulation::obey(const json& command) {
@@ -113,7 +120,8 @@ std::vector<float> Simulation::state() const {
   put(time_, paused_, speed_, rate_, kinetic, potential, report.residual, report.penetration, 1e6 * step_s_, count);
   put_all(positions.data(), positions.size()), put_all(turns.data(), turns.size()), put_all(com.data(), 3);
   put_all(q, static_cast<std::size_t>(robot_.nq)), put_all(v, static_cast<std::size_t>(robot_.nv));
-  for (const dynContactForce& c : contacts) put_all(c.contact.position, 3), put_all(c.force_on_b, 3), put(c.contact.distance, c.contact.shape_a, c.contact.shape_b);
+  for (const dynContactForce& c : contacts)
+    put_all(c.contact.position, 3), put_all(c.force_on_b, 3), put(c.contact.distance, c.contact.shape_a, c.contact.shape_b);
   return out;
 }
 

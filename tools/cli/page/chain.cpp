@@ -10,7 +10,9 @@ namespace {
 using Placement = std::array<double, 12>;  // rotation by columns, then translation
 using Vec3 = std::array<double, 3>;
 
-Vec3 cross(const Vec3& a, const Vec3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 
 // a^-1 b
 Placement between(const Placement& a, const Placement& b) {
@@ -31,7 +33,8 @@ Vector logarithm(const Placement& X) {
   const Vec3 axis = {w[0] / sine, w[1] / sine, w[2] / sine}, once = cross(axis, p), twice = cross(axis, once);
   const double half = angle / 2;
   Vector out(6);
-  for (std::size_t i = 0; i < 3; ++i) out[i] = p[i] - half * once[i] + (1 - half / std::tan(half)) * twice[i], out[3 + i] = angle * axis[i];
+  for (std::size_t i = 0; i < 3; ++i)
+    out[i] = p[i] - half * once[i] + (1 - half / std::tan(half)) * twice[i], out[3 + i] = angle * axis[i];
   return out;
 }
 
@@ -41,7 +44,8 @@ json chain_json(const Robot& robot, const dynJointInfo& joint) {
   const Data data(robot, DYN_PART_KINEMATICS);
   const auto world = [&](int id) {
     Placement X;
-    check(dyn_frame_placement(robot, data, dyn_model_frame_id_of_type(robot, robot.joint(id).name, DYN_FRAME_TYPE_JOINT), X.data()));
+    check(dyn_frame_placement(robot, data, dyn_model_frame_id_of_type(robot, robot.joint(id).name, DYN_FRAME_TYPE_JOINT),
+                              X.data()));
     return X;
   };
   const int id = dyn_model_joint_id(robot, joint.name);

@@ -34,7 +34,8 @@ class Meshes {
     const dynStatus status = s.type == DYN_SHAPE_TYPE_MESH ? load(s, &made) : dyn_model_shape_mesh(robot_, k, &made);
     const std::unique_ptr<dynMesh, Deleter<dyn_mesh_free>> owner(made);
     if (status != DYN_OK) {
-      notes.push_back("link " + std::string(dyn_model_frame_name(robot_, s.frame)) + " is not drawn with its mesh: " + dyn_last_error());
+      notes.push_back("link " + std::string(dyn_model_frame_name(robot_, s.frame)) +
+                      " is not drawn with its mesh: " + dyn_last_error());
       return known_[key] = -1;
     }
     surfaces_.push_back(surface_of(made));
@@ -68,8 +69,17 @@ class Meshes {
 
 json joint_json(const Robot& robot, int id) {
   const dynJointInfo j = robot.joint(id);
-  json out = {{"name", j.name}, {"type", id == 0 ? "universe" : joint_type_name(j.type)}, {"parent", j.parent}, {"placement", vector_json(j.placement, 12)}, {"axis", vector_json(j.axis, 3)}, {"axis2", vector_json(j.axis2, 3)},
-              {"pitch", j.pitch}, {"q", j.idx_q}, {"nq", j.nq}, {"v", j.idx_v}, {"nv", j.nv}};
+  json out = {{"name", j.name},
+              {"type", id == 0 ? "universe" : joint_type_name(j.type)},
+              {"parent", j.parent},
+              {"placement", vector_json(j.placement, 12)},
+              {"axis", vector_json(j.axis, 3)},
+              {"axis2", vector_json(j.axis2, 3)},
+              {"pitch", j.pitch},
+              {"q", j.idx_q},
+              {"nq", j.nq},
+              {"v", j.idx_v},
+              {"nv", j.nv}};
   dynJointTypeInfo type{};
   type.struct_size = sizeof type;
   check(dyn_joint_type_info(j.type, &type));
@@ -84,13 +94,21 @@ json joint_json(const Robot& robot, int id) {
 }  // namespace
 
 json model_json(const Robot& robot, const std::vector<std::string>& package_dirs, Pack& pack, json& notes) {
-  json out = {{"name", dyn_model_name(robot)}, {"nq", robot.nq}, {"nv", robot.nv}, {"mass", dyn_model_total_mass(robot)}, {"gravity", vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY), 3)}};
+  json out = {{"name", dyn_model_name(robot)},
+              {"nq", robot.nq},
+              {"nv", robot.nv},
+              {"mass", dyn_model_total_mass(robot)},
+              {"gravity", vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY), 3)}};
   out["joints"] = json::array(), out["frames"] = json::array(), out["shapes"] = json::array();
   for (int j = 0; j < robot.njoints; ++j) out["joints"].push_back(joint_json(robot, j));
   for (int f = 0; f < robot.nframes; ++f) {
     const dynFrameInfo frame = robot.frame(f);
-    json item = {{"name", frame.name}, {"type", frame_type_name(frame.type)}, {"joint", frame.joint}, {"placement", vector_json(frame.placement, 12)}};
-    if (frame.mass > 0) item["mass"] = frame.mass, item["com"] = vector_json(frame.com, 3), item["inertia"] = vector_json(frame.inertia, 9);
+    json item = {{"name", frame.name},
+                 {"type", frame_type_name(frame.type)},
+                 {"joint", frame.joint},
+                 {"placement", vector_json(frame.placement, 12)}};
+    if (frame.mass > 0)
+      item["mass"] = frame.mass, item["com"] = vector_json(frame.com, 3), item["inertia"] = vector_json(frame.inertia, 9);
     out["frames"].push_back(std::move(item));
   }
   Meshes meshes(robot, package_dirs);
@@ -98,11 +116,14 @@ json model_json(const Robot& robot, const std::vector<std::string>& package_dirs
   for (int k = 0; k < dyn_model_nshapes(robot); ++k) {
     const dynShapeInfo s = shape(robot, k);
     const bool drawn = s.role == DYN_SHAPE_ROLE_VISUAL;
-    json item = {{"name", s.name}, {"type", shape_type_name(s.type)}, {"visual", drawn}, {"frame", s.frame}, {"placement", vector_json(s.placement, 12)}, {"size", vector_json(s.size, 3)}, {"radius", s.radius}};
+    json item = {{"name", s.name},    {"type", shape_type_name(s.type)},           {"visual", drawn},
+                 {"frame", s.frame},  {"placement", vector_json(s.placement, 12)}, {"size", vector_json(s.size, 3)},
+                 {"radius", s.radius}};
     Vector rgba(4);
     check(dyn_model_shape_rgba(robot, k, rgba.data()));
     if (rgba[3] >= 0) item["rgba"] = rgba;
-    if (s.type == DYN_SHAPE_TYPE_MESH || s.type == DYN_SHAPE_TYPE_CONVEX || s.type == DYN_SHAPE_TYPE_TRIANGLES || s.type == DYN_SHAPE_TYPE_HEIGHT_FIELD) {
+    if (s.type == DYN_SHAPE_TYPE_MESH || s.type == DYN_SHAPE_TYPE_CONVEX || s.type == DYN_SHAPE_TYPE_TRIANGLES ||
+        s.type == DYN_SHAPE_TYPE_HEIGHT_FIELD) {
       const int mesh = meshes.add(k, s, notes);
       if (mesh >= 0) item["mesh"] = mesh;
       else item["missing"] = true;
@@ -111,7 +132,9 @@ json model_json(const Robot& robot, const std::vector<std::string>& package_dirs
     out["shapes"].push_back(std::move(item));
   }
   out["meshes"] = meshes.packed(pack, notes);
-  if (!visual) notes.push_back(collision ? "there are no visual shapes to draw: collision shapes are drawn instead" : "there are no shapes to draw: links are lines from joint to joint");
+  if (!visual)
+    notes.push_back(collision ? "there are no visual shapes to draw: collision shapes are drawn instead"
+                              : "there are no shapes to draw: links are lines from joint to joint");
   return out;
 }
 

@@ -23,7 +23,8 @@ json Pack::f32(const Vector& x) { return append(std::vector<float>(x.begin(), x.
 json Pack::q16(const Vector& x, std::size_t columns) {
   Vector lower(columns, HUGE_VAL), upper(columns, -HUGE_VAL), step;
   for (std::size_t k = 0; k < x.size(); ++k)
-    if (std::isfinite(x[k])) lower[k % columns] = std::min(lower[k % columns], x[k]), upper[k % columns] = std::max(upper[k % columns], x[k]);
+    if (std::isfinite(x[k]))
+      lower[k % columns] = std::min(lower[k % columns], x[k]), upper[k % columns] = std::max(upper[k % columns], x[k]);
   for (std::size_t c = 0; c < columns; ++c) {
     if (!(lower[c] <= upper[c])) lower[c] = upper[c] = 0;
     step.push_back((upper[c] - lower[c]) / 65535);
@@ -32,7 +33,9 @@ json Pack::q16(const Vector& x, std::size_t columns) {
   out.reserve(x.size());
   for (std::size_t k = 0; k < x.size(); ++k) {
     const std::size_t c = k % columns;
-    if (step[c] > 0) out.push_back(std::isfinite(x[k]) ? static_cast<std::uint16_t>(std::clamp(std::lround((x[k] - lower[c]) / step[c]), 0L, 65535L)) : 0);
+    if (step[c] > 0)
+      out.push_back(
+          std::isfinite(x[k]) ? static_cast<std::uint16_t>(std::clamp(std::lround((x[k] - lower[c]) / step[c]), 0L, 65535L)) : 0);
   }
   json made = append(out, "q16");
   made["n"] = x.size(), made["lower"] = lower, made["step"] = step;

@@ -1,4 +1,5 @@
-// Numbers of a page: typed arrays one behind another, little-endian, in base64. What refers to one is {"at": byte, "n": count, "as": type}.
+// Numbers of a page: typed arrays one behind another, little-endian, in base64. What refers to one is {"at": byte, "n": count,
+// "as": type}.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +11,8 @@ namespace cli::page {
 class Pack {
  public:
   json f32(const Vector& x);
-  // Rows of so many columns, in 16 bits between the least and the largest number of each column: {.., "as": "q16", "lower", "step"}. Columns of
-  // step 0 never change and are left out; n counts them all the same.
+  // Rows of so many columns, in 16 bits between the least and the largest number of each column: {.., "as": "q16", "lower",
+  // "step"}. Columns of step 0 never change and are left out; n counts them all the same.
   json q16(const Vector& x, std::size_t columns);
   // Indices: 16 bits where they fit.
   json indices(const std::vector<std::uint32_t>& x);

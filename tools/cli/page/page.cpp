@@ -31,13 +31,15 @@ std::string page_template() {
   text << file.rdbuf();
   if (!file || text.str().find(marker) == std::string::npos)
     fail("there is no page to fill: " + path.string() +
-         " is missing. It is made when libdyn is built with npm and a network, or with Debian's packages: apt-get install esbuild libjs-three libjs-dygraphs; then build again.");
+         " is missing. It is made when libdyn is built with npm and a network, or with Debian's packages: apt-get install "
+         "esbuild libjs-three libjs-dygraphs; then build again.");
   return text.str();
 }
 
 std::string filled(const std::string& page, const json& head, const Pack& pack) {
   const std::size_t at = page.find(marker);
-  return page.substr(0, at) + "<script type=\"application/json\" id=\"dyn-head\">" + in_script(head) + "</script>\n<script type=\"text/plain\" id=\"dyn-numbers\">" + pack.base64() + "</script>" +
+  return page.substr(0, at) + "<script type=\"application/json\" id=\"dyn-head\">" + in_script(head) +
+         "</script>\n<script type=\"text/plain\" id=\"dyn-numbers\">" + pack.base64() + "</script>" +
          page.substr(at + marker.size());
 }
 

@@ -24,7 +24,8 @@ Pose joint_pose(const double world[12], const double local[12]) {
   Pose out;
   for (int i = 0; i < 3; ++i) out.x[i] = world[9 + i] - (r[i][0] * local[9] + r[i][1] * local[10] + r[i][2] * local[11]);
   // Shepperd 1978: the largest component first
-  const double trace[4] = {r[0][0] - r[1][1] - r[2][2], r[1][1] - r[2][2] - r[0][0], r[2][2] - r[0][0] - r[1][1], r[0][0] + r[1][1] + r[2][2]};
+  const double trace[4] = {r[0][0] - r[1][1] - r[2][2], r[1][1] - r[2][2] - r[0][0], r[2][2] - r[0][0] - r[1][1],
+                           r[0][0] + r[1][1] + r[2][2]};
   const auto k = static_cast<int>(std::max_element(trace, trace + 4) - trace);
   double* t = out.turn;
   if (k == 3) {
@@ -45,12 +46,17 @@ std::vector<std::string> coordinate_names(const Robot& robot, bool of_q) {
   for (int j = 1; j < robot.njoints; ++j) {
     const dynJointInfo joint = robot.joint(j);
     const int first = of_q ? joint.idx_q : joint.idx_v, n = of_q ? joint.nq : joint.nv;
-    for (int k = 0; k < n; ++k) out[static_cast<std::size_t>(first + k)] = joint.name + (n > 1 ? "[" + std::to_string(k) + "]" : std::string());
+    for (int k = 0; k < n; ++k)
+      out[static_cast<std::size_t>(first + k)] = joint.name + (n > 1 ? "[" + std::to_string(k) + "]" : std::string());
   }
   return out;
 }
 
-Recording::Recording(const Robot& robot, std::uint32_t effects) : robot_(robot), mind_(robot, DYN_PART_KINEMATICS | DYN_PART_COM, effects), frame_of_(static_cast<std::size_t>(robot.njoints), 0), every_(moment) {
+Recording::Recording(const Robot& robot, std::uint32_t effects)
+    : robot_(robot),
+      mind_(robot, DYN_PART_KINEMATICS | DYN_PART_COM, effects),
+      frame_of_(static_cast<std::size_t>(robot.njoints), 0),
+      every_(moment) {
   for (int f = robot.nframes - 1; f >= 0; --f) frame_of_[static_cast<std::size_t>(robot.frame(f).joint)] = f;
 }
 
@@ -68,7 +74,18 @@ void Recording::poses(const double* q, Vector& positions, Vector& turns, Vector&
 }
 
 Recording::Sample Recording::sample_of(const Data& simulated, const Moment& m) const {
-  Sample s{m.time, {}, {}, {}, Vector(m.q, m.q + robot_.nq), Vector(m.v, m.v + robot_.nv), Vector(m.tau, m.tau + robot_.nv), {}, {m.kinetic, m.potential, m.kinetic + m.potential}, {}, {}, {}};
+  Sample s{m.time,
+           {},
+           {},
+           {},
+           Vector(m.q, m.q + robot_.nq),
+           Vector(m.v, m.v + robot_.nv),
+           Vector(m.tau, m.tau + robot_.nv),
+           {},
+           {m.kinetic, m.potential, m.kinetic + m.potential},
+           {},
+           {},
+           {}};
   poses(m.q, s.positions, s.turns, s.com);
   if (dyn_model_nactuators(robot_)) s.actuators = field(robot_, simulated, "actuator_force");
   int count = 0;
@@ -76,7 +93,8 @@ Recording::Sample Recording::sample_of(const Data& simulated, const Moment& m) c
   std::vector<dynContactForce> contacts(static_cast<std::size_t>(count));
   check(dyn_data_step_contacts(robot_, simulated, contacts.data(), count, &count));
   for (const dynContactForce& c : contacts) {
-    Contact k{{}, {}, c.contact.distance, static_cast<std::uint32_t>(c.contact.shape_a), static_cast<std::uint32_t>(c.contact.shape_b)};
+    Contact k{
+        {}, {}, c.contact.distance, static_cast<std::uint32_t>(c.contact.shape_a), static_cast<std::uint32_t>(c.contact.shape_b)};
     std::copy(c.contact.position, c.contact.position + 3, k.position), std::copy(c.force_on_b, c.force_on_b + 3, k.force);
     s.contacts.push_back(k);
   }
@@ -98,7 +116,8 @@ void Recording::add(const Data& simulated, const Moment& m, const Ledger* ledger
 
 std::size_t Recording::numbers() const {
   const Sample& s = samples_.front();
-  const std::size_t each = 4 + 2 * (s.positions.size() + s.turns.size() + 3 + s.q.size() + s.v.size() + s.tau.size() + s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
+  const std::size_t each = 4 + 2 * (s.positions.size() + s.turns.size() + 3 + s.q.size() + s.v.size() + s.tau.size() +
+                                    s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
   return each * samples_.size() + 24 * contacts_;
 }
 
@@ -106,14 +125,16 @@ std::size_t Recording::numbers() const {
 void Recording::thin() {
   std::vector<Sample> kept;
   contacts_ = 0;
-  for (std::size_t k = 0; k < samples_.size(); k += 2) contacts_ += samples_[k].contacts.size(), kept.push_back(std::move(samples_[k]));
+  for (std::size_t k = 0; k < samples_.size(); k += 2)
+    contacts_ += samples_[k].contacts.size(), kept.push_back(std::move(samples_[k]));
   samples_ = std::move(kept);
   every_ *= 2;
   next_ = samples_.back().time + every_;
 }
 
 json Recording::packed(Pack& pack, json& notes) const {
-  if (every_ > moment) notes.push_back("the recording is thinned to " + short_number(1 / every_, 3) + " moments a second, for the page's size");
+  if (every_ > moment)
+    notes.push_back("the recording is thinned to " + short_number(1 / every_, 3) + " moments a second, for the page's size");
   const auto all = [&](Vector Sample::*what) {
     Vector out;
     for (const Sample& s : samples_) out.insert(out.end(), (s.*what).begin(), (s.*what).end());
@@ -122,13 +143,20 @@ json Recording::packed(Pack& pack, json& notes) const {
   const std::size_t joints = static_cast<std::size_t>(robot_.njoints) - 1;
   Vector time;
   for (const Sample& s : samples_) time.push_back(s.time);
-  json out = {{"moments", samples_.size()}, {"time", pack.f32(time)}, {"positions", pack.q16(all(&Sample::positions), 3 * joints)}, {"turns", pack.q16(all(&Sample::turns), 4 * joints)}, {"com", pack.q16(all(&Sample::com), 3)}};
+  json out = {{"moments", samples_.size()},
+              {"time", pack.f32(time)},
+              {"positions", pack.q16(all(&Sample::positions), 3 * joints)},
+              {"turns", pack.q16(all(&Sample::turns), 4 * joints)},
+              {"com", pack.q16(all(&Sample::com), 3)}};
   json plots = json::array();
   // columns of what, the first of them and as many as there are names
-  const auto plot = [&](const char* title, const char* unit, const std::vector<std::string>& names, Vector Sample::*what, std::size_t first = 0) {
+  const auto plot = [&](const char* title, const char* unit, const std::vector<std::string>& names, Vector Sample::* what,
+                        std::size_t first = 0) {
     if (names.empty()) return;
     Vector values;
-    for (const Sample& s : samples_) values.insert(values.end(), (s.*what).begin() + static_cast<std::ptrdiff_t>(first), (s.*what).begin() + static_cast<std::ptrdiff_t>(first + names.size()));
+    for (const Sample& s : samples_)
+      values.insert(values.end(), (s.*what).begin() + static_cast<std::ptrdiff_t>(first),
+                    (s.*what).begin() + static_cast<std::ptrdiff_t>(first + names.size()));
     plots.push_back({{"title", title}, {"unit", unit}, {"names", names}, {"values", pack.q16(values, names.size())}});
   };
   plot("energy", "J", {"kinetic", "potential", "mechanical"}, &Sample::energy);
@@ -149,12 +177,17 @@ json Recording::packed(Pack& pack, json& notes) const {
   std::vector<std::uint32_t> first = {0}, shapes;
   for (const Sample& s : samples_) {
     for (const Contact& c : s.contacts) {
-      position.insert(position.end(), c.position, c.position + 3), force.insert(force.end(), c.force, c.force + 3), distance.push_back(c.distance);
+      position.insert(position.end(), c.position, c.position + 3), force.insert(force.end(), c.force, c.force + 3),
+          distance.push_back(c.distance);
       shapes.insert(shapes.end(), {c.a, c.b});
     }
     first.push_back(static_cast<std::uint32_t>(distance.size()));
   }
-  out["contacts"] = {{"first", pack.indices(first)}, {"position", pack.q16(position, 3)}, {"force", pack.f32(force)}, {"distance", pack.q16(distance, 1)}, {"shapes", pack.indices(shapes)}};
+  out["contacts"] = {{"first", pack.indices(first)},
+                     {"position", pack.q16(position, 3)},
+                     {"force", pack.f32(force)},
+                     {"distance", pack.q16(distance, 1)},
+                     {"shapes", pack.indices(shapes)}};
   return out;
 }
 
@@ -166,7 +199,8 @@ json head(const char* kind, const RobotOptions& options, const Robot& robot, con
   return out;
 }
 
-json still(const char* kind, const RobotOptions& options, const Robot& robot, const State& state, std::uint32_t effects, Pack& pack, const json& notes) {
+json still(const char* kind, const RobotOptions& options, const Robot& robot, const State& state, std::uint32_t effects,
+           Pack& pack, const json& notes) {
   const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, effects);
   set_start(robot, data, state);
   Recording recording(robot, effects);

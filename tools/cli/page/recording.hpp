@@ -45,7 +45,8 @@ class Recording {
 // The head of a page: what was recorded of the robot. More keys may come to it.
 json head(const char* kind, const RobotOptions& options, const Robot& robot, const Recording& recording, Pack& pack, json notes);
 // The robot where it begins, in a page without time.
-json still(const char* kind, const RobotOptions& options, const Robot& robot, const State& state, std::uint32_t effects, Pack& pack, const json& notes);
+json still(const char* kind, const RobotOptions& options, const Robot& robot, const State& state, std::uint32_t effects,
+           Pack& pack, const json& notes);
 
 // Names of the coordinates of q (or v): the joint's, with a number behind it where it has several.
 std::vector<std::string> coordinate_names(const Robot& robot, bool of_q);

@@ -38,7 +38,8 @@ Surface clustered(const Surface& fine, int cells) {
   return out;
 }
 
-// The different ones, and in their place which of them each triangle has. Where they are many: of four bits each of red, green and blue.
+// The different ones, and in their place which of them each triangle has. Where they are many: of four bits each of red, green
+// and blue.
 std::vector<std::uint32_t> palette_of(std::vector<std::uint32_t>& colours) {
   if (std::set<std::uint32_t>(colours.begin(), colours.end()).size() > 256)
     for (std::uint32_t& c : colours) c &= 0xf0f0f0 | no_colour;
@@ -59,7 +60,8 @@ Surface surface_of(const dynMesh* mesh) {
   arrays.struct_size = sizeof arrays;
   check(dyn_mesh_arrays(mesh, &arrays));
   Surface out;
-  for (std::size_t k = 0; k < arrays.vertex_count; ++k) out.vertices.push_back({arrays.vertices[3 * k], arrays.vertices[3 * k + 1], arrays.vertices[3 * k + 2]});
+  for (std::size_t k = 0; k < arrays.vertex_count; ++k)
+    out.vertices.push_back({arrays.vertices[3 * k], arrays.vertices[3 * k + 1], arrays.vertices[3 * k + 2]});
   out.triangles.assign(arrays.triangles, arrays.triangles + 3 * arrays.triangle_count);
   Vector rgb(3 * arrays.triangle_count);
   check(dyn_mesh_rgb(mesh, rgb.data()));

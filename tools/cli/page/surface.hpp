@@ -12,7 +12,9 @@ struct Surface {
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::uint32_t> triangles;  // 3 each
   std::vector<std::uint32_t> colours;    // of the triangles: 0xrrggbb, or no_colour; empty: none has one
-  std::size_t bytes() const { return 6 * vertices.size() + (vertices.size() > 65535 ? 4 : 2) * triangles.size() + 2 * colours.size(); }
+  std::size_t bytes() const {
+    return 6 * vertices.size() + (vertices.size() > 65535 ? 4 : 2) * triangles.size() + 2 * colours.size();
+  }
 };
 Surface surface_of(const dynMesh* mesh);
 // Vertices within a cell of a grid made one, the grid as fine as so many bytes allow (Rossignac and Borrel 1993).

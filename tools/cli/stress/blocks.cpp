@@ -6,7 +6,8 @@ namespace cli::stress {
 
 namespace {
 
-// A semicircle of voussoirs about y, mean radius 1 m, radial joints. Those that stand may not sink; those that are too thin must fall.
+// A semicircle of voussoirs about y, mean radius 1 m, radial joints. Those that stand may not sink; those that are too thin must
+// fall.
 double arch_sinks(int count, double thickness, double duration, Curve& curve) {
   constexpr double depth = 0.3, density = 2000;
   Builder b("arch");
@@ -16,7 +17,8 @@ double arch_sinks(int count, double thickness, double duration, Curve& curve) {
     Vector vertices;
     for (const int end : {k, k + 1})
       for (const double r : {1 - thickness / 2, 1 + thickness / 2})
-        for (const double y : {-depth / 2, depth / 2}) vertices.insert(vertices.end(), {r * std::cos(pi * end / count), y, r * std::sin(pi * end / count)});
+        for (const double y : {-depth / 2, depth / 2})
+          vertices.insert(vertices.end(), {r * std::cos(pi * end / count), y, r * std::sin(pi * end / count)});
     if (k + 1 == count)
       for (const std::size_t i : {14u, 17u, 20u, 23u}) vertices[i] = 0;  // sin(pi)
     dynMeshInfo info = dyn::Mesh::from_arrays(vertices, 8).hull().info();

@@ -25,7 +25,9 @@ Model chain(int n, double tip = 1) {
 }
 
 struct Arm : Data {
-  explicit Arm(const Model& model) : Data(model, DYN_PART_MINV | DYN_PART_MASS | DYN_PART_INVERSE | DYN_PART_FORWARD | DYN_PART_CHOLESKY), n(static_cast<std::size_t>(model.nv())) {}
+  explicit Arm(const Model& model)
+      : Data(model, DYN_PART_MINV | DYN_PART_MASS | DYN_PART_INVERSE | DYN_PART_FORWARD | DYN_PART_CHOLESKY),
+        n(static_cast<std::size_t>(model.nv())) {}
   std::size_t n;
 
   // Largest eigenvalue of a symmetric matrix, by powers.
@@ -131,7 +133,8 @@ Outcome heavy_tip() {
     for (const double tip : {1.0, 1e2, 1e3, 1e4, 1e6}) {
       Arm arm(chain(n, tip));
       const Vector q(arm.n);
-      const double condition = arm.condition(q), error = std::max(round_trip(arm, q, condition, dice), disagreement(arm, q, condition, dice));
+      const double condition = arm.condition(q),
+                   error = std::max(round_trip(arm, q, condition, dice), disagreement(arm, q, condition, dice));
       out.off_by(error);
       out.picture.curves[n == 20].add(std::log10(tip), error);
     }

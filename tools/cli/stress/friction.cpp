@@ -123,7 +123,8 @@ Outcome isotropy() {
   return out.off_by((most - least) / most);
 }
 
-// A force that grows from 0 to 20 N in a second, mu = 0.4: it slips from 0.1962 s on; v(1) = 6.4609444 m/s (Le Lidec et al. 2024).
+// A force that grows from 0 to 20 N in a second, mu = 0.4: it slips from 0.1962 s on; v(1) = 6.4609444 m/s (Le Lidec et al.
+// 2024).
 Outcome drag() {
   Play play = box_on_plane(0.4, 0, 1e-4);
   tighten(play, 1e-12);
@@ -158,7 +159,8 @@ Outcome painleve() {
     Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-4);
     for (int k = 0; k < 334; ++k) {
       // the other end is up, the tip slides towards it: the angle from the horizontal
-      const double angle = (r.low + (r.high - r.low) * part(dice)) * pi / 180, slip = 0.5 + 5 * part(dice), turn = 4 * part(dice) - 2;
+      const double angle = (r.low + (r.high - r.low) * part(dice)) * pi / 180, slip = 0.5 + 5 * part(dice),
+                   turn = 4 * part(dice) - 2;
       const double c = std::cos(angle), s = std::sin(angle), at_x = -length / 2;
       const Vector q = {-at_x * c, 0, tip - at_x * s, 0, -std::sin(angle / 2), 0, std::cos(angle / 2)};
       // velocity of the tip along the ground, and none into it; w about -y
@@ -176,8 +178,8 @@ Outcome painleve() {
   return out;
 }
 
-// The same for accelerations, where the tip slides: 0 <= f _|_ a + p f >= 0 with p = 1 + 3 cos^2 - 3 mu sin cos. Where p < 0 there is no f, or two:
-// said to be no solution, and never a force that pulls. Counts wrong answers.
+// The same for accelerations, where the tip slides: 0 <= f _|_ a + p f >= 0 with p = 1 + 3 cos^2 - 3 mu sin cos. Where p < 0
+// there is no f, or two: said to be no solution, and never a force that pulls. Counts wrong answers.
 Outcome painleve_accelerations() {
   Outcome out;
   dyn::ContactSolver solver(1);
@@ -187,7 +189,8 @@ Outcome painleve_accelerations() {
       const double angle = k * pi / 1800, c = std::cos(angle), s = std::sin(angle);
       const double p = 1 + 3 * c * c - 3 * mu * s * c;
       for (const double a : {-g, -1e-6, 0.5, 40.0})
-        for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON}) {
+        for (const dynContactSolverType type :
+             {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON}) {
           const std::int32_t row = 1;
           dynContactProblem problem = dyn::contact_problem();
           problem.contacts = 1, problem.contact_rows = &row, problem.G = &p, problem.g = &a;
@@ -199,7 +202,8 @@ Outcome painleve_accelerations() {
             solved = solver.solve(problem, &force, nullptr, &options).status == DYN_CONTACT_STATUS_CONVERGED;
           } catch (const dyn::Error&) {
           }
-          const bool right = p > 0 ? solved && std::abs(force - std::max(0.0, -a / p)) <= 1e-8 * (1 + force) : !solved || (a >= 0 && force == 0);
+          const bool right =
+              p > 0 ? solved && std::abs(force - std::max(0.0, -a / p)) <= 1e-8 * (1 + force) : !solved || (a >= 0 && force == 0);
           wrong += !right || !(force >= 0);
         }
     }
@@ -207,7 +211,8 @@ Outcome painleve_accelerations() {
   return out.off_by(wrong);
 }
 
-// Two cards that lean against each other by an angle from the vertical, rounded by r: they stand from mu = L sin / (2 (L cos + r)) on.
+// Two cards that lean against each other by an angle from the vertical, rounded by r: they stand from mu = L sin / (2 (L cos +
+// r)) on.
 Outcome cards() {
   constexpr double length = 1, r = 1e-3, share = 1e-3;
   Outcome out;
@@ -221,10 +226,13 @@ Outcome cards() {
       Vector q;
       for (const double side : {-1.0, 1.0}) {  // in the x-z plane
         const std::string name = side < 0 ? "left" : "right";
-        b.add_joint(slide(name + "_x", "", {1, 0, 0}, at(3 * side, 0, 3))).add_joint(slide(name + "_z", name + "_x", {0, 0, 1})).add_joint(hinge(name + "_turn", name + "_z", {0, 1, 0}));
+        b.add_joint(slide(name + "_x", "", {1, 0, 0}, at(3 * side, 0, 3)))
+            .add_joint(slide(name + "_z", name + "_x", {0, 0, 1}))
+            .add_joint(hinge(name + "_turn", name + "_z", {0, 1, 0}));
         b.add_body(name, name + "_turn", 1, {0, 0, 0}, box_inertia(1, {1e-3, 1, length}));
         add_shape(b, name, DYN_SHAPE_TYPE_CAPSULE, {r, length, 0}, material(mu));
-        q.insert(q.end(), {side * (length / 2 * s + r - 3), length / 2 * c + r - 3, -side * angle});  // (shapes that overlap at q = 0 are not tested)
+        q.insert(q.end(), {side * (length / 2 * s + r - 3), length / 2 * c + r - 3,
+                           -side * angle});  // (shapes that overlap at q = 0 are not tested)
       }
       Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
       tighten(play, 1e-12);

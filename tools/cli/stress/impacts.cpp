@@ -37,7 +37,8 @@ constexpr double wheel = 0.1, first_lean = 1e-4;
 double rolling_lean(double factor, Curve& curve) {
   const double speed = factor * std::sqrt(g * wheel / 3), angle = pi / 2 - first_lean;
   // its axis along y, leaned: turned about x; it rolls about its own z
-  Play play = disc(wheel, 1, {0, 0, wheel * std::sin(angle), std::sin(-angle / 2), 0, 0, std::cos(angle / 2)}, {speed, 0, 0, 0, 0, speed / wheel}, 1e-4);
+  Play play = disc(wheel, 1, {0, 0, wheel * std::sin(angle), std::sin(-angle / 2), 0, 0, std::cos(angle / 2)},
+                   {speed, 0, 0, 0, 0, speed / wheel}, 1e-4);
   double worst = 0;
   for (int k = 0; k < 30000 && worst < 0.1; ++k) {
     play.step();
@@ -71,7 +72,8 @@ void bounce_to_rest(Outcome& out, double e, double end, double accuracy = 1e-8) 
 Outcome zeno() {
   Outcome out;
   out.picture = {"time, s", "height, m", false, {}};
-  bounce_to_rest(out, 0.5, 1.3545709229571927), bounce_to_rest(out, 0.8, 4.0637127688715781), bounce_to_rest(out, 0.9, 8.5789491787288872);
+  bounce_to_rest(out, 0.5, 1.3545709229571927), bounce_to_rest(out, 0.8, 4.0637127688715781),
+      bounce_to_rest(out, 0.9, 8.5789491787288872);
   return out;
 }
 Outcome zeno_90s() {
@@ -98,14 +100,17 @@ Outcome zeno_energy() {
   return out;
 }
 
-// SimBenchmark's bouncing: 7 x 7 balls of 10 kg fall from 5 m, e = 1, 20 s. Energy of all, and the height of each against the parabola.
+// SimBenchmark's bouncing: 7 x 7 balls of 10 kg fall from 5 m, e = 1, 20 s. Energy of all, and the height of each against the
+// parabola.
 Outcome elastic_balls() {
   constexpr int count = 49;
   constexpr double radius = 0.1, top = 5;
   Builder b("balls");
   add_ground(b, material(0, 1));
   Vector q;
-  for (int k = 0; k < count; ++k) add_sphere(b, "ball" + std::to_string(k), 10, radius, material(0, 1)), q.insert(q.end(), {2.0 * (k / 7), 2.0 * (k % 7), top, 0, 0, 0, 1});
+  for (int k = 0; k < count; ++k)
+    add_sphere(b, "ball" + std::to_string(k), 10, radius, material(0, 1)),
+        q.insert(q.end(), {2.0 * (k / 7), 2.0 * (k % 7), top, 0, 0, 0, 1});
   Play play(b.finish());
   play.set_state(q);
   set_accuracy(play, 0.1, 1e-5);
@@ -116,7 +121,8 @@ Outcome elastic_balls() {
     play.advance(0.1);
     drift.look();
     const double s = std::fmod(play.time() + fall, 2 * fall) - fall;
-    for (int i = 0; i < count; ++i) out.off_by(std::abs(play.q()[7 * static_cast<std::size_t>(i) + 2] - (top - g * s * s / 2)) / top);
+    for (int i = 0; i < count; ++i)
+      out.off_by(std::abs(play.q()[7 * static_cast<std::size_t>(i) + 2] - (top - g * s * s / 2)) / top);
   }
   return out;
 }
@@ -136,15 +142,20 @@ Outcome cradle() {
   play.set_step_options(options);
   play.step();
   Outcome out;
-  return out.compare(-1.0 / 3, play.v()[0]).compare(2.0 / 3, play.v()[6]).compare(2.0 / 3, play.v()[12]).compare(0.5, play.energy().kinetic);
+  return out.compare(-1.0 / 3, play.v()[0])
+      .compare(2.0 / 3, play.v()[6])
+      .compare(2.0 / 3, play.v()[12])
+      .compare(0.5, play.energy().kinetic);
 }
 
-// A coin whose centre of mass is at rest, alpha = 30 degrees: it rolls on its rim with W = sqrt(4 g / (a sin alpha)) for 100 turns.
+// A coin whose centre of mass is at rest, alpha = 30 degrees: it rolls on its rim with W = sqrt(4 g / (a sin alpha)) for 100
+// turns.
 Outcome euler_disk() {
   constexpr double a = 0.0375, alpha = pi / 6;
   const double turn = std::sqrt(4 * g / (a * std::sin(alpha))), half = alpha / 2;
   // in its own axes: turn about the vertical, less the spin that makes the point of contact rest: w3 = 0
-  Play play = disc(a, 1, {0, 0, a * std::sin(alpha), std::sin(half), 0, 0, std::cos(half)}, {0, 0, 0, 0, turn * std::sin(alpha), 0}, 1e-3);
+  Play play = disc(a, 1, {0, 0, a * std::sin(alpha), std::sin(half), 0, 0, std::cos(half)},
+                   {0, 0, 0, 0, turn * std::sin(alpha), 0}, 1e-3);
   Outcome out;
   out.picture = {"time, s", "alpha - 30 deg, rad", true, {}};
   Curve& curve = out.curve("alpha");

@@ -11,8 +11,8 @@ namespace cli::stress {
 
 namespace {
 
-// A parallelogram of uniform rods of 1 kg, uprights of 1 m on a base of 2 m, a spring along its diagonal that is as long as at a right angle when slack; no gravity.
-// The spring is a telescope that carries the coupler, whose ends close two loops.
+// A parallelogram of uniform rods of 1 kg, uprights of 1 m on a base of 2 m, a spring along its diagonal that is as long as at a
+// right angle when slack; no gravity. The spring is a telescope that carries the coupler, whose ends close two loops.
 constexpr double base = 2, stiffness = 100, inertia = 2.0 / 3 + 1;  // of the angle: A theta'' = -U'
 const double slack = std::sqrt(base * base + 1);
 double diagonal_at(double angle) { return std::sqrt(base * base + 1 + 2 * base * std::cos(angle)); }
@@ -82,7 +82,8 @@ Outcome four_bar_periods() {
 
 namespace {
 
-// The benchmark bicycle of Meijaard, Papadopoulos, Ruina and Schwab (2007), table 1: x ahead, y to the right, z down, from where the rear wheel touches.
+// The benchmark bicycle of Meijaard, Papadopoulos, Ruina and Schwab (2007), table 1: x ahead, y to the right, z down, from where
+// the rear wheel touches.
 struct Bicycle {
   static constexpr double w = 1.02, c = 0.08, rear = 0.3, front = 0.35, tilt = pi / 10;
   const Vector3 steer{std::sin(tilt), 0, std::cos(tilt)};
@@ -95,16 +96,23 @@ struct Bicycle {
     Builder b("bicycle");
     b.set_gravity({0, 0, g});
     const Vector3 about_y{0, 1, 0};
-    b.add_joint(slide("x", "", {1, 0, 0})).add_joint(slide("y", "x", {0, 1, 0})).add_joint(hinge("yaw", "y", {0, 0, 1})).add_joint(hinge("lean", "yaw", {1, 0, 0}));
-    b.add_joint(hinge("rear_spin", "lean", about_y, at(0, 0, -rear))).add_body("rear_wheel", "rear_spin", 2, {0, 0, 0}, moments(0.0603, 0.12, 0.0603, 0));
-    b.add_joint(hinge("pitch", "lean", about_y, at(0, 0, -rear))).add_body("frame", "pitch", 85, {0.3, 0, -0.9 + rear}, moments(9.2, 11, 2.8, 2.4));
-    b.add_joint(hinge("steering", "pitch", steer, at(w + c, 0, rear))).add_body("fork", "steering", 4, {0.9 - w - c, 0, -0.7}, moments(0.05892, 0.06, 0.00708, -0.00756));
-    b.add_joint(hinge("front_spin", "steering", about_y, at(-c, 0, -front))).add_body("front_wheel", "front_spin", 3, {0, 0, 0}, moments(0.1405, 0.28, 0.1405, 0));
+    b.add_joint(slide("x", "", {1, 0, 0}))
+        .add_joint(slide("y", "x", {0, 1, 0}))
+        .add_joint(hinge("yaw", "y", {0, 0, 1}))
+        .add_joint(hinge("lean", "yaw", {1, 0, 0}));
+    b.add_joint(hinge("rear_spin", "lean", about_y, at(0, 0, -rear)))
+        .add_body("rear_wheel", "rear_spin", 2, {0, 0, 0}, moments(0.0603, 0.12, 0.0603, 0));
+    b.add_joint(hinge("pitch", "lean", about_y, at(0, 0, -rear)))
+        .add_body("frame", "pitch", 85, {0.3, 0, -0.9 + rear}, moments(9.2, 11, 2.8, 2.4));
+    b.add_joint(hinge("steering", "pitch", steer, at(w + c, 0, rear)))
+        .add_body("fork", "steering", 4, {0.9 - w - c, 0, -0.7}, moments(0.05892, 0.06, 0.00708, -0.00756));
+    b.add_joint(hinge("front_spin", "steering", about_y, at(-c, 0, -front)))
+        .add_body("front_wheel", "front_spin", 3, {0, 0, 0}, moments(0.1405, 0.28, 0.1405, 0));
     return b.finish();
   }
 
-  // M q'' + C q' + K q = 0 of lean and steering at speed v. Wheels roll: yaw' = (v steer + c steer') cos(tilt) / w, y' = v yaw; the front one stays on the ground,
-  // which pitch sees to, and whose second derivatives the force there multiplies.
+  // M q'' + C q' + K q = 0 of lean and steering at speed v. Wheels roll: yaw' = (v steer + c steer') cos(tilt) / w, y' = v yaw;
+  // the front one stays on the ground, which pitch sees to, and whose second derivatives the force there multiplies.
   struct Matrices {
     double M[2][2], C[2][2], K[2][2];
   };
@@ -113,16 +121,20 @@ struct Bicycle {
     velocity[x] = v, velocity[rear_spin] = -v / rear, velocity[front_spin] = -v / front;
     const double load = data.rnea(zero, velocity, zero).copy()[pitch] / -w;
     const auto d = data.rnea_derivatives(zero, velocity, zero);
-    const double turn = std::cos(tilt) / w, held[2][2] = {{0, -c * std::cos(tilt)}, {-c * std::cos(tilt), -c * std::cos(tilt) * std::sin(tilt)}};
+    const double turn = std::cos(tilt) / w,
+                 held[2][2] = {{0, -c * std::cos(tilt)}, {-c * std::cos(tilt), -c * std::cos(tilt) * std::sin(tilt)}};
     const auto along = [&](const dyn::View& A, int i, int column) {  // of the motions that the wheels allow
       return i == 0 ? A(lean, column) : A(steering, column) + c * turn * A(yaw, column);
     };
     Matrices out;
     for (int i = 0; i < 2; ++i) {
-      const double by_yaw = along(d.dtau_da, i, yaw) * turn, by_y = along(d.dtau_da, i, y) * v * turn, by_turning = along(d.dtau_dv, i, yaw) * turn;
+      const double by_yaw = along(d.dtau_da, i, yaw) * turn, by_y = along(d.dtau_da, i, y) * v * turn,
+                   by_turning = along(d.dtau_dv, i, yaw) * turn;
       out.M[i][0] = along(d.dtau_da, i, lean), out.M[i][1] = along(d.dtau_da, i, steering) + by_yaw * c;
-      out.C[i][0] = along(d.dtau_dv, i, lean), out.C[i][1] = along(d.dtau_dv, i, steering) + by_turning * c + by_yaw * v + by_y * c;
-      out.K[i][0] = along(d.dtau_dq, i, lean) - load * held[i][0], out.K[i][1] = along(d.dtau_dq, i, steering) - load * held[i][1] + by_turning * v + by_y * v;
+      out.C[i][0] = along(d.dtau_dv, i, lean),
+      out.C[i][1] = along(d.dtau_dv, i, steering) + by_turning * c + by_yaw * v + by_y * c;
+      out.K[i][0] = along(d.dtau_dq, i, lean) - load * held[i][0],
+      out.K[i][1] = along(d.dtau_dq, i, steering) - load * held[i][1] + by_turning * v + by_y * v;
     }
     return out;
   }
@@ -133,8 +145,10 @@ std::complex<double> eigenvalue(const Bicycle::Matrices& m, std::complex<double>
   for (int step = 0; step < 4; ++step) {
     std::complex<double> f[2][2], df[2][2];
     for (int i = 0; i < 2; ++i)
-      for (int k = 0; k < 2; ++k) f[i][k] = s * s * m.M[i][k] + s * m.C[i][k] + m.K[i][k], df[i][k] = 2.0 * s * m.M[i][k] + m.C[i][k];
-    s -= (f[0][0] * f[1][1] - f[0][1] * f[1][0]) / (df[0][0] * f[1][1] + f[0][0] * df[1][1] - df[0][1] * f[1][0] - f[0][1] * df[1][0]);
+      for (int k = 0; k < 2; ++k)
+        f[i][k] = s * s * m.M[i][k] + s * m.C[i][k] + m.K[i][k], df[i][k] = 2.0 * s * m.M[i][k] + m.C[i][k];
+    s -= (f[0][0] * f[1][1] - f[0][1] * f[1][0]) /
+         (df[0][0] * f[1][1] + f[0][0] * df[1][1] - df[0][1] * f[1][0] - f[0][1] * df[1][0]);
   }
   return s;
 }
@@ -147,11 +161,16 @@ Outcome bicycle() {
     std::complex<double> weave;
     double capsize, caster;
   };
-  const Row table[] = {{{3.52696170990070, 0.80774027519930}, -3.13423125066578, -7.11008014637442},   {{2.68234517512745, 1.68066296590675}, -3.07158645641514, -8.67387984831735},
-                       {{1.70675605663975, 2.31582447384325}, -2.63366137253667, -10.35101467245920},  {{0.41325331521125, 3.07910818603206}, -1.42944427361326, -12.15861426576447},
-                       {{-0.77534188219585, 4.46486771378823}, -0.32286642900409, -14.07838969279822}, {{-1.52644486584142, 5.87673060598709}, -0.00406690076970, -16.08537123098026},
-                       {{-2.13875644258362, 7.19525913329805}, 0.10268170574766, -18.15788466125262},  {{-2.69348683581097, 8.46037971396931}, 0.14327879765713, -20.27940894394569},
-                       {{-3.21675402252485, 9.69377351531791}, 0.15790184030917, -22.43788559040858},  {{-3.72016840437287, 10.90681139476287}, 0.16105338653172, -24.62459635017404}};
+  const Row table[] = {{{3.52696170990070, 0.80774027519930}, -3.13423125066578, -7.11008014637442},
+                       {{2.68234517512745, 1.68066296590675}, -3.07158645641514, -8.67387984831735},
+                       {{1.70675605663975, 2.31582447384325}, -2.63366137253667, -10.35101467245920},
+                       {{0.41325331521125, 3.07910818603206}, -1.42944427361326, -12.15861426576447},
+                       {{-0.77534188219585, 4.46486771378823}, -0.32286642900409, -14.07838969279822},
+                       {{-1.52644486584142, 5.87673060598709}, -0.00406690076970, -16.08537123098026},
+                       {{-2.13875644258362, 7.19525913329805}, 0.10268170574766, -18.15788466125262},
+                       {{-2.69348683581097, 8.46037971396931}, 0.14327879765713, -20.27940894394569},
+                       {{-3.21675402252485, 9.69377351531791}, 0.15790184030917, -22.43788559040858},
+                       {{-3.72016840437287, 10.90681139476287}, 0.16105338653172, -24.62459635017404}};
   Bicycle bicycle;
   Outcome out;
   out.picture = {"speed, m/s", "real part, 1/s", false, {{"weave", {}, {}}, {"capsize", {}, {}}, {"caster", {}, {}}}};

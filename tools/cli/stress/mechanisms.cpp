@@ -20,7 +20,8 @@ void rod(Builder& b, const std::string& name, const std::string& joint, double l
 
 namespace {
 
-// windows parallelograms in a row, uprights from (i, 0), couplers on top: rods of 1 m, 1 kg in the x-y plane. The uprights begin upright.
+// windows parallelograms in a row, uprights from (i, 0), couplers on top: rods of 1 m, 1 kg in the x-y plane. The uprights begin
+// upright.
 Play windows(int count) {
   Builder b("four_bars");
   b.set_gravity({0, -g, 0});
@@ -33,7 +34,8 @@ Play windows(int count) {
     rod(b, "coupler_rod" + k, "coupler" + k, 1, 1);
   }
   for (int i = 0; i < count; ++i)
-    b.add_constraint("corner" + std::to_string(i), connect({1, 0, 0}, {1, 0, 0}), "coupler_rod" + std::to_string(i), "upright_rod" + std::to_string(i + 1));
+    b.add_constraint("corner" + std::to_string(i), connect({1, 0, 0}, {1, 0, 0}), "coupler_rod" + std::to_string(i),
+                     "upright_rod" + std::to_string(i + 1));
   Play play(b.finish(), DYN_INTEGRATOR_REFERENCE, 0.05);
   Vector q, v;
   for (int i = 0; i <= count; ++i) {
@@ -48,7 +50,8 @@ Play windows(int count) {
 Outcome four_bars(bool angles) {
   constexpr int count = 40;
   Play play = windows(count);
-  play.set_step_options(DYN_INTEGRATOR_REFERENCE, 0.05, 1e-11);  // 4e-9 in all; less is beyond rounding near singular configurations
+  play.set_step_options(DYN_INTEGRATOR_REFERENCE, 0.05,
+                        1e-11);  // 4e-9 in all; less is beyond rounding near singular configurations
   Outcome out;
   out.picture = {"time, s", "x of B0, m", false, {}};
   Curve& curve = out.curve("x");
@@ -61,7 +64,9 @@ Outcome four_bars(bool angles) {
   }
   if (angles) return out;
   const double a = at0(0), w = play.v()[0];
-  return out.compare(0.4109011537629452, std::cos(a)).compare(0.9116799009719807, std::sin(a)).compare(1.56678537190907, -w * std::sin(a))
+  return out.compare(0.4109011537629452, std::cos(a))
+      .compare(0.9116799009719807, std::sin(a))
+      .compare(1.56678537190907, -w * std::sin(a))
       .compare(-0.7061622355938373, w * std::cos(a));
 }
 
@@ -74,7 +79,8 @@ Outcome four_bars_angles() { return four_bars(true); }
 
 namespace {
 
-// Five slender rods between P0 .. P5 and six hinges, P0 and P5 on the ground; the sixth closes the ring by five rows, or by two points of its axis: six.
+// Five slender rods between P0 .. P5 and six hinges, P0 and P5 on the ground; the sixth closes the ring by five rows, or by two
+// points of its axis: six.
 Play bricard(bool six_rows) {
   const Vector3 P[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
   const Vector3 axes[] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
@@ -130,24 +136,29 @@ Outcome bricard_energy() {
   return out;
 }
 
-// ---------------------------------------------------------------------------------------------------- Andrews' squeezer (IVP test set)
+// ---------------------------------------------------------------------------------------------------- Andrews' squeezer (IVP
+// test set)
 
 namespace {
 
 struct Squeezer {
   static constexpr double xa = -0.06934, ya = -0.00227, xb = -0.03635, yb = 0.03273, xc = 0.014, yc = 0.072;
-  static constexpr double d = 0.028, da = 0.0115, e = 0.02, ea = 0.01421, rr = 0.007, ra = 0.00092, ss = 0.035, sa = 0.01874, sb = 0.01043, sc = 0.018, sd = 0.02;
+  static constexpr double d = 0.028, da = 0.0115, e = 0.02, ea = 0.01421, rr = 0.007, ra = 0.00092, ss = 0.035, sa = 0.01874,
+                          sb = 0.01043, sc = 0.018, sd = 0.02;
   static constexpr double ta = 0.02308, tb = 0.00916, u = 0.04, ua = 0.01228, ub = 0.00449, zf = 0.02, zt = 0.04, fa = 0.01421;
   static constexpr double c0 = 4530, l0 = 0.07785, torque = 0.033;
 
   Model model;
   Squeezer() : model(build()) {}
 
-  // Angles of the test set: beta, Theta, gamma, Phi, delta, Omega, epsilon. The third body hangs on the spring, a telescope from C.
+  // Angles of the test set: beta, Theta, gamma, Phi, delta, Omega, epsilon. The third body hangs on the spring, a telescope from
+  // C.
   static Model build() {
     Builder b("squeezer");
     b.set_gravity({0, 0, 0});
-    const auto body = [&](const char* name, const char* joint, double mass, double I, double x, double y) { b.add_body(name, joint, mass, {x, y, 0}, diagonal(I / 2, I / 2, I)); };
+    const auto body = [&](const char* name, const char* joint, double mass, double I, double x, double y) {
+      b.add_body(name, joint, mass, {x, y, 0}, diagonal(I / 2, I / 2, I));
+    };
     b.add_joint(hinge("beta", "", about_z));
     body("K1", "beta", 0.04325, 2.194e-6, ra, 0);
     b.add_joint(hinge("theta", "beta", about_z, at(rr, 0, 0)));
@@ -180,15 +191,19 @@ Outcome andrews_squeezer() {
   const Squeezer s;
   Play play(s.model, DYN_INTEGRATOR_REFERENCE, 1e-4);
   const char* names[] = {"beta", "theta", nullptr, "phi", "delta", "omega", "epsilon"};
-  const double start[] = {-0.0617138900142764496358948458001, 0, 0.455279819163070380255912382449, 0.222668390165885884674473185609, 0.487364979543842550225598953530,
-                          -0.222668390165885884674473185609, 1.23054744454982119249735015568};
-  const double end[] = {1.5810771195153707097119e+01, -1.5756371058411839469728e+01, 4.0822240119645804858282e-02, -5.3473011634207959377019e-01,
-                        5.2440996587995406937166e-01, 5.3473011634207959377019e-01, 1.0480807410419378730685e+00};
+  const double start[] = {-0.0617138900142764496358948458001, 0,
+                          0.455279819163070380255912382449,   0.222668390165885884674473185609,
+                          0.487364979543842550225598953530,   -0.222668390165885884674473185609,
+                          1.23054744454982119249735015568};
+  const double end[] = {1.5810771195153707097119e+01,  -1.5756371058411839469728e+01, 4.0822240119645804858282e-02,
+                        -5.3473011634207959377019e-01, 5.2440996587995406937166e-01,  5.3473011634207959377019e-01,
+                        1.0480807410419378730685e+00};
   Vector q(static_cast<std::size_t>(s.model.nq())), tau(q.size());
   for (std::size_t k = 0; k < 7; ++k)
     if (names[k]) q[s.index(names[k])] = start[k];
   // the spring from C to D, and the third body's angle
-  const double gamma = start[2], x = Squeezer::xb + Squeezer::sc * std::sin(gamma) + Squeezer::sd * std::cos(gamma) - Squeezer::xc,
+  const double gamma = start[2],
+               x = Squeezer::xb + Squeezer::sc * std::sin(gamma) + Squeezer::sd * std::cos(gamma) - Squeezer::xc,
                y = Squeezer::yb - Squeezer::sc * std::cos(gamma) + Squeezer::sd * std::sin(gamma) - Squeezer::yc;
   const std::size_t angle = s.index("spring_angle"), length = s.index("spring"), last = s.index("spring_end");
   q[angle] = std::atan2(y, x), q[length] = std::hypot(x, y), q[last] = gamma - q[angle];
@@ -205,17 +220,21 @@ Outcome andrews_squeezer() {
   return out;
 }
 
-// ---------------------------------------------------------------------------------------------------- flyball governor (IFToMM A05)
+// ---------------------------------------------------------------------------------------------------- flyball governor (IFToMM
+// A05)
 
 namespace {
 
-// On a shaft about z a slider of 3 kg; from it springs of 8e5 N/m with dampers of 4e4 N s/m to the middles of two rods that hang on the shaft at 1 m,
-// 5 kg at their tips. Each spring is a telescope that carries its rod, whose upper end closes the loop. Height of the slider at time t.
+// On a shaft about z a slider of 3 kg; from it springs of 8e5 N/m with dampers of 4e4 N s/m to the middles of two rods that hang
+// on the shaft at 1 m, 5 kg at their tips. Each spring is a telescope that carries its rod, whose upper end closes the loop.
+// Height of the slider at time t.
 Outcome governor(dynIntegrator integrator, double dt, double duration, double expected) {
   Builder b("governor");
   const double side = 0.01, rod_mass = 0.3, along = rod_mass * side * side / 6, across = rod_mass * (1 + side * side) / 12;
-  b.add_joint(hinge("shaft", "", {0, 0, 1})).add_body("shaft_bar", "shaft", rod_mass, {0, 0, 0.5}, diagonal(across, across, along));
-  b.add_joint(slide("slider", "shaft", {0, 0, 1})).add_body("slider_block", "slider", 3, {0, 0, 0}, diagonal(0.005, 0.005, 0.005));
+  b.add_joint(hinge("shaft", "", {0, 0, 1}))
+      .add_body("shaft_bar", "shaft", rod_mass, {0, 0, 0.5}, diagonal(across, across, along));
+  b.add_joint(slide("slider", "shaft", {0, 0, 1}))
+      .add_body("slider_block", "slider", 3, {0, 0, 0}, diagonal(0.005, 0.005, 0.005));
   Vector q = {0, 0.5}, v = {2 * pi, 0};
   for (const double sign : {1.0, -1.0}) {
     const std::string name = sign > 0 ? "right" : "left";

@@ -37,7 +37,10 @@ Outcome double_pendulum(double duration, const std::array<double, 4>& reference)
     path.add(std::sin(a) + std::sin(c), -std::cos(a) - std::cos(c));
   });
   const auto q = play.q(), v = play.v();
-  return out.compare(reference[0], q[0]).compare(reference[1], q[0] + q[1]).compare(reference[2], v[0]).compare(reference[3], v[0] + v[1]);
+  return out.compare(reference[0], q[0])
+      .compare(reference[1], q[0] + q[1])
+      .compare(reference[2], v[0])
+      .compare(reference[3], v[0] + v[1]);
 }
 
 }  // namespace
@@ -67,8 +70,12 @@ Outcome pendulum_energy() {
   return out;
 }
 
-Outcome double_pendulum_10s() { return double_pendulum(10, {-0.568474664015950189, -0.526393727932404698, 6.07838488576196486, -9.68136068170887876}); }
-Outcome double_pendulum_20s() { return double_pendulum(20, {0.748760975479181827, -25.8324619988937768, 4.07800396927508779, 2.77988945538666974}); }
+Outcome double_pendulum_10s() {
+  return double_pendulum(10, {-0.568474664015950189, -0.526393727932404698, 6.07838488576196486, -9.68136068170887876});
+}
+Outcome double_pendulum_20s() {
+  return double_pendulum(20, {0.748760975479181827, -25.8324619988937768, 4.07800396927508779, 2.77988945538666974});
+}
 
 Outcome double_pendulum_energy() {
   Play play = released(2);

@@ -79,7 +79,9 @@ void look(Outcome& out, const Prism& a, const Prism& b) {
   const double gap = std::hypot(d.point_b[0] - d.point_a[0], d.point_b[1] - d.point_a[1], d.point_b[2] - d.point_a[2]);
   if (d.status == DYN_DISTANCE_STATUS_FAILED) out.off_by(HUGE_VAL);
   out.compare(expected, d.distance, 1.5e-8);
-  out.off_by(std::abs(gap - std::abs(d.distance)) / 1e-6).off_by(a.outside(d.point_a) / 1e-13).off_by(b.outside(d.point_b) / 1e-13);
+  out.off_by(std::abs(gap - std::abs(d.distance)) / 1e-6)
+      .off_by(a.outside(d.point_a) / 1e-13)
+      .off_by(b.outside(d.point_b) / 1e-13);
 }
 
 // As in FCL's test, which has its axis along x: rows of its pose, but for the last, (1, 0, -3.2e-9, 0).
@@ -91,8 +93,15 @@ Prism upright(const Polygon& p, const std::array<double, 4>& r0, const std::arra
 
 // FCL's convex pairs from Drake 21673: prisms of 4 to 8 corners that nearly touch a triangular one, or overlap it.
 Outcome prisms() {
-  const Polygon octagon = {{1, 0}, {.707107, .707107}, {0, 1}, {-.707107, .707107}, {-1, 0}, {-.707107, -.707107}, {0, -1}, {.707107, -.707107}};
-  const Polygon heptagon = {{1, 0}, {.62349, .781831}, {-.222521, .974928}, {-.900969, .433884}, {-.900969, -.433884}, {-.222521, -.974928}, {.62349, -.781831}};
+  const Polygon octagon = {{1, 0},  {.707107, .707107},   {0, 1},  {-.707107, .707107},
+                           {-1, 0}, {-.707107, -.707107}, {0, -1}, {.707107, -.707107}};
+  const Polygon heptagon = {{1, 0},
+                            {.62349, .781831},
+                            {-.222521, .974928},
+                            {-.900969, .433884},
+                            {-.900969, -.433884},
+                            {-.222521, -.974928},
+                            {.62349, -.781831}};
   const Polygon hexagon = {{1, 0}, {.5, .866025}, {-.5, .866025}, {-1, 0}, {-.5, -.866025}, {.5, -.866025}};
   const Polygon pentagon = {{1, 0}, {.309017, .951057}, {-.809017, .587785}, {-.809017, -.587785}, {.309017, -.951057}};
   const Polygon oblong = {{.92388, .382683}, {-.92388, .382683}, {-.92388, -.382683}, {.92388, -.382683}};

@@ -24,7 +24,8 @@ Outcome rotations_round_trip() {
   Outcome out;
   const double axis[] = {1 / std::sqrt(14.0), 2 / std::sqrt(14.0), 3 / std::sqrt(14.0)};
   for (const double angle : {pi - 1e-3, pi - 1e-8, pi - 1e-15, 3.0, 1.0, 1e-3, 1e-8, 1e-15, 1e-160, 1e-300}) {
-    const Vector v = {axis[0] * angle, axis[1] * angle, axis[2] * angle}, back = m.difference(m.neutral(), m.integrate(m.neutral(), v));
+    const Vector v = {axis[0] * angle, axis[1] * angle, axis[2] * angle},
+                 back = m.difference(m.neutral(), m.integrate(m.neutral(), v));
     for (std::size_t k = 0; k < 3; ++k) out.off_by(std::abs(back[k] - v[k]) / (eps * angle));
   }
   return out;
@@ -35,8 +36,12 @@ Outcome rotations_values() {
   const Model m = ball_joint();
   Outcome out;
   const double axis[] = {1 / std::sqrt(14.0), 2 / std::sqrt(14.0), 3 / std::sqrt(14.0)};
-  const auto of = [&](double angle) { return m.integrate(m.neutral(), Vector{axis[0] * angle, axis[1] * angle, axis[2] * angle}); };
-  for (const auto& [angle, w] : {std::pair{pi - 1e-3, 4.9999997916666693e-4}, {pi - 1e-8, 5e-9}, {pi - 1e-15, 5e-16}, {1e-8, 1.0}, {1e-160, 1.0}}) out.compare(w, of(angle)[3], eps);
+  const auto of = [&](double angle) {
+    return m.integrate(m.neutral(), Vector{axis[0] * angle, axis[1] * angle, axis[2] * angle});
+  };
+  for (const auto& [angle, w] :
+       {std::pair{pi - 1e-3, 4.9999997916666693e-4}, {pi - 1e-8, 5e-9}, {pi - 1e-15, 5e-16}, {1e-8, 1.0}, {1e-160, 1.0}})
+    out.compare(w, of(angle)[3], eps);
   const double small[] = {1.3363062095621219e-161, 2.6726124191242438e-161, 4.0089186286863658e-161};
   for (std::size_t k = 0; k < 3; ++k) out.off_by(std::abs(of(1e-160)[k] / small[k] - 1) / eps);
   return out;
@@ -53,7 +58,8 @@ Outcome gimbal() {
     try {
       const Vector q = {0.4, pi / 2 + off, -0.7}, ddq = data.aba(q, v, tau).copy(), back = data.rnea(q, v, ddq).copy();
       double size = 0, error = 0;
-      for (std::size_t k = 0; k < 3; ++k) size = std::max(size, std::abs(ddq[k])), error = std::max(error, std::abs(back[k] - tau[k]));
+      for (std::size_t k = 0; k < 3; ++k)
+        size = std::max(size, std::abs(ddq[k])), error = std::max(error, std::abs(back[k] - tau[k]));
       out.off_by(error / (eps * (1 + size)));
     } catch (const dyn::Error& e) {
       if (e.status() != DYN_ERROR_NUMERIC) throw;
@@ -90,7 +96,8 @@ Outcome norm_drift(int steps, int every = 1) {
     play.step();
     if (k % every) continue;
     const auto q = play.q();
-    const long double square = static_cast<long double>(q[3]) * q[3] + static_cast<long double>(q[4]) * q[4] + static_cast<long double>(q[5]) * q[5] + static_cast<long double>(q[6]) * q[6];
+    const long double square = static_cast<long double>(q[3]) * q[3] + static_cast<long double>(q[4]) * q[4] +
+                               static_cast<long double>(q[5]) * q[5] + static_cast<long double>(q[6]) * q[6];
     out.off_by(static_cast<double>(std::abs(std::sqrt(square) - 1)));
   }
   return out;
@@ -116,7 +123,8 @@ Outcome inertias() {
       return refused;
     } catch (const dyn::Error& e) {
       const std::string what = e.what();
-      return !refused || e.status() != DYN_ERROR_INVALID || (what.find("culprit") == std::string::npos && what.find("first") == std::string::npos);
+      return !refused || e.status() != DYN_ERROR_INVALID ||
+             (what.find("culprit") == std::string::npos && what.find("first") == std::string::npos);
     }
   };
   const auto say = [&](bool is_wrong) {
@@ -129,7 +137,8 @@ Outcome inertias() {
   say(wrong(true, 1, diagonal(-1, 1, 1), false));                    // a negative moment
   say(wrong(true, 1, diagonal(0, 1, 1), true));                      // a rod that flies freely: nothing resists its spin
   say(wrong(true, 1, diagonal(1, 1, 0), false));                     // a rod along its own hinge
-  say(wrong(true, 1, diagonal(1, 1, 2.001), false));                 // no masses are spread like that: the triangle inequality; the same of files
+  say(wrong(true, 1, diagonal(1, 1, 2.001),
+            false));  // no masses are spread like that: the triangle inequality; the same of files
   const auto refused = [](const std::string& text, const dyn::LoadOptions& options) {
     try {
       Model::load_string(text, options);
@@ -139,10 +148,14 @@ Outcome inertias() {
     return false;
   };
   const auto urdf = [](const char* izz) {
-    return std::string("<robot name='r'><link name='culprit'><inertial><mass value='1'/><inertia ixx='1' iyy='1' ixy='0' ixz='0' iyz='0' izz='") + izz + "'/></inertial></link></robot>";
+    return std::string(
+               "<robot name='r'><link name='culprit'><inertial><mass value='1'/><inertia ixx='1' iyy='1' ixy='0' ixz='0' iyz='0' "
+               "izz='") +
+           izz + "'/></inertial></link></robot>";
   };
   const auto mjcf = [](const char* moments) {
-    return std::string("<mujoco><worldbody><body name='culprit'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='") + moments + "'/></body></worldbody></mujoco>";
+    return std::string("<mujoco><worldbody><body name='culprit'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='") +
+           moments + "'/></body></worldbody></mujoco>";
   };
   const auto floating = dyn::LoadOptions().base(DYN_BASE_FLOATING).strict();
   say(!refused(urdf("2.001"), floating) || refused(urdf("2"), floating));
@@ -162,7 +175,13 @@ constexpr Units units[] = {{1, 1, 1}, {1e-6, 1, 1}, {1e6, 1, 1}, {1, 1e-9, 1}, {
 
 // Scaling by powers of two rounds nothing.
 constexpr double two_30 = 0x1p30, two_10 = 0x1p10;
-constexpr Units exact_units[] = {{1, 1, 1}, {1 / two_30, 1, 1}, {two_30, 1, 1}, {1, 1 / two_30, 1}, {1, two_30, 1}, {1 / two_30, 1 / two_30, 1 / two_10}, {two_30, two_30, two_10}};
+constexpr Units exact_units[] = {{1, 1, 1},
+                                 {1 / two_30, 1, 1},
+                                 {two_30, 1, 1},
+                                 {1, 1 / two_30, 1},
+                                 {1, two_30, 1},
+                                 {1 / two_30, 1 / two_30, 1 / two_10},
+                                 {two_30, two_30, two_10}};
 
 // q of joints of one coordinate, or of free flyers.
 template <class Scene>
@@ -206,7 +225,8 @@ Outcome units_mechanism() {
     b.set_gravity({0, -gravity_in(u), 0});
     const auto bar = [&](const std::string& name, const std::string& parent, double x, double length) {
       b.add_joint(hinge(name, parent, {0, 0, 1}, at(x * u.length, 0, 0)));
-      b.add_body(name + "_bar", name, u.mass, {length / 2 * u.length, 0, 0}, inertia_in(u, 0, length * length / 12, length * length / 12));
+      b.add_body(name + "_bar", name, u.mass, {length / 2 * u.length, 0, 0},
+                 inertia_in(u, 0, length * length / 12, length * length / 12));
     };
     bar("crank", "", 0, 1), bar("coupler", "crank", 1, 3), bar("rocker", "", 3, 2.5);
     b.add_constraint("corner", connect({3 * u.length, 0, 0}, {2.5 * u.length, 0, 0}), "coupler_bar", "rocker_bar");
@@ -228,8 +248,10 @@ Outcome sliding_in_units(int steps, std::span<const Units> others = units) {
     add_ground(b);
     const auto I = [&](double x) { return inertia_in(u, x, x, x); };
     add_free(b, "ball", u.mass, I(0.004)), add_shape(b, "ball", DYN_SHAPE_TYPE_SPHERE, {0.1 * u.length, 0, 0}, material(0.2));
-    add_free(b, "box", 3 * u.mass, I(0.02)), add_shape(b, "box", DYN_SHAPE_TYPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
-    add_free(b, "top", u.mass, I(0.007)), add_shape(b, "top", DYN_SHAPE_TYPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
+    add_free(b, "box", 3 * u.mass, I(0.02)),
+        add_shape(b, "box", DYN_SHAPE_TYPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
+    add_free(b, "top", u.mass, I(0.007)),
+        add_shape(b, "top", DYN_SHAPE_TYPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
     Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
     const double L = u.length, v = u.length / u.time;
     play.set_state(Vector{0, 0, 0.1 * L, 0, 0, 0, 1, 0, L, 0.1 * L, 0, 0, 0, 1, 0.02 * L, L, 0.3 * L, 0, 0, 0, 1},
@@ -253,12 +275,18 @@ Outcome units_bounces_exact() {
     Builder b("bounces");
     b.set_gravity({0, 0, -gravity_in(u)});
     add_ground(b, m);
-    add_free(b, "capsule", u.mass, inertia_in(u, 0.02, 0.02, 0.003)), add_shape(b, "capsule", DYN_SHAPE_TYPE_CAPSULE, {0.05 * L, 0.3 * L, 0}, m);
-    add_free(b, "ellipsoid", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)), add_shape(b, "ellipsoid", DYN_SHAPE_TYPE_ELLIPSOID, {0.1 * L, 0.07 * L, 0.05 * L}, m);
-    add_free(b, "box", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)), add_shape(b, "box", DYN_SHAPE_TYPE_BOX, {0.1 * L, 0.2 * L, 0.15 * L}, m);
+    add_free(b, "capsule", u.mass, inertia_in(u, 0.02, 0.02, 0.003)),
+        add_shape(b, "capsule", DYN_SHAPE_TYPE_CAPSULE, {0.05 * L, 0.3 * L, 0}, m);
+    add_free(b, "ellipsoid", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)),
+        add_shape(b, "ellipsoid", DYN_SHAPE_TYPE_ELLIPSOID, {0.1 * L, 0.07 * L, 0.05 * L}, m);
+    add_free(b, "box", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)),
+        add_shape(b, "box", DYN_SHAPE_TYPE_BOX, {0.1 * L, 0.2 * L, 0.15 * L}, m);
     Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
-    play.set_state(Vector{0, 0, 0.3 * L, 0.3, 0.1, 0.2, std::sqrt(0.86), 0.5 * L, 0, 0.3 * L, 0.1, 0.5, 0.2, std::sqrt(0.7), 0.05 * L, 0.1 * L, 0.7 * L, 0.4, 0.1, 0.2, std::sqrt(0.79)},
-                   Vector{0.3 * v, 0.1 * v, -v, w, 2 * w, 3 * w, -0.5 * v, 0.1 * v, -v, 3 * w, 2 * w, w, 0.1 * v, 0.1 * v, -v, w, -2 * w, 3 * w});
+    play.set_state(
+        Vector{0,        0,       0.3 * L, 0.3, 0.1, 0.2, std::sqrt(0.86), 0.5 * L, 0, 0.3 * L, 0.1, 0.5, 0.2, std::sqrt(0.7),
+               0.05 * L, 0.1 * L, 0.7 * L, 0.4, 0.1, 0.2, std::sqrt(0.79)},
+        Vector{0.3 * v, 0.1 * v, -v, w, 2 * w, 3 * w, -0.5 * v, 0.1 * v, -v, 3 * w, 2 * w, w, 0.1 * v, 0.1 * v, -v, w, -2 * w,
+               3 * w});
     play.steps(500);
     Vector out;
     for (const std::size_t body : {0u, 7u, 14u})
@@ -267,7 +295,8 @@ Outcome units_bounces_exact() {
   }, exact_units);
 }
 
-// Balls of 1 g to 1 t that hang on rods, one a tenth too long as it begins; a rod between points too far apart: what is open closes.
+// Balls of 1 g to 1 t that hang on rods, one a tenth too long as it begins; a rod between points too far apart: what is open
+// closes.
 Outcome units_rows_exact() {
   return in_units([](const Units& u) {
     const double L = u.length;
@@ -288,7 +317,8 @@ Outcome units_rows_exact() {
       q.insert(q.end(), {0.3 * (k + 1) * L + (k == 4 ? 0.03 * L : 0), 0, 0, 0, 0, 0, 1});
     }
     add_free(b, "rod", u.mass, inertia_in(u, 0.01, 1.0 / 12, 1.0 / 12));
-    b.add_constraint("left", connect({-0.5 * L, 0, 0}, {0, 0, 0}), "rod").add_constraint("right", connect({0.5 * L, 0, 0}, {1.1 * L, 0, 0}), "rod");
+    b.add_constraint("left", connect({-0.5 * L, 0, 0}, {0, 0, 0}), "rod")
+        .add_constraint("right", connect({0.5 * L, 0, 0}, {1.1 * L, 0, 0}), "rod");
     q.insert(q.end(), {0.5 * L, 0.01 * L, 0, 0, 0, 0, 1});
     Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
     play.set_state(q);

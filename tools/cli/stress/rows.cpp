@@ -11,10 +11,12 @@ Model four_bar(int closures) {
   Builder b("four_bar");
   b.set_gravity({0, -g, 0}).set_constraint_slots(0);
   const auto bar = [&](const std::string& name, const std::string& parent, double x, double length) {
-    b.add_joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0))).add_body(name + "_bar", name, 1, {length / 2, 0, 0}, diagonal(0.01, length * length / 12, length * length / 12));
+    b.add_joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0)))
+        .add_body(name + "_bar", name, 1, {length / 2, 0, 0}, diagonal(0.01, length * length / 12, length * length / 12));
   };
   bar("crank", "", 0, 1), bar("coupler", "crank", 1, 3), bar("rocker", "", 3, 2.5);
-  for (int k = 0; k < closures; ++k) b.add_constraint("corner" + std::to_string(k), connect({3, 0, 0}, {2.5, 0, 0}), "coupler_bar", "rocker_bar");
+  for (int k = 0; k < closures; ++k)
+    b.add_constraint("corner" + std::to_string(k), connect({3, 0, 0}, {2.5, 0, 0}), "coupler_bar", "rocker_bar");
   return b.finish();
 }
 
@@ -32,9 +34,12 @@ Outcome duplicate_rows() {
     const auto terms = data.constraint_terms(start.q, start.v);
     Vector forces(3);
     for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < terms.J.rows; ++r) forces[static_cast<std::size_t>(c)] += terms.J(r, c) * found.lambda[static_cast<std::size_t>(r)];
+      for (int r = 0; r < terms.J.rows; ++r)
+        forces[static_cast<std::size_t>(c)] += terms.J(r, c) * found.lambda[static_cast<std::size_t>(r)];
     if (times == 1) once = found.x, forces_once = forces;
-    for (std::size_t k = 0; k < 3; ++k) out.compare(once[k], found.x[k], std::abs(once[k])).compare(forces_once[k], forces[k], std::max(1.0, std::abs(forces_once[k])));
+    for (std::size_t k = 0; k < 3; ++k)
+      out.compare(once[k], found.x[k], std::abs(once[k]))
+          .compare(forces_once[k], forces[k], std::max(1.0, std::abs(forces_once[k])));
   }
   return out;
 }
@@ -50,9 +55,11 @@ Outcome four_bar_in_space() {
   const double lengths[] = {1, 3, 2.5};
   for (int k = 0; k < 3; ++k) {
     const double l = lengths[k];
-    b.add_joint(names[k], DYN_JOINT_TYPE_FREE_FLYER).add_body(std::string(names[k]) + "_bar", names[k], 1, {l / 2, 0, 0}, diagonal(0.01, l * l / 12, l * l / 12));
+    b.add_joint(names[k], DYN_JOINT_TYPE_FREE_FLYER)
+        .add_body(std::string(names[k]) + "_bar", names[k], 1, {l / 2, 0, 0}, diagonal(0.01, l * l / 12, l * l / 12));
   }
-  const auto tie = [&](const std::string& name, const Vector3& x, const Vector3& y, const std::string& first, const std::string& second) {
+  const auto tie = [&](const std::string& name, const Vector3& x, const Vector3& y, const std::string& first,
+                       const std::string& second) {
     dynConstraint c = connect(x, y);
     c.type = DYN_CONSTRAINT_TYPE_LOOP, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
     b.add_constraint(name, c, first, second);
@@ -83,7 +90,8 @@ Outcome contradictory_rows() {
   Builder b("rod");
   b.set_gravity({0, 0, 0});
   add_free(b, "rod", 1, diagonal(0.01, 1.0 / 12, 1.0 / 12));
-  b.add_constraint("left", connect({-0.5, 0, 0}, {0, 0, 0}), "rod").add_constraint("right", connect({0.5, 0, 0}, {1.001, 0, 0}), "rod");
+  b.add_constraint("left", connect({-0.5, 0, 0}, {0, 0, 0}), "rod")
+      .add_constraint("right", connect({0.5, 0, 0}, {1.001, 0, 0}), "rod");
   Play play(b.finish(), DYN_INTEGRATOR_RK4, 1e-3);
   Data data(play.model(), DYN_PART_CONSTRAINTS);
   Outcome out;
@@ -95,12 +103,14 @@ Outcome contradictory_rows() {
   return out.compare(0.5005, play.q()[0]).compare(0, std::hypot(play.q()[1], play.q()[2]));
 }
 
-// Crank and rod of one length: the slider stands on the crank's axis at 90 degrees, where it may stay and the crank turn on. Four such passages.
+// Crank and rod of one length: the slider stands on the crank's axis at 90 degrees, where it may stay and the crank turn on. Four
+// such passages.
 Outcome slider_crank() {
   Builder b("slider_crank");
   b.set_gravity({0, 0, 0});
   const auto bar = [&](const std::string& name, const std::string& parent, double x) {
-    b.add_joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0))).add_body(name + "_bar", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
+    b.add_joint(hinge(name, parent, {0, 0, 1}, at(x, 0, 0)))
+        .add_body(name + "_bar", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
   };
   bar("crank", "", 0), bar("rod", "crank", 1);
   b.add_joint(slide("slider", "", {1, 0, 0})).add_body("block", "slider", 1, {0, 0, 0}, no_inertia());
@@ -127,14 +137,16 @@ Builder two_links() {
   b.set_gravity({0, -g, 0});
   for (int k = 0; k < 2; ++k) {
     const std::string name = k ? "elbow" : "shoulder";
-    b.add_joint(hinge(name, k ? "shoulder" : "", {0, 0, 1}, at(k, 0, 0))).add_body(name + "_link", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
+    b.add_joint(hinge(name, k ? "shoulder" : "", {0, 0, 1}, at(k, 0, 0)))
+        .add_body(name + "_link", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
   }
   b.add_frame("tip", "elbow_link", at(1, 0, 0));
   return b;
 }
 }  // namespace
 
-// The tip of a stretched arm (its Jacobian has lost a row) to places within reach, at the end of it, beyond it: as near as one can.
+// The tip of a stretched arm (its Jacobian has lost a row) to places within reach, at the end of it, beyond it: as near as one
+// can.
 Outcome stretched_arm() {
   Data data(two_links().finish());
   const int tip = data.model().frame_id("tip");
@@ -142,15 +154,16 @@ Outcome stretched_arm() {
   for (const double reach : {0.0, 1e-3, 1.0, 1.999, 2.0, 2.001, 2.5, 10.0})
     for (const double angle : {0.0, 1e-8, 0.5, pi / 2, pi})
       for (const double elbow : {0.0, 1e-9, pi}) {
-        const auto found = data.ik({dyn::IkTask::position(tip, {reach * std::cos(angle), reach * std::sin(angle), 0})}, Vector{0, elbow});
+        const auto found =
+            data.ik({dyn::IkTask::position(tip, {reach * std::cos(angle), reach * std::sin(angle), 0})}, Vector{0, elbow});
         out.compare(std::max(0.0, reach - 2), found.result.residual_linear);
         if (found.converged() != (reach <= 2)) out.off_by(HUGE_VAL);
       }
   return out;
 }
 
-// The same with its tip tied to a slide along a wall at 2 m, which it reaches at one point only: no force that is finite holds it there, and what
-// rows may be off by, r, lets the tip move by 2 sqrt(r): that and no more.
+// The same with its tip tied to a slide along a wall at 2 m, which it reaches at one point only: no force that is finite holds it
+// there, and what rows may be off by, r, lets the tip move by 2 sqrt(r): that and no more.
 Outcome stretched_arm_at_wall() {
   Builder b = two_links();
   b.add_joint(slide("wall", "", {0, 1, 0}, at(2, 0, 0))).add_body("block", "wall", 1, {0, 0, 0}, no_inertia());

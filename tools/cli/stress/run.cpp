@@ -31,10 +31,12 @@ std::vector<const Case*> chosen(const Options& options) {
     if (!known.count(name) && !themes.count(name)) {
       std::string all;
       for (const Case& c : cases()) all += (all.empty() ? "" : ", ") + std::string(c.name);
-      bad_usage("there is no case \"" + shown(name) + "\"; themes: " + join({themes.begin(), themes.end()}) + "; cases: " + all + ".");
+      bad_usage("there is no case \"" + shown(name) + "\"; themes: " + join({themes.begin(), themes.end()}) + "; cases: " + all +
+                ".");
     }
   for (const Case& c : cases())
-    if (asked.count(c.name) || ((asked.empty() || asked.count(c.theme)) && (options.slow || options.list || !c.slow))) out.push_back(&c);
+    if (asked.count(c.name) || ((asked.empty() || asked.count(c.theme)) && (options.slow || options.list || !c.slow)))
+      out.push_back(&c);
   return out;
 }
 
@@ -64,8 +66,16 @@ json numbers(const Vector& x) { return x.empty() ? json(0.0) : x.size() == 1 ? j
 json to_json(const std::vector<Verdict>& verdicts) {
   json rows = json::array();
   for (const Verdict& v : verdicts) {
-    json row = {{"name", v.c->name}, {"theme", v.c->theme}, {"metric", v.c->metric}, {"reference", numbers(v.outcome.reference)}, {"result", v.outcome.reference.empty() ? json(v.outcome.error) : numbers(v.outcome.result)},
-                {"error", v.outcome.error}, {"tolerance", v.c->tolerance}, {"passed", v.passed}, {"wall_s", v.wall_s}, {"source", v.c->source}};
+    json row = {{"name", v.c->name},
+                {"theme", v.c->theme},
+                {"metric", v.c->metric},
+                {"reference", numbers(v.outcome.reference)},
+                {"result", v.outcome.reference.empty() ? json(v.outcome.error) : numbers(v.outcome.result)},
+                {"error", v.outcome.error},
+                {"tolerance", v.c->tolerance},
+                {"passed", v.passed},
+                {"wall_s", v.wall_s},
+                {"source", v.c->source}};
     if (!v.failure.empty()) row["failure"] = v.failure;
     rows.push_back(std::move(row));
   }
@@ -73,11 +83,12 @@ json to_json(const std::vector<Verdict>& verdicts) {
 }
 
 std::string text_of(const std::vector<Verdict>& verdicts) {
-  std::vector<std::vector<std::string>> rows = {{"case", "metric", "reference", "result", "error", "tolerance", "verdict", "time, s"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"case", "metric", "reference", "result", "error", "tolerance", "verdict", "time, s"}};
   std::size_t failed = 0;
   for (const Verdict& v : verdicts) {
-    rows.push_back({v.c->name, v.c->metric, v.shown_reference(), v.shown_result(), short_number(v.outcome.error, 2), short_number(v.c->tolerance, 2), v.passed ? "passed" : "FAILED",
-                    short_number(v.wall_s, 2)});
+    rows.push_back({v.c->name, v.c->metric, v.shown_reference(), v.shown_result(), short_number(v.outcome.error, 2),
+                    short_number(v.c->tolerance, 2), v.passed ? "passed" : "FAILED", short_number(v.wall_s, 2)});
     failed += !v.passed;
   }
   std::string out = table(rows);

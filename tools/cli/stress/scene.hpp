@@ -31,11 +31,13 @@ inline Placement turned(const Vector3& a, double angle, const Vector3& p = {0, 0
           c + a[2] * a[2] * t,        p[0],                       p[1],                       p[2]};
 }
 
-inline JointSpec hinge(const std::string& name, const std::string& parent, const Vector3& axis, const Placement& X = at(0, 0, 0)) {
+inline JointSpec hinge(const std::string& name, const std::string& parent, const Vector3& axis,
+                       const Placement& X = at(0, 0, 0)) {
   JointSpec s(name, DYN_JOINT_TYPE_REVOLUTE, parent);
   return s.axis(axis).placement(X);
 }
-inline JointSpec slide(const std::string& name, const std::string& parent, const Vector3& axis, const Placement& X = at(0, 0, 0)) {
+inline JointSpec slide(const std::string& name, const std::string& parent, const Vector3& axis,
+                       const Placement& X = at(0, 0, 0)) {
   JointSpec s(name, DYN_JOINT_TYPE_PRISMATIC, parent);
   return s.axis(axis).placement(X);
 }
@@ -53,7 +55,8 @@ inline dynMaterial material(double friction, double restitution = 0) {
   m.friction = friction, m.restitution = restitution;
   return m;
 }
-inline void add_shape(Builder& b, const std::string& body, dynShapeType type, const Vector3& size, const dynMaterial& m, const Placement& X = at(0, 0, 0)) {
+inline void add_shape(Builder& b, const std::string& body, dynShapeType type, const Vector3& size, const dynMaterial& m,
+                      const Placement& X = at(0, 0, 0)) {
   dynShapeSpec s;
   dyn_shape_spec_init(&s);
   s.body = body.empty() ? nullptr : body.c_str(), s.type = type, s.material = m;
@@ -62,7 +65,9 @@ inline void add_shape(Builder& b, const std::string& body, dynShapeType type, co
   dyn::check(dyn_builder_add_shape(b.get(), &s));
 }
 // The half-space below a plane through the origin.
-inline void add_ground(Builder& b, const dynMaterial& m = material(0), const Placement& X = at(0, 0, 0)) { add_shape(b, "", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, m, X); }
+inline void add_ground(Builder& b, const dynMaterial& m = material(0), const Placement& X = at(0, 0, 0)) {
+  add_shape(b, "", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, m, X);
+}
 // A body that flies freely.
 inline void add_free(Builder& b, const std::string& name, double mass, const std::array<double, 9>& inertia) {
   b.add_joint(name + "_joint", DYN_JOINT_TYPE_FREE_FLYER).add_body(name, name + "_joint", mass, {0, 0, 0}, inertia);

@@ -17,7 +17,8 @@ struct Stack {
   static Model build(const std::vector<double>& masses) {
     Builder b("stack");
     add_ground(b);
-    for (std::size_t k = 0; k < masses.size(); ++k) add_box(b, "box" + std::to_string(k), masses[k], {side, side, side}, material(0.6));
+    for (std::size_t k = 0; k < masses.size(); ++k)
+      add_box(b, "box" + std::to_string(k), masses[k], {side, side, side}, material(0.6));
     return b.finish();
   }
   explicit Stack(const std::vector<double>& m) : play(build(m), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3), masses(m) {
@@ -53,8 +54,15 @@ struct Stack {
 };
 
 const std::vector<std::vector<double>>& ratios() {
-  static const std::vector<std::vector<double>> all = {{1, 1}, {1, 1e3}, {1, 1e6}, {1e-3, 1e3}, {1e3, 1e-3}, {1e6, 1}, std::vector<double>(10, 1.0),
-                                                       {1, 4.6, 21.5, 1e2, 4.6e2, 2.15e3, 1e4, 4.6e4, 2.15e5, 1e6}, {1e6, 2.15e5, 4.6e4, 1e4, 2.15e3, 4.6e2, 1e2, 21.5, 4.6, 1}};
+  static const std::vector<std::vector<double>> all = {{1, 1},
+                                                       {1, 1e3},
+                                                       {1, 1e6},
+                                                       {1e-3, 1e3},
+                                                       {1e3, 1e-3},
+                                                       {1e6, 1},
+                                                       std::vector<double>(10, 1.0),
+                                                       {1, 4.6, 21.5, 1e2, 4.6e2, 2.15e3, 1e4, 4.6e4, 2.15e5, 1e6},
+                                                       {1e6, 2.15e5, 4.6e4, 1e4, 2.15e3, 4.6e2, 1e2, 21.5, 4.6, 1}};
   return all;
 }
 
@@ -79,9 +87,11 @@ struct Table {
   static Model build(double x, double y) {
     Builder b("table");
     add_ground(b);
-    b.add_joint("table_joint", DYN_JOINT_TYPE_FREE_FLYER).add_body("table", "table_joint", mass, {x, y, 0}, box_inertia(mass, {2 * a, 2 * b_, 0.05}));
+    b.add_joint("table_joint", DYN_JOINT_TYPE_FREE_FLYER)
+        .add_body("table", "table_joint", mass, {x, y, 0}, box_inertia(mass, {2 * a, 2 * b_, 0.05}));
     for (const double i : {-1.0, 1.0})
-      for (const double j : {-1.0, 1.0}) add_shape(b, "table", DYN_SHAPE_TYPE_SPHERE, {foot, 0, 0}, material(0.5), at(i * a, j * b_, -height + foot));
+      for (const double j : {-1.0, 1.0})
+        add_shape(b, "table", DYN_SHAPE_TYPE_SPHERE, {foot, 0, 0}, material(0.5), at(i * a, j * b_, -height + foot));
     return b.finish();
   }
   Table(double cx, double cy) : x(cx), y(cy), play(build(cx, cy), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3) {

@@ -20,7 +20,10 @@ Play complex_box(double gravity = 9.8, double dt = 0.1) { return box(gravity, {-
 // q or -q against (w, x, y, z).
 void compare_attitude(Outcome& out, const double* xyzw, const std::array<double, 4>& wxyz) {
   const double w = xyzw[3], sign = w * wxyz[0] + xyzw[0] * wxyz[1] + xyzw[1] * wxyz[2] + xyzw[2] * wxyz[3] < 0 ? -1 : 1;
-  out.compare(wxyz[0], sign * w).compare(wxyz[1], sign * xyzw[0]).compare(wxyz[2], sign * xyzw[1]).compare(wxyz[3], sign * xyzw[2]);
+  out.compare(wxyz[0], sign * w)
+      .compare(wxyz[1], sign * xyzw[0])
+      .compare(wxyz[2], sign * xyzw[1])
+      .compare(wxyz[3], sign * xyzw[2]);
 }
 void draw_rates(Outcome& out, Play& play, int steps, int first = 3) {
   out.picture = {"time, s", "rate in the body, rad/s", false, {{"x", {}, {}}, {"y", {}, {}}, {"z", {}, {}}}};
@@ -46,7 +49,8 @@ Outcome heavy_top(double duration, const std::array<double, 6>& reference) {
   Curve& path = out.curve("path");
   const int frame = play.model().frame_id("top");
   Vector3 x{};
-  play.steps(static_cast<int>(std::lround(duration / 0.01)), [&](double) { x = play.point(frame, {0, 1, 0}), path.add(x[0], x[2]); });
+  play.steps(static_cast<int>(std::lround(duration / 0.01)),
+             [&](double) { x = play.point(frame, {0, 1, 0}), path.add(x[0], x[2]); });
   for (std::size_t k = 0; k < 3; ++k) out.compare(reference[k], x[k]).compare(reference[3 + k], play.v()[k]);
   return out;
 }
@@ -55,7 +59,8 @@ Outcome heavy_top(double duration, const std::array<double, 6>& reference) {
 //   I1 z'' - i I3 w z' - m g l z = 0,  z(0) = tilt, z'(0) = 0 in the frame that does not turn
 Outcome sleeping_top(double factor, double duration) {
   const double I1 = 0.012, I3 = 0.001, mgl = 0.981, tilt = 1e-6, rate = factor * std::sqrt(4 * mgl * I1) / I3;
-  Play play = top(1, {0, 0, 0.1}, diagonal(I1 - 0.01, I1 - 0.01, I3), {std::sin(tilt / 2), 0, 0, std::cos(tilt / 2)}, {0, 0, rate}, 0.05);
+  Play play =
+      top(1, {0, 0, 0.1}, diagonal(I1 - 0.01, I1 - 0.01, I3), {std::sin(tilt / 2), 0, 0, std::cos(tilt / 2)}, {0, 0, rate}, 0.05);
   Outcome out;
   out.picture = {"time, s", "tilt, rad", true, {}};
   Curve& curve = out.curve("tilt");
@@ -64,7 +69,8 @@ Outcome sleeping_top(double factor, double duration) {
   play.steps(static_cast<int>(std::lround(duration / 0.05)), [&](double t) {
     const auto q = play.q();
     found = 2 * std::asin(std::hypot(q[0], q[1]));
-    const double c = square > 0 ? std::cos(root * t) : std::cosh(root * t), s = square > 0 ? std::sin(root * t) : std::sinh(root * t);
+    const double c = square > 0 ? std::cos(root * t) : std::cosh(root * t),
+                 s = square > 0 ? std::sin(root * t) : std::sinh(root * t);
     expected = tilt * std::hypot(c, half / root * s);  // |e^(i half t) (c - i half / root s)|
     largest = std::max(largest, expected), off = std::max(off, std::abs(found - expected));
     curve.add(t, found);
@@ -101,7 +107,8 @@ Outcome box_1000s() {
   Play play = complex_box(0, 1);
   Outcome out;
   draw_rates(out, play, 1000);
-  compare_attitude(out, play.q().data() + 3, {-0.885636055626914724, -0.0400448466590370319, -0.449882040184558476, -0.107941359770173042});
+  compare_attitude(out, play.q().data() + 3,
+                   {-0.885636055626914724, -0.0400448466590370319, -0.449882040184558476, -0.107941359770173042});
   const double rate[] = {1.00381000171813646, 4.85258013666904017, 1.15049004941188881};
   for (std::size_t k = 0; k < 3; ++k) out.compare(rate[k], play.v()[3 + k]);
   return out;
@@ -131,16 +138,20 @@ Outcome box_near_unstable() {
   Outcome out;
   draw_rates(out, play, 61);
   const auto v = play.v();
-  const auto rate = [&] { return (0.9 * 0.9 - 0.1 * 0.1) / (0.9 * 0.9 + 0.1 * 0.1) * v[5] * v[3]; };  // (Iz - Ix) / Iy wz wx = d/dt wy, but for its sign
+  const auto rate = [&] {
+    return (0.9 * 0.9 - 0.1 * 0.1) / (0.9 * 0.9 + 0.1 * 0.1) * v[5] * v[3];
+  };  // (Iz - Ix) / Iy wz wx = d/dt wy, but for its sign
   for (int k = 0; k < 6 && v[4] > 1e-9; ++k) play.advance(v[4] / std::abs(rate()));
   return out.compare(24.48171062298172 / 4, play.time() + v[4] / std::abs(rate()));
 }
 
 Outcome heavy_top_100ms() {
-  return heavy_top(0.1, {0.421296658925402044, 0.894571974345592991, -0.149164700561899612, 4.80894133172809231, 150, 1.02830075671832984});
+  return heavy_top(
+      0.1, {0.421296658925402044, 0.894571974345592991, -0.149164700561899612, 4.80894133172809231, 150, 1.02830075671832984});
 }
 Outcome heavy_top_2s() {
-  return heavy_top(2, {-0.150416822745641760, -0.724165591636895651, -0.673022269560444096, 0.122233219497394237, 150, -5.85562458920545773});
+  return heavy_top(
+      2, {-0.150416822745641760, -0.724165591636895651, -0.673022269560444096, 0.122233219497394237, 150, -5.85562458920545773});
 }
 Outcome sleeping_top_stable() { return sleeping_top(1.01, 10); }
 Outcome sleeping_top_unstable() { return sleeping_top(0.99, 3); }
