@@ -9,10 +9,10 @@ turned beforehand so that they move along or about z. Sines and cosines are not 
 of the formulas themselves (those of the robot are: a general robot has none). A division counts as a multiplication. Followers of
 a mimic are joints like others here.
 
-  forward_kinematics                rotation and position of each body: two columns turn by q, one product with the parent's
-  rotation rnea              Luh, Walker, Paul 1980: Newton-Euler at each body's own origin
-  crba              Featherstone 2008, section 6.2, at the origin of the tree's root: composites add, F_i = Ic S_i, M_ji = S_j .
-  F_i aba               Featherstone 2008, section 7.3, articulated inertias as three 3 x 3 blocks at each body's own origin
+  forward_kinematics  rotation and position of each body: two columns turn by q, one product with the parent's rotation
+  rnea              Luh, Walker, Paul 1980: Newton-Euler at each body's own origin
+  crba              Featherstone 2008, section 6.2, at the origin of the tree's root: composites add, F_i = Ic S_i, M_ji = S_j . F_i
+  aba               Featherstone 2008, section 7.3, articulated inertias as three 3 x 3 blocks at each body's own origin
   rnea_derivatives  Singh, Russell, Wensing 2022, equations 18 to 21, with M, at the origin of the tree's root; a body's mass
                     distribution and its rate as first and second moments (22 numbers)
 """

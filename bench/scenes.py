@@ -17,7 +17,8 @@ Errors, the largest of all steps, MuJoCo's at its fastest setting:
   momentum    change of the sum, relative to the sum of m |v| at the beginning, where nothing acts from outside
 
 --humanoids  MuJoCo's model/humanoid of github.com/google-deepmind/mujoco, which its package does not hold: adds its four scenes
-of humanoids --linear     chains of up to 1,000 links alone
+             of humanoids
+--linear     chains of up to 1,000 links alone
 """
 
 import argparse

@@ -1,4 +1,4 @@
-// States between this library and others. A joint's own conversion is peer_joint.hpp, where it lies state_layout.hpp.
+// States between this library and others. A joint's place in the other's state is in state_layout.hpp.
 #include <algorithm>
 #include <cmath>
 #include <cstring>

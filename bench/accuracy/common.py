@@ -88,8 +88,8 @@ def ladder(method, values, measure):
     """Points from the coarsest value on, until one takes too long."""
     out, last = [], None
     for value in values:
-        if last and last.error is not None and last.seconds * max(1.5,
-                                                                  min(10.0, last.value / value)) > LIMIT and last.seconds > 0.2:
+        growth = last and max(1.5, min(10.0, last.value / value))
+        if last and last.error is not None and last.seconds * growth > LIMIT and last.seconds > 0.2:
             break
         point = measure(method, value)
         out.append(point)

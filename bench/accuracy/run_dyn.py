@@ -17,8 +17,8 @@ class Scene:
         d.set_effects(dyn.Effect.ALL)
         if problem.restitution:
             d.set_shape_material(None, dyn.Material(restitution=problem.restitution))
-        self.q, self.v, self.tau = m.configurations.get("qpos0",
-                                                        m.configuration("neutral")).copy(), np.zeros(m.nv), np.zeros(m.nv)
+        self.q = m.configurations.get("qpos0", m.configuration("neutral")).copy()
+        self.v, self.tau = np.zeros(m.nv), np.zeros(m.nv)
         for name, x in problem.q.items():
             self.q[m.joint(name).idx_q] = x
         for values, out in ((problem.v, self.v), (problem.tau, self.tau)):

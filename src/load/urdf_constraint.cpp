@@ -8,33 +8,31 @@
 // limit, friction (force). The last three have <first joint="..."/>.
 #include <algorithm>
 
+#include "constraint/loop.hpp"
 #include "model/constraints.hpp"
 #include "reader.hpp"
+#include "table/names.hpp"
 #include "urdf_robot.hpp"
 
 namespace dyn::load {
 
 namespace {
 
-const struct {
-  const char* name;
-  dynConstraintType type;
-} types[] = {{"point", DYN_CONSTRAINT_TYPE_POINT}, {"frame", DYN_CONSTRAINT_TYPE_FRAME}, {"connect", DYN_CONSTRAINT_TYPE_CONNECT}, {"weld", DYN_CONSTRAINT_TYPE_WELD},
-             {"distance", DYN_CONSTRAINT_TYPE_DISTANCE}, {"coupling", DYN_CONSTRAINT_TYPE_COUPLING}, {"limit", DYN_CONSTRAINT_TYPE_LIMIT},
-             {"friction", DYN_CONSTRAINT_TYPE_FRICTION}};
-
+// The name of a constraint, or of the joint that closes a loop.
 dynConstraint of_type(const Element& e, const Reader& reader, const std::string& type) {
-  for (const auto& t : types)
-    if (type == t.name) return default_constraint(t.type);
-  dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_LOOP);
-  c.joint_type = DYN_JOINT_TYPE_FIXED;
-  for (int k = DYN_JOINT_TYPE_REVOLUTE; k < DYN_JOINT_TYPE_FREE_FLYER; ++k)
-    if (type == joint_type_name(dynJointType(k))) c.joint_type = dynJointType(k);
-  if (c.joint_type == DYN_JOINT_TYPE_FIXED)
-    reader.fail(DYN_ERROR_INVALID, e,
-                "type " + quoted(type) + " is no constraint: point, frame, connect, weld, distance, coupling, limit, friction, or the type of a joint that "
-                "closes a loop");
-  return c;
+  if (dynConstraintType named; value_of(type, named) && named != DYN_CONSTRAINT_TYPE_NONE && named != DYN_CONSTRAINT_TYPE_LOOP)
+    return default_constraint(named);
+  Constraint loop{};
+  if (value_of(type, loop.joint_type) && constraint::Loop::rows(loop) > 0) {
+    dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_LOOP);
+    c.joint_type = loop.joint_type;
+    return c;
+  }
+  std::string known;
+  for (const ValueName& v : value_names<dynConstraintType>)
+    if (v.value != DYN_CONSTRAINT_TYPE_NONE && v.value != DYN_CONSTRAINT_TYPE_LOOP) known += v.name + std::string(", ");
+  reader.fail(DYN_ERROR_INVALID, e,
+              "type " + quoted(type) + " is no constraint: " + known + "or the type of a joint that closes a loop");
 }
 
 UrdfConstraint read_constraint(const Element& e, Report& report) {
@@ -79,9 +77,7 @@ UrdfConstraint read_constraint(const Element& e, Report& report) {
 }  // namespace
 
 const char* constraint_type_name(const dynConstraint& c) {
-  for (const auto& t : types)
-    if (c.type == t.type) return t.name;
-  return joint_type_name(c.joint_type);
+  return c.type == DYN_CONSTRAINT_TYPE_LOOP ? name_of(c.joint_type) : name_of(c.type);
 }
 
 void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out) {

@@ -2,6 +2,7 @@
 """Reads dyn.h and writes what it declares as tables:  reflect.py dyn.h FOLDER
 
   members.inc    values of each enumeration, for range checks (enums.hpp)
+  names.inc      names of the values of each enumeration (names.hpp)
   enums.inc      names and sentences of enumerations (capi/reflection.cpp)
   algorithms.inc rows of dynAlgorithm (algorithms.py)
   interface.inc  the whole interface as JSON, a C++ string (dyn_interface_json in dyn.h says what it holds)
@@ -256,6 +257,12 @@ def members(header):
 
 
 def names(header):
+    for enum in (e for e in header.enums if not e["bits"]):  # names of bits are no types
+        values = ", ".join(f'{{"{v["name"].lower()}", {v["value"]}}}' for v in enum["values"])
+        yield f'template <>\ninline constexpr ValueName value_names<{enum["name"]}>[] = {{{values}}};'
+
+
+def enumerations(header):
     yield "const EnumValue enum_values[] = {"
     for enum in header.enums:
         for v in enum["values"]:
@@ -287,8 +294,9 @@ def write(path, rows):
 def main(path, folder):
     header = Header(open(path, encoding="utf-8").read())
     os.makedirs(folder, exist_ok=True)
-    for name, rows in (("members.inc", members), ("enums.inc", names), ("algorithms.inc", algorithms.rows), ("interface.inc", interface)):
-        write(os.path.join(folder, name), rows(header))
+    tables = {"members": members, "names": names, "enums": enumerations, "algorithms": algorithms.rows, "interface": interface}
+    for name, rows in tables.items():
+        write(os.path.join(folder, name + ".inc"), rows(header))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,9 @@ namespace cli {
 namespace {
 
 constexpr int states = 64;
-constexpr int max_dense = 2000;  // nv beyond which the nv x nv quantities are left out
+// Algorithms that need more are left out: numbers of an output (M of 2000 degrees of freedom), bytes of data.
+constexpr std::int64_t max_numbers = 4'000'000;
+constexpr std::size_t max_bytes = 1'000'000'000;
 
 struct Options {
   RobotOptions robot;
@@ -27,111 +29,84 @@ struct Sample {
 };
 
 struct Algorithm {
-  const char* name;
-  bool dense;  // needs nv x nv numbers
-  std::function<dynStatus(const Sample&)> call;
-  std::function<dynStatus(const Sample&)> prepare;  // before each batch: what the call needs; may be empty
+  std::string name, after;  // after: calls that its time includes
+  dynParts parts;
+  std::function<dynStatus(dynData*, const Sample&)> call;
+  std::function<dynStatus(dynData*, const Sample&)> prepare;  // before each batch: what the call needs; may be empty
 };
 
-dynStatus step(const dynModel* m, dynData* d, dynIntegrator integrator) {
-  dynStepOptions options;
-  dyn_step_options_init(&options);
-  options.integrator = integrator, options.dt = 1e-6;
-  check(dyn_data_set_step_options(m, d, &options));
-  return dyn_step(m, d);
+dynAlgorithmInfo describe(const Robot& robot, dynAlgorithm algorithm) {
+  dynAlgorithmInfo info{};
+  info.struct_size = sizeof info;
+  check(dyn_algorithm_info(robot, algorithm, &info));
+  return info;
+}
+std::int64_t numbers(const dynAlgorithmInfo& info, int k) { return std::int64_t(info.rows[k]) * info.cols[k] * info.pages[k]; }
+bool has_word(const std::string& words, const std::string& word) { return (" " + words + " ").find(" " + word + " ") < words.size(); }
+
+// One row of dynAlgorithm. Outputs that may be NULL stay in data.
+Algorithm algorithm_row(const Robot& robot, dynAlgorithm algorithm, dynIntegrator integrator, const std::string& name) {
+  const dynAlgorithmInfo info = describe(robot, algorithm);
+  const auto out = std::make_shared<std::vector<Vector>>();
+  const dynModel* m = robot;
+  const auto call = [=, frame = robot.nframes - 1, joint = robot.njoints - 1, home = robot.neutral()](dynData* d, const Sample& s) {
+    dynBatchArrays x;
+    dyn_batch_arrays_init(&x);
+    x.q = s.q.data(), x.v = s.v.data(), x.a = s.a.data(), x.tau = x.b = s.tau.data(), x.q1 = home.data();
+    x.frame = frame, x.joint = joint, x.dt = 1e-6, x.integrator = integrator;
+    for (std::size_t k = 0; k < out->size(); ++k) x.out[k] = (*out)[k].data();
+    const dynStatus status = dyn_algorithm_run(m, d, algorithm, &x);
+    if (status != DYN_ERROR_ARGUMENT || !out->empty()) return status;
+    for (int k = 0; k < info.outputs; ++k) out->emplace_back(numbers(info, k)), x.out[k] = out->back().data();
+    return dyn_algorithm_run(m, d, algorithm, &x);
+  };
+  return {name, info.precondition, info.part, call, {}};
 }
 
-std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& out) {
-  const dynModel* m = robot;
-  dynData* d = data;
-  const int frame = robot.nframes - 1, nv = robot.nv;
-  double* x = out.data();
+// Calls that are no dynAlgorithm.
+std::vector<Algorithm> further_rows(const dynModel* m) {
   using S = const Sample&;
-  const auto set = [=](S s) { return dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()); };
-  const auto placed = [=](S s) { return dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()); };
-  const auto mass = [=](S s) { return dyn_crba(m, d, s.q.data(), nullptr); };
-  const auto factor = [=](S s) { return mass(s) ? DYN_ERROR_INTERNAL : dyn_cholesky(m, d); };
+  const auto mass = [=](dynData* d, S s) { return dyn_crba(m, d, s.q.data(), nullptr); };
   return {
-      {"forward_kinematics", false, [=](S s) { return dyn_forward_kinematics(m, d, s.q.data(), nullptr, nullptr); }, {}},
-      {"forward_kinematics_q_v", false, [=](S s) { return dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
-      {"forward_kinematics_q_v_a", false, placed, {}},
-      {"frame_placements", false, [=](S) { return dyn_frame_placements(m, d, nullptr); }, placed},
-      {"joint_jacobians", false, [=](S s) { return dyn_joint_jacobians(m, d, s.q.data(), nullptr); }, {}},
-      {"joint_jacobians_time_variation",
-       false,
-       [=](S s) { return dyn_joint_jacobians_time_variation(m, d, s.q.data(), s.v.data(), nullptr); },
-       {}},
-      {"frame_jacobian", false, [=](S) { return dyn_frame_jacobian(m, d, frame, DYN_REFERENCE_LOCAL, x); }, placed},
-      {"frame_velocity_derivatives", false,
-       [=](S) { return dyn_frame_velocity_derivatives(m, d, frame, DYN_REFERENCE_LOCAL, x, x + 6 * nv); }, placed},
-      {"frame_acceleration_derivatives", false,
-       [=](S) { return dyn_frame_acceleration_derivatives(m, d, frame, DYN_REFERENCE_LOCAL, x, x + 6 * nv, nullptr); }, placed},
-      {"com", false, [=](S s) { return dyn_com(m, d, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr); }, {}},
-      {"jcom", false, [=](S s) { return dyn_jcom(m, d, s.q.data(), nullptr); }, {}},
-      {"vcom_derivatives", false, [=](S s) { return dyn_vcom_derivatives(m, d, s.q.data(), s.v.data(), nullptr, nullptr); }, {}},
-      {"rnea", false, [=](S s) { return dyn_rnea(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr); }, {}},
-      {"nle", false, [=](S s) { return dyn_nle(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
-      {"gravity_torque", false, [=](S s) { return dyn_gravity_torque(m, d, s.q.data(), nullptr); }, {}},
-      {"static_torque", false, [=](S s) { return dyn_static_torque(m, d, s.q.data(), nullptr, nullptr); }, {}},
-      {"gravity_torque_derivatives", true, [=](S s) { return dyn_gravity_torque_derivatives(m, d, s.q.data(), nullptr); }, {}},
-      {"static_torque_derivatives",
-       true,
-       [=](S s) { return dyn_static_torque_derivatives(m, d, s.q.data(), nullptr, nullptr); },
-       {}},
-      {"rnea_second_order_product",
-       true,
-       [=](S s) {
-         return dyn_rnea_second_order_product(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, s.tau.data(), nullptr);
-       },
-       {}},
-      {"coriolis_matrix", true, [=](S s) { return dyn_coriolis_matrix(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
-      {"aba", false, [=](S s) { return dyn_aba(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr); }, {}},
-      {"crba", true, mass, {}},
-      {"cholesky", true, [=](S) { return dyn_cholesky(m, d); }, mass},
-      {"cholesky_solve", true, [=](S s) { return dyn_cholesky_solve(m, d, s.tau.data(), 1, x); }, factor},
-      {"minv", true, [=](S s) { return dyn_minv(m, d, s.q.data(), nullptr); }, {}},
-      {"rnea_derivatives",
-       true,
-       [=](S s) { return dyn_rnea_derivatives(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, nullptr); },
-       {}},
-      {"aba_derivatives",
-       true,
-       [=](S s) { return dyn_aba_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr); },
-       {}},
-      {"energy", false, [=](S s) { return dyn_energy(m, d, s.q.data(), s.v.data(), nullptr, nullptr); }, {}},
-      {"centroidal_map",
-       false,
-       [=](S s) { return dyn_centroidal_map(m, d, s.q.data(), s.v.data(), nullptr, nullptr, nullptr); },
-       {}},
-      {"centroidal_map_time_variation",
-       false,
-       [=](S s) { return dyn_centroidal_map_time_variation(m, d, s.q.data(), s.v.data(), nullptr); },
-       {}},
-      {"centroidal_momentum", false, [=](S s) { return dyn_centroidal_momentum(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
-      {"centroidal_momentum_time_variation",
-       false,
-       [=](S s) { return dyn_centroidal_momentum_time_variation(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr); },
-       {}},
-      {"centroidal_derivatives",
-       false,
-       [=](S s) { return dyn_centroidal_derivatives(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr); },
-       {}},
-      {"joint_torque_regressor",
-       true,
-       [=](S s) { return dyn_joint_torque_regressor(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr); },
-       {}},
-      {"static_regressor", true, [=](S s) { return dyn_static_regressor(m, d, s.q.data(), nullptr); }, {}},
-      {"kinetic_energy_regressor",
-       true,
-       [=](S s) { return dyn_kinetic_energy_regressor(m, d, s.q.data(), s.v.data(), nullptr); },
-       {}},
-      {"potential_energy_regressor", true, [=](S s) { return dyn_potential_energy_regressor(m, d, s.q.data(), nullptr); }, {}},
-      {"all_terms", true, [=](S s) { return dyn_all_terms(m, d, DYN_TERM_ALL, s.q.data(), s.v.data(), nullptr); }, {}},
-      {"integrate", false, [=](S s) { return dyn_integrate(m, s.q.data(), s.v.data(), x); }, {}},
-      {"difference", false, [=, home = robot.neutral()](S s) { return dyn_difference(m, home.data(), s.q.data(), x); }, {}},
-      {"step_semi_implicit_euler", false, [=](S) { return step(m, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER); }, set},
-      {"step_rk4", false, [=](S) { return step(m, d, DYN_INTEGRATOR_RK4); }, set},
+      {"forward_kinematics", "", DYN_PART_KINEMATICS,
+       [=](dynData* d, S s) { return dyn_forward_kinematics(m, d, s.q.data(), nullptr, nullptr); }, {}},
+      {"forward_kinematics_q_v", "", DYN_PART_KINEMATICS,
+       [=](dynData* d, S s) { return dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
+      {"forward_kinematics_q_v_a", "", DYN_PART_KINEMATICS,
+       [=](dynData* d, S s) { return dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()); }, {}},
+      {"cholesky", "", DYN_PART_CHOLESKY, [=](dynData* d, S) { return dyn_cholesky(m, d); }, mass},
+      {"all_terms", "", DYN_PART_ALL,
+       [=](dynData* d, S s) { return dyn_all_terms(m, d, DYN_TERM_ALL, s.q.data(), s.v.data(), nullptr); }, {}},
   };
+}
+
+bool fits(const Robot& robot, const dynAlgorithmInfo& info) {
+  for (int k = 0; k < info.outputs; ++k)
+    if (numbers(info, k) > max_numbers) return false;
+  return robot.njoints > 1 || !has_word(info.inputs, "joint");
+}
+
+// Every algorithm that fits; left_out: the others' names.
+std::vector<Algorithm> algorithms(const Robot& robot, std::vector<std::string>& left_out) {
+  std::vector<Algorithm> every = further_rows(robot), table;
+  for (const Choice& choice : choices("dynAlgorithm")) {
+    const auto algorithm = static_cast<dynAlgorithm>(choice.value);
+    const dynAlgorithmInfo info = describe(robot, algorithm);
+    const std::string name = info.name;
+    if (!fits(robot, info)) {
+      left_out.push_back(name);
+    } else if (!has_word(info.inputs, "integrator")) {
+      every.push_back(algorithm_row(robot, algorithm, {}, name));
+    } else {
+      for (const Choice& by : choices("dynIntegrator"))
+        every.push_back(algorithm_row(robot, algorithm, static_cast<dynIntegrator>(by.value), name + "_" + by.name));
+    }
+  }
+  for (Algorithm& a : every) {
+    if (a.parts && dyn_data_size(robot, a.parts) > max_bytes) left_out.push_back(a.name);
+    else table.push_back(std::move(a));
+  }
+  return table;
 }
 
 std::vector<Sample> random_states(const Robot& robot) {
@@ -151,17 +126,18 @@ std::vector<Sample> random_states(const Robot& robot) {
 
 // ns a call: batches of about 2 microseconds until the time is up. Every call has another state, or else what is already
 // known of it would not be computed again; what needs preparation has one state a batch.
-json measure(const Algorithm& algorithm, const std::vector<Sample>& samples, double seconds, const InstructionCounter& counter) {
+json measure(const Algorithm& algorithm, dynData* data, const std::vector<Sample>& samples, double seconds,
+             const InstructionCounter& counter) {
   using Clock = std::chrono::steady_clock;
   const auto nanoseconds = [](Clock::duration d) { return std::chrono::duration<double, std::nano>(d).count(); };
   const auto prepare = [&](const Sample& s) {
-    if (algorithm.prepare) check(algorithm.prepare(s));
+    if (algorithm.prepare) check(algorithm.prepare(data, s));
   };
   double once = 1e300;
   for (const auto& s : samples) {  // warm, and every status is looked at here
     prepare(s);
     const auto start = Clock::now();
-    check(algorithm.call(s));
+    check(algorithm.call(data, s));
     once = std::min(once, nanoseconds(Clock::now() - start));
   }
   const int batch = std::max(1, static_cast<int>(std::ceil(2000 / std::max(once, 1.0))));
@@ -176,7 +152,7 @@ json measure(const Algorithm& algorithm, const std::vector<Sample>& samples, dou
     prepare(s);
     const auto before = counter.read();
     const auto start = Clock::now();
-    for (int k = 0; k < batch; ++k) algorithm.call(algorithm.prepare ? s : samples[next++ % states]);
+    for (int k = 0; k < batch; ++k) algorithm.call(data, algorithm.prepare ? s : samples[next++ % states]);
     times.push_back(nanoseconds(Clock::now() - start) / batch);
     if (before) instructions += counter.read().value_or(*before) - *before;
     calls += batch;
@@ -186,7 +162,7 @@ json measure(const Algorithm& algorithm, const std::vector<Sample>& samples, dou
     std::nth_element(times.begin(), at, times.end());
     return *at;
   };
-  json row = {{"name", algorithm.name}, {"ns_p50", percentile(0.5)}, {"ns_p99", percentile(0.99)}};
+  json row = {{"name", algorithm.name}, {"after", algorithm.after}, {"ns_p50", percentile(0.5)}, {"ns_p99", percentile(0.99)}};
   row["instructions"] =
       instructions ? json(std::round(static_cast<double>(instructions) / static_cast<double>(calls))) : json(nullptr);
   return row;
@@ -196,25 +172,20 @@ void run(const Options& options) {
   if (!(options.seconds > 0) || !std::isfinite(options.seconds)) bad_usage("--seconds must be a positive number of seconds.");
   const std::uint32_t on = parse_effects(options.effects);
   const Robot robot(options.robot);
-  constexpr dynParts sparse =
-      DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_ENERGY | DYN_PART_FRAMES |
-      DYN_PART_CENTROIDAL;
-  const bool dense = robot.nv <= max_dense;
-  const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | DYN_PART_SIMULATION, on);
+  std::vector<std::string> left_out;
+  const auto table = algorithms(robot, left_out);
+  if (!left_out.empty()) std::cerr << "dyn: left out, because they need too much memory or a joint: " << join(left_out) << ".\n";
+  dynParts parts = 0;
+  for (const Algorithm& a : table) parts |= a.parts;
+  const Data data(robot, parts, on);
   const auto samples = random_states(robot);
-  Vector out(12 * static_cast<std::size_t>(std::max(robot.nq, robot.nv)) + 12);
-  auto table = algorithms(robot, data, out);
-  if (!dense) {
-    std::cerr << "dyn: nv is " << robot.nv << ": what needs nv x nv numbers is left out.\n";
-    table.erase(std::remove_if(table.begin(), table.end(), [](const Algorithm& a) { return a.dense; }), table.end());
-  }
   const InstructionCounter counter;
   json rows = json::array();
   for (const auto& algorithm : table) {
     try {
-      rows.push_back(measure(algorithm, samples, options.seconds / static_cast<double>(table.size()), counter));
+      rows.push_back(measure(algorithm, data, samples, options.seconds / static_cast<double>(table.size()), counter));
     } catch (const Failure& failure) {
-      fail(std::string(algorithm.name) + ": " + failure.message);
+      fail(algorithm.name + ": " + failure.message);
     }
   }
   const auto rnea = std::find_if(rows.begin(), rows.end(), [](const json& row) { return row["name"] == "rnea"; });
@@ -231,15 +202,16 @@ void run(const Options& options) {
   std::string text = std::string(dyn_model_name(robot)) + ": nq " + std::to_string(robot.nq) + ", nv " +
                      std::to_string(robot.nv) + "; " + dyn_build_info() + "\n";
   char line[128];
-  std::snprintf(line, sizeof line, "%-34s %12s %12s %10s %10s %14s\n", "algorithm", "ns p50", "ns p99", "% of 1 ms", "/ RNEA",
-                "instructions");
+  std::snprintf(line, sizeof line, "%-42s %12s %12s %10s %10s %14s  %s\n", "algorithm", "ns p50", "ns p99", "% of 1 ms", "/ RNEA",
+                "instructions", "includes");
   text += line;
   for (const auto& row : rows) {
     const std::string count = row["instructions"].is_null() ? "-" : short_number(row["instructions"].get<double>(), 9);
-    std::snprintf(line, sizeof line, "%-34s %12.1f %12.1f %10.4f %10.2f %14s\n", row["name"].get<std::string>().c_str(),
+    std::snprintf(line, sizeof line, "%-42s %12.1f %12.1f %10.4f %10.2f %14s", row["name"].get<std::string>().c_str(),
                   row["ns_p50"].get<double>(), row["ns_p99"].get<double>(), row["percent_of_1ms"].get<double>(),
                   row["ratio_to_rnea"].get<double>(), count.c_str());
-    text += line;
+    const auto after = row["after"].get<std::string>();
+    text += line + (after.empty() ? "" : "  " + after) + "\n";
   }
   print(text);
 }

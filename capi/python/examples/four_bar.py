@@ -1,4 +1,4 @@
-"""A four-bar linkage: a loop that is a constraint, beside its closed form, and the doctor's word on its rows.
+"""A four-bar linkage: a loop that is a constraint, beside its closed form, and the diagnostics of its rows.
 
     python four_bar.py
 
@@ -40,7 +40,7 @@ def main():
     # what the rows do
     report = data.constraint_report(q)
     kinds = [row.verdict.name for row in report.rows]
-    print(f"the doctor: {len(report.rows)} rows, rank {report.rank}, {report.redundant} redundant: {', '.join(kinds)}")
+    print(f"diagnostics: {len(report.rows)} rows, rank {report.rank}, {report.redundant} redundant: {', '.join(kinds)}")
     assert report.rank == 2 and report.redundant == 3 and report.contradictory == 0
 
     # motion: a turning crank; nothing drives, nothing resists, and gravity is normal to the plane

@@ -7,8 +7,8 @@ that takes it back to where it stood; the simulator knows nothing of it but the 
 --record writes where it began and every torque into FOLDER/stands.json and stands.csv, from which `dyn sim` makes the same motion
 again, bit for bit:
 
-    dyn sim models/robots/go2.urdf --floating --ground --effects armature,limits --state FOLDER/stands.json --tau-csv
-    FOLDER/stands.csv --duration SECONDS --html stands.html
+    dyn sim models/robots/go2.urdf --floating --ground --effects armature,limits --state FOLDER/stands.json \\
+        --tau-csv FOLDER/stands.csv --duration SECONDS --html stands.html
 """
 
 import argparse

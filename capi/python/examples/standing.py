@@ -3,8 +3,8 @@
     python standing.py [ROBOT.urdf]
 
 M a + h = S'tau + sum J_k'f_k. For given q, v and a wanted the six rows of the base hold no motor: J_b'f = (M a + h)_b =: w must
-come from the feet, f_k in its friction cone. Four feet have twelve forces for six rows: the least ones that do it solve the
-quadratic program
+come from the feet, f_k in its friction cone. Four feet have twelve forces for six rows: the least ones that do it solve the quadratic
+program
     min |J_b'f - w|^2 / 2 + epsilon |f|^2 / 2   over the cones
 which dyn.contact_problem_qp gives with pyramids in the cones (here for daqp, if it is installed), and dyn.contact_solve with the
 cones themselves: G = J_b J_b' + epsilon I, g = -J_b w. As long as no foot slides both are the same minimum. Then tau is what is

@@ -110,8 +110,8 @@ def friction(first: Any, force: float, **more: Any) -> Constraint:
 def structure(c: Any, find: Any = None) -> abi.Constraint:
     """As dyn.h takes it. find(what, name): an id."""
     if not isinstance(c, Constraint):
-        raise ArgumentError(f"{c!r} is no constraint of dyn.constraint: point, frame, connect, weld, distance, loop, coupling, "
-                            "limit, friction.")
+        kinds = ", ".join(kind.name.lower() for kind in ConstraintType if kind)
+        raise ArgumentError(f"{c!r} is no constraint of dyn.constraint: {kinds}.")
     out = abi.initialized(abi.Constraint, int(c.type))
     for key, x in c.values.items():
         if key not in _FIELDS:

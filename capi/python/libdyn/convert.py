@@ -46,8 +46,7 @@ class StateLayout:
 
     convention      "pinocchio", "mujoco", "drake", "ros", or "dyn"
     joints          names of our joints in the peer's order; default: the model's order, with followers of a mimic for mujoco,
-    drake
-                    and ros, and without for the others
+                    drake and ros, and without for the others
     idx_q, idx_v    where each begins in the peer's q and v; default: one after another
     nq, nv          sizes of the peer's q and v; default: up to the end of the last joint
     continuous      how continuous joints are stored: "plain" or "cos_sin"; default: as the convention has it

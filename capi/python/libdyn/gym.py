@@ -144,8 +144,8 @@ class WalkVectorEnv(VectorEnv):
         self.num_envs, self.task, self.max_episode_steps = num_envs, Task(robot), max_episode_steps
         task = self.task
         self.single_action_space, self.single_observation_space = task.action_space, task.observation_space
-        self.action_space, self.observation_space = batch_space(task.action_space,
-                                                                num_envs), batch_space(task.observation_space, num_envs)
+        self.action_space = batch_space(task.action_space, num_envs)
+        self.observation_space = batch_space(task.observation_space, num_envs)
         self.batch = task.model.batch(threads)
         self._single = Simulation(task.model, dt=DT)
         self._random: list[np.random.Generator] = [np.random.default_rng() for _ in range(num_envs)]

@@ -82,13 +82,12 @@ def load(
     package_dirs  where package://NAME/... is looked up
     gravity       (3,), m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's
     meshes        what stands for collision meshes: "auto", the convex hull of each mesh that can be read, and a warning for each
-    other
-                  one; "hull", their convex hulls (report says which are not convex); "triangles"; "none", their names alone. With
+                  other one; "hull", their convex hulls (report says which are not convex); "triangles"; "none", their names alone. With
                   "hull" and "triangles" a mesh that cannot be read is an error
     constraint_slots  spare slots for constraints that a data of the model has
     contact_capacity  contact points that a step has room for, the deepest; 0: what the shapes need
-    confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are
-    errors srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
+    confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are errors
+    srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
 
     Warnings of the load report are shown once a model, as a dyn.LoadWarning. Model.report has all of them.
     """

@@ -182,8 +182,7 @@ class Rollouts:
         keep_states whether to return what a later call goes on from
         strict      the first simulation that fails raises, after all have ended; False: Rollout.status says it
         progress    called with (steps made, steps in all) about every 10 ms by this thread; False from it, an exception in it, or
-        Ctrl-C ends all:
-                    dyn.CancelledError, or that exception
+                    Ctrl-C ends all: dyn.CancelledError, or that exception
         """
         model = self.model
         given = {name: None if x is None else numbers(x, name) for name, x in (("q0", q0), ("v0", v0), ("control", control),

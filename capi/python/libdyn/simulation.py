@@ -143,7 +143,8 @@ class Stepping(DataHandle):
         dt              s, length of a step
         accuracy        advance alone: its steps have lengths with errors that add up to at most this; 0: steps of dt
         solver          contact solver; it ends at the residual tolerance, after max_iterations, or after time_budget (s a step;
-        0: no limit) tolerance       0: 1e-4 of the largest velocity, 1e-9 with accuracy
+                        0: no limit)
+        tolerance       0: 1e-4 of the largest velocity, 1e-9 with accuracy
         max_iterations  of each island, over all that the solver tries; 0: 100, or 1200 with tolerance or accuracy
         sleep_speed     m/s, rad/s, with the effect SLEEPING: an island sleeps after sleep_time (s) below this speed
         visit_sleepers  steps compute islands that sleep, too

@@ -75,9 +75,10 @@ def test_locale_does_not_matter(arm_file):
 def test_bench(arm_file):
     rows = answer("bench", arm_file, "--fixed", "--seconds", "0.2")["algorithms"]
     names = [r["name"] for r in rows]
-    assert len(set(names)) == len(names) and {"rnea", "aba", "crba", "forward_kinematics", "step_rk4"} <= set(names)
+    steps = {f"step_{i.name.lower()}" for i in dyn.Integrator}
+    assert len(set(names)) == len(names) and set(dyn.ALGORITHMS) - {"step"} | steps | {"forward_kinematics", "all_terms"} <= set(names)
     for row in rows:
-        assert set(row) == {"name", "ns_p50", "ns_p99", "percent_of_1ms", "ratio_to_rnea", "instructions"}
+        assert set(row) == {"name", "after", "ns_p50", "ns_p99", "percent_of_1ms", "ratio_to_rnea", "instructions"}
         assert 0 < row["ns_p50"] <= row["ns_p99"] and row["percent_of_1ms"] == row["ns_p50"] / 1e4
         assert row["instructions"] is None or row["instructions"] > 0
     assert "rnea" in run("bench", arm_file, "--fixed", "--seconds", "0.1")

@@ -1,8 +1,8 @@
 """capi/pages/coming_from.md, row by row: both sides evaluated where the other library is installed, ours against its stored
 figures where it is not.
 
-    python test_coming_from.py --record     stores the figures (tests/golden/coming_from/coming_from.json); needs pin, mujoco and
-    drake
+    python test_coming_from.py --record     stores the figures (tests/golden/coming_from/coming_from.json); needs pin, mujoco
+                                           and drake
 """
 
 import json

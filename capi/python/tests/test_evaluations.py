@@ -33,8 +33,8 @@ class Problem:
         self.model = m = dyn.load_string(golden["mjcf"])
         self.data = m.data()
         self.data.set_effects(dyn.Effect.ALL)
-        self.q, self.v, self.tau = m.configurations.get("qpos0",
-                                                        m.configuration("neutral")).copy(), np.zeros(m.nv), np.zeros(m.nv)
+        self.q = m.configurations.get("qpos0", m.configuration("neutral")).copy()
+        self.v, self.tau = np.zeros(m.nv), np.zeros(m.nv)
         for name, x in golden["q"].items():
             self.q[m.joint(name).idx_q] = x
         for values, out in ((golden["v"], self.v), (golden["tau"], self.tau)):
