@@ -149,7 +149,7 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
 }
 
 GeomPairs overlapping(const Model& m) {
-  constexpr int samples = 32, most_apart = 1;
+  constexpr int samples = 32, max_apart = 1;
   constexpr std::uint64_t seed = 1;
   GeomPairs found;
   const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, data_bytes<double>(m, DYN_PART_COLLISION)),
@@ -169,11 +169,11 @@ GeomPairs overlapping(const Model& m) {
     collision::place_geoms(m, d);
     if (!places_are_measurable(m, d)) continue;
     for (std::size_t i = 0; i < found.size(); ++i)
-      times_apart[i] += times_apart[i] <= most_apart && !overlap(d, found[i].first, found[i].second);
+      times_apart[i] += times_apart[i] <= max_apart && !overlap(d, found[i].first, found[i].second);
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < found.size(); ++i)
-    if (times_apart[i] <= most_apart) found[kept++] = found[i];
+    if (times_apart[i] <= max_apart) found[kept++] = found[i];
   found.resize(kept);
   std::sort(found.begin(), found.end());
   return found;

@@ -20,7 +20,7 @@ namespace dyn_test {
 namespace {
 
 // An entry point, ready to be called for the k-th time; cost: of a call, in units of a small one.
-struct Hot {
+struct RealtimeCall {
   std::string name;
   std::function<void(long k)> call;
   long cost = 1;
@@ -32,9 +32,9 @@ struct Note {
   long calls, allocations, locks;
 };
 
-class Hots {
+class RealtimeCalls {
  public:
-  Hots() {
+  RealtimeCalls() {
     rows();
     configurations();
     shapes();
@@ -42,7 +42,7 @@ class Hots {
     batches();
     steps();
   }
-  std::vector<Hot> all;
+  std::vector<RealtimeCall> all;
 
  private:
   static constexpr int some = 8;  // inputs
@@ -153,8 +153,8 @@ class Hots {
   }
 
  public:
-  Hots(const Hots&) = delete;
-  ~Hots() { dyn_broad_phase_free(boxes), dyn_contact_solver_free(solver); }
+  RealtimeCalls(const RealtimeCalls&) = delete;
+  ~RealtimeCalls() { dyn_broad_phase_free(boxes), dyn_contact_solver_free(solver); }
 };
 
 // Whether the monotonic clock is read without a system call, as by most kernels.
@@ -172,7 +172,7 @@ bool clock_needs_none() {
 }
 
 // Calls of each: `calls`, of those that cost more fewer in proportion.
-void call_all(const std::vector<Hot>& all, long calls, bool sealed = true) {
+void call_all(const std::vector<RealtimeCall>& all, long calls, bool sealed = true) {
   Note* const note = static_cast<Note*>(mmap(nullptr, sizeof(Note), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   ASSERT_NE(MAP_FAILED, static_cast<void*>(note));
   dyn_model_nq(nullptr);  // the thread's first error
@@ -180,10 +180,10 @@ void call_all(const std::vector<Hot>& all, long calls, bool sealed = true) {
   ASSERT_GE(child, 0);
   if (child == 0) {
     if (sealed && prctl(PR_SET_SECCOMP, SECCOMP_MODE_STRICT) != 0) _exit(77);
-    for (const Hot& hot : all) {
-      std::snprintf(note->name, sizeof note->name, "%s", hot.name.c_str());
+    for (const RealtimeCall& call : all) {
+      std::snprintf(note->name, sizeof note->name, "%s", call.name.c_str());
       const long before = allocations, locked = locks;
-      for (long k = 0; k < calls / hot.cost; ++k) hot.call(k), ++note->calls;
+      for (long k = 0; k < calls / call.cost; ++k) call.call(k), ++note->calls;
       note->allocations = allocations - before, note->locks = locks - locked;
       if (note->allocations || note->locks) syscall(SYS_exit, 1);
     }
@@ -204,24 +204,24 @@ void call_all(const std::vector<Hot>& all, long calls, bool sealed = true) {
 
 TEST(HotCalls, NeitherAllocateNorLockNorCallTheSystem) {
   if (sanitized) GTEST_SKIP() << "sanitizers allocate and make system calls themselves";
-  call_all(Hots().all, 100000);
+  call_all(RealtimeCalls().all, 100000);
 }
 
 TEST(HotCalls, SlowAMillionOfEach) {
   if (sanitized) GTEST_SKIP() << "sanitizers allocate and make system calls themselves";
-  Hots hots;
-  for (Hot& h : hots.all)
+  RealtimeCalls every;
+  for (RealtimeCall& h : every.all)
     h.cost = h.name.starts_with("dyn_batch_run") ? 10
              : h.name.starts_with("dyn_step, ")  ? 4
                                                  : 1;  // of ten states; of eight scenes
-  call_all(hots.all, 1000000);
+  call_all(every.all, 1000000);
 }
 
 // Steps that have a deadline read a clock: neither do they, where the kernel's clock is memory.
 TEST(HotCalls, WithADeadline) {
   if (sanitized) GTEST_SKIP() << "sanitizers allocate and make system calls themselves";
   std::vector<std::unique_ptr<soak::Simulation>> plays;
-  std::vector<Hot> all;
+  std::vector<RealtimeCall> all;
   for (const soak::Scene& scene : soak::scenes) {
     plays.push_back(std::make_unique<soak::Simulation>(scene));
     soak::Simulation* const play = plays.back().get();

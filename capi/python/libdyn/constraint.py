@@ -154,7 +154,7 @@ class Constrained(NamedTuple):
     forces: Numbers
 
 
-class Held(NamedTuple):
+class InverseDynamics(NamedTuple):
     """tau (nv,) and the forces of the rows that give an acceleration."""
 
     tau: Numbers
@@ -334,7 +334,7 @@ class ConstraintCalls(DataHandle):
         return Constrained(ddq, forces)
 
     def constrained_inverse_dynamics(self, q: Any = None, v: Any = None, a: Any = None, fext: Any = None, *,
-                                     actuated: Any = None) -> Held:
+                                     actuated: Any = None) -> InverseDynamics:
         """tau and the least forces that give the acceleration a. actuated: (nv,) of bool; None: all but a floating base."""
         tau, forces, result = np.empty(self.model.nv), np.empty(self._nrows()), abi.ConstraintResult()
         driven = None
@@ -346,7 +346,7 @@ class ConstraintCalls(DataHandle):
                                                    address(driven), _outputs(None, address(tau), address(forces),
                                                                              addressof(result))))  # fmt: skip
         self.constraint_result = _result(result)
-        return Held(tau, forces)
+        return InverseDynamics(tau, forces)
 
     def constraint_impulse(
         self, q: Any = None, v: Any = None, *, max_iterations: int | None = None, regularisation: float = 0.0,
@@ -433,7 +433,7 @@ class ConstraintCalls(DataHandle):
 
 
 __all__ = [
-    "Constrained", "ConstrainedDerivatives", "Constraint", "ConstraintReason", "ConstraintType", "Held", "Impulse", "Projection",
-    "Report", "Result", "Row", "RowVerdict", "Terms", "connect", "coupling", "distance", "frame", "friction", "limit", "loop",
-    "point", "weld",
+    "Constrained", "ConstrainedDerivatives", "Constraint", "ConstraintReason", "ConstraintType", "Impulse", "InverseDynamics",
+    "Projection", "Report", "Result", "Row", "RowVerdict", "Terms", "connect", "coupling", "distance", "frame", "friction",
+    "limit", "loop", "point", "weld",
 ]  # fmt: skip

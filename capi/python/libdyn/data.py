@@ -19,7 +19,7 @@ from .errors import ArgumentError
 from .evaluation import Evaluation
 from .ik import InverseKinematics
 from .library import check, lib
-from .simulation import Stepping
+from .simulation import SimulationCalls
 
 if TYPE_CHECKING:
     from .enums import EffectLike, PartLike
@@ -37,7 +37,7 @@ class EffectPlan(NamedTuple):
     """Bytes of the data's memory for it alone."""
 
 
-class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, Stepping):
+class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, SimulationCalls):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
     Fields are properties: d.q, d.M, d.com, d.Minv. They are read-only views of the library's memory that follow the data

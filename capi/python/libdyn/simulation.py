@@ -119,7 +119,7 @@ def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numb
                 raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
 
 
-class Stepping(DataHandle):
+class SimulationCalls(DataHandle):
     """The part of Data that moves it in time."""
 
     def set_step_options(
