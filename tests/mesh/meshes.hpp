@@ -259,4 +259,26 @@ inline std::string glb(const Solid& s) {
 // The solid of tests of files.
 inline const Solid brick = box(0.1, 0.25, 0.7).moved(-3, 1, 0.3);
 
+inline Made height_field(const std::vector<double>& h, int columns, int rows, double x = 0.5, double y = 0.5, double bottom = -1) {
+  dynMesh* m = nullptr;
+  const dynStatus status = dyn_mesh_from_height_field(with<dynHeightField>({0, columns, rows, h.data(), x, y, bottom}), &m);
+  EXPECT_EQ(status == DYN_OK, m != nullptr);
+  return {status, status == DYN_OK ? "" : dyn_last_error(), MeshHandle(m)};
+}
+
+// An L shape: 2 x 2 x 1 less a quarter
+inline Solid corner_piece() {
+  Solid s;
+  const double xy[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  for (const double z : {0.0, 1.0})
+    for (const auto& p : xy) s.vertices.insert(s.vertices.end(), {p[0], p[1], z});
+  for (int i = 0; i < 6; ++i) {
+    const int j = (i + 1) % 6;
+    s.triangles.insert(s.triangles.end(), {i, j, j + 6, i, j + 6, i + 6});
+  }
+  for (const auto& t : {std::array<int, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}})
+    s.triangles.insert(s.triangles.end(), {t[0] + 6, t[1] + 6, t[2] + 6, t[0], t[2], t[1]});
+  return s;
+}
+
 }  // namespace dyn_test
