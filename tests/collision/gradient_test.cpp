@@ -1,7 +1,7 @@
 // Gradient of the distance against central differences, for every pair.
 #include <cstdio>
 
-#include "collision/scene.hpp"
+#include "collision/every_pair.hpp"
 #include "collision/gradient.hpp"
 
 namespace dyn_test {
@@ -88,15 +88,6 @@ TEST(Flags, ParallelFacesAndEdgesAndCoincidentCentresAreNotSmooth) {
   EXPECT_TRUE(query({sphere(1), box(2, 2, 2), at(0, 0, 0), at(0, 0, 2)}).unique);
 }
 
-std::vector<std::pair<Type, Type>> pairs() {
-  std::vector<std::pair<Type, Type>> p;
-  for (int a = 0; a < shape::type_count; ++a)
-    for (int b = std::max(a, 1); b < shape::type_count; ++b) p.push_back({Type(a), Type(b)});
-  return p;
-}
-std::string pair_name(const testing::TestParamInfo<std::pair<Type, Type>>& info) {
-  return std::string(name_of(info.param.first)) + "_" + name_of(info.param.second);
-}
 INSTANTIATE_TEST_SUITE_P(All, Gradients, testing::ValuesIn(pairs()), pair_name);
 INSTANTIATE_TEST_SUITE_P(All, SlowGradients, testing::ValuesIn(pairs()), pair_name);
 

@@ -1,6 +1,7 @@
 // Every pair of shapes in random and adversarial poses: no failure, valid witness points, a supporting plane, the least depth.
 #include <cstdio>
 
+#include "collision/every_pair.hpp"
 #include "collision/survey.hpp"
 
 namespace dyn_test {
@@ -46,16 +47,6 @@ void survey(std::pair<Type, Type> pair, int random, int adversarial) {
     EXPECT_EQ(0, t.wrong) << name_of(Case(c)) << t.first;
     EXPECT_EQ(0, t.deeper) << name_of(Case(c)) << t.first;
   }
-}
-
-std::vector<std::pair<Type, Type>> pairs() {
-  std::vector<std::pair<Type, Type>> p;
-  for (int a = 0; a < shape::type_count; ++a)
-    for (int b = std::max(a, 1); b < shape::type_count; ++b) p.push_back({Type(a), Type(b)});
-  return p;
-}
-std::string pair_name(const testing::TestParamInfo<std::pair<Type, Type>>& info) {
-  return std::string(name_of(info.param.first)) + "_" + name_of(info.param.second);
 }
 
 class Survey : public testing::TestWithParam<std::pair<Type, Type>> {};

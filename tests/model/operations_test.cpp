@@ -3,6 +3,7 @@
 #include <map>
 
 #include "common/random_tree.hpp"
+#include "common/results.hpp"
 #include "common/work.hpp"
 
 namespace dyn_test {
@@ -85,25 +86,6 @@ struct Match {
       EXPECT_EQ(x.nq, y.nq);
       for (Index i = 0; i < x.nq; ++i) q.emplace_back(x.idx_q + i, y.idx_q + i);
       for (Index i = 0; i < x.nv; ++i) v.emplace_back(x.idx_v + i, y.idx_v + i);
-    }
-  }
-};
-
-struct Results {
-  VectorXd tau;
-  MatrixXd M;
-  std::vector<M4> frames;
-  Results(const Model& m, const VectorXd& q, const VectorXd& v, const VectorXd& a) : tau(m.n.nv) {
-    Work<double> w(m);
-    w.q(q).v(v).a(a);
-    inverse_dynamics<double>(w.m, w.d, w.d.v, w.d.a, nullptr, tau.data());
-    crba(w.m, w.d);
-    M = matrix(w.d.M, m.n.nv, m.n.nv);
-    forward_kinematics<0>(w.m, w.d);
-    for (Index f = 0; f < m.n.frames; ++f) {
-      double X[12];
-      frame_placement(w.m, w.d, f, X);
-      frames.push_back(eigen(X));
     }
   }
 };

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "common/random_tree.hpp"
+#include "common/results.hpp"
 #include "common/work.hpp"
 #include "model/load.hpp"
 #include "model/save.hpp"
@@ -21,25 +22,6 @@ inline ModelPtr again(const Model& m, dynFormat format, dynBase base, SaveReport
 }
 
 inline std::string name_of(const Model& m, Index joint) { return m.string(m.joints()[joint].name); }
-
-struct Results {
-  VectorXd tau;
-  MatrixXd M;
-  std::vector<M4> frames;
-  Results(const Model& m, const VectorXd& q, const VectorXd& v) : tau(m.n.nv) {
-    Work<double> w(m);
-    w.q(q).v(v).a(VectorXd::Zero(m.n.nv));
-    inverse_dynamics<double>(w.m, w.d, w.d.v, w.d.a, nullptr, tau.data());
-    crba(w.m, w.d);
-    M = matrix(w.d.M, m.n.nv, m.n.nv);
-    forward_kinematics<0>(w.m, w.d);
-    for (Index f = 0; f < m.n.frames; ++f) {
-      double X[12];
-      frame_placement(w.m, w.d, f, X);
-      frames.push_back(eigen(X));
-    }
-  }
-};
 
 // Same coordinates, M, nle, and placements of the named frames; with limits and other joint parameters.
 inline void expect_same(const Model& a, const Model& b, std::uint64_t seed, bool limits) {
