@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs a build into a folder of its own, then builds and runs, against that tree alone: a C99 program (pkg-config and make), a C++
-# program (find_package(dyn), shared and static), and the README's programs.   consumers.sh BUILD_DIR LIBDIR
+# Installs a build into a folder of its own, then builds and runs, against that tree alone: a C99 program (pkg-config and make), a
+# C++ program (find_package(dyn), shared and static), and the README's programs.   consumers.sh BUILD_DIR LIBDIR
 set -euo pipefail
 build=$1 libdir=$2
 here=$(cd "$(dirname "$0")" && pwd)

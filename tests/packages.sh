@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What cpack makes, each unpacked into an empty root: the C99 consumer is built against it and run, the command finds its library there.   packages.sh BUILD_DIR LIBDIR
+# What cpack makes, each unpacked into an empty root: the C99 consumer is built against it and run, the command finds its library
+# there.   packages.sh BUILD_DIR LIBDIR
 set -euo pipefail
 build=$1 libdir=$2
 here=$(cd "$(dirname "$0")" && pwd)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# What programs of 1.0 rely on is there: functions, types and layouts of dyn.h as libabigail sees them, against tests/abi/1.0/dyn.abi.gz.
-# Functions and enumerators may be added. (A struct that grows at its end keeps old callers, whose struct_size is smaller; it has to be recorded anew.)
+# What programs of 1.0 rely on is there: functions, types and layouts of dyn.h as libabigail sees them, against
+# tests/abi/1.0/dyn.abi.gz. Functions and enumerators may be added. (A struct that grows at its end keeps old callers, whose
+# struct_size is smaller; it has to be recorded anew.)
 #   compatible.sh CC dyn.h            compares (abidiff); 77, skipped, without abigail-tools
 #   compatible.sh CC dyn.h --record   records dyn.h as what is promised: header and ABI
 set -euo pipefail
@@ -21,7 +22,8 @@ sed -nE 's/^DYN_(READ|READ_KIND)\((dyn[A-Za-z]+), (dyn_[a-z_]+_init).*/\3 \2/p' 
 done
 command -v abidw >/dev/null || { echo "abidw is not installed (package abigail-tools)"; exit 77; }
 
-# a library that defines what the header declares: its debug information is the ABI, whatever compiled the real one (symbols.sh compares their names)
+# a library that defines what the header declares: its debug information is the ABI, whatever compiled the real one (symbols.sh
+# compares their names)
 "$cc" -E -P -DDYN_STATIC -x c "$header" | tr '\n' ' ' |
   awk 'BEGIN {RS = ";"} /typedef/ || !/dyn_[a-z0-9_]+ *\(.*\) *$/ {print $0 ";"; next} {print $0 " {__builtin_trap();}"}' | sed '$ s/;$//' >"$work/stub.c"
 "$cc" -std=gnu2x -g -fPIC -shared -w "$work/stub.c" -o "$work/libdyn.so"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# A program compiled with the header of 1.0 runs with this library and prints what it printed then: words as they are, numbers to 1e-8.
+# A program compiled with the header of 1.0 runs with this library and prints what it printed then: words as they are, numbers to
+# 1e-8.
 #   old_consumer.sh CC libdyn.so robot.urdf [--record]
 set -euo pipefail
 cc=$1 library=$2 robot=$3 record=${4:-}

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the fuzzers with clang and runs each for some seconds, from tests/fuzz/corpus and what earlier runs found (build/fuzz/found),
-# as many at once as there are processors.
+# Builds the fuzzers with clang and runs each for some seconds, from tests/fuzz/corpus and what earlier runs found
+# (build/fuzz/found), as many at once as there are processors.
 #   run.sh [--all] BUILD [SECONDS each] [NAME...]     BUILD: a build of the library, with libdyn.a; without clang: 77
 # --all: the builder, the algorithms and the C interface are watched, too (it takes some minutes to compile them so)
 set -euo pipefail

@@ -20,7 +20,8 @@ export function reader(bytes) {
 // rows of n numbers in all; columns of step 0 are not stored
 function columns(stored, n, lower, step) {
   const out = new Float32Array(n);
-  for (let k = 0, from = 0, c = 0; k < n; ++k, c = c + 1 === lower.length ? 0 : c + 1) out[k] = step[c] > 0 ? lower[c] + step[c] * stored[from++] : lower[c];
+  for (let k = 0, from = 0, c = 0; k < n; ++k, c = c + 1 === lower.length ? 0 : c + 1)
+    out[k] = step[c] > 0 ? lower[c] + step[c] * stored[from++] : lower[c];
   return out;
 }
 

@@ -13,7 +13,9 @@ export function make(tag, attributes = {}, ...children) {
 export function number(x, digits = 4) {
   if (x === null || x === undefined || Number.isNaN(x)) return "–";
   if (!Number.isFinite(x)) return x > 0 ? "∞" : "-∞";
-  return x === 0 ? "0" : Math.abs(x) >= 1e5 || Math.abs(x) < 1e-4 ? x.toExponential(digits - 2) : String(Number(x.toPrecision(digits)));
+  return x === 0                             ? "0" :
+    Math.abs(x) >= 1e5 || Math.abs(x) < 1e-4 ? x.toExponential(digits - 2) :
+                                               String(Number(x.toPrecision(digits)));
 }
 
 export function section(title, hint, open, fill) {

@@ -31,7 +31,9 @@ const ball = {
   start: () => [0, 0, 0],
   coordinates(x, from) {
     const vector = new THREE.Vector3(...x), angle = vector.length();
-    return new THREE.Quaternion(...from).multiply(new THREE.Quaternion().setFromAxisAngle(angle ? vector.divideScalar(angle) : X, angle)).toArray();
+    return new THREE.Quaternion(...from)
+      .multiply(new THREE.Quaternion().setFromAxisAngle(angle ? vector.divideScalar(angle) : X, angle))
+      .toArray();
   },
 };
 
@@ -44,13 +46,15 @@ function exponential(twist, t) {
   axis.divideScalar(rate), v.divideScalar(rate);
   const rotation = new THREE.Matrix4().makeRotationAxis(axis, rate * t);
   const about = axis.clone().cross(v); // the axis goes through it
-  return rotation.clone().setPosition(about.clone().sub(about.clone().applyMatrix4(rotation)).addScaledVector(axis, axis.dot(v) * rate * t));
+  return rotation.clone().setPosition(
+    about.clone().sub(about.clone().applyMatrix4(rotation)).addScaledVector(axis, axis.dot(v) * rate * t));
 }
 
 /** what a chain of the command says; see tools/cli/page/chain.hpp */
 const PARTS = {
-  screw: ([twist]) => ({ ...turn(X), knobs: [angular(twist).length() ? "turn" : "shift"], motion: ([q]) => exponential(twist, q) }),
-  circle: ([twist]) => ({ ...circle(X), motion: ([c, s]) => exponential(twist, Math.atan2(s, c)) }),
+  screw: ([twist]) =>
+    ({...turn(X), knobs: [angular(twist).length() ? "turn" : "shift"], motion: ([q]) => exponential(twist, q) }),
+  circle: ([twist]) => ({...circle(X), motion: ([c, s]) => exponential(twist, Math.atan2(s, c)) }),
   // its centre p: a twist's linear part is p x its axis
   ball(twists) {
     const axes = twists.map(angular), p = new THREE.Vector3();
@@ -98,7 +102,13 @@ export function knobsOf(chain, q, lower, upper) {
     const x = part.start(from);
     part.knobs.forEach((kind, i) => {
       const bound = (limit, sign) => (part.nq === 1 && Number.isFinite(limit ?? NaN) ? limit : x[i] + sign * FREE[kind]);
-      knobs.push({ kind, value: x[i], min: bound(lower[first], -1), max: bound(upper[first], 1), move: (value, all) => ((x[i] = value), part.coordinates(x, from).forEach((c, k) => (all[first + k] = c))) });
+      knobs.push({
+        kind,
+        value: x[i],
+        min: bound(lower[first], -1),
+        max: bound(upper[first], 1),
+        move: (value, all) => ((x[i] = value), part.coordinates(x, from).forEach((c, k) => (all[first + k] = c)))
+      });
     });
   }
   return knobs;

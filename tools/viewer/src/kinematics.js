@@ -27,7 +27,9 @@ export class Kinematics {
     const world = this.joints.map(() => new THREE.Matrix4());
     this.joints.forEach((joint, id) => {
       if (!id) return;
-      const relative = this.chains[id].length ? matrixOf(joint.chain?.rest ?? joint.placement).multiply(motionOf(this.chains[id], this.#coordinates(joint))) : this.still[id];
+      const relative = this.chains[id].length ?
+        matrixOf(joint.chain?.rest ?? joint.placement).multiply(motionOf(this.chains[id], this.#coordinates(joint))) :
+        this.still[id];
       world[id].multiplyMatrices(world[joint.parent], relative);
       world[id].decompose(this.robot.joints[id].position, this.robot.joints[id].quaternion, new THREE.Vector3());
     });

@@ -12,7 +12,8 @@ export class Live {
     this.socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/[#?].*$/, "") + "ws");
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = (event) => this.#receive(event.data);
-    this.socket.onclose = () => this.#say("The simulation has ended, or refused this page. Start dyn view --live again, and open the address that it prints.");
+    this.socket.onclose = () => this.#say(
+      "The simulation has ended, or refused this page. Start dyn view --live again, and open the address that it prints.");
     this.push = new Push(scene, robot, inspector, overlays.weight, (push) => this.send({ do: "push", ...push }));
     this.#controls(footer);
     this.#effects(side);
@@ -41,7 +42,8 @@ export class Live {
   #controls(footer) {
     this.pause = make("button", { id: "pause", onclick: () => this.send({ do: "pause", on: !this.state?.paused }) }, "pause");
     const speeds = [0.1, 0.25, 0.5, 1, 2].map((x) => make("option", { value: x, selected: x === 1 }, `${x}×`));
-    const speed = make("select", { id: "speed", onchange: () => this.send({ do: "speed", factor: Number(speed.value) }) }, ...speeds);
+    const speed =
+      make("select", { id: "speed", onchange: () => this.send({ do: "speed", factor: Number(speed.value) }) }, ...speeds);
     const drag = make("input", { type: "checkbox", id: "drag", onchange: () => (this.push.always = drag.checked) });
     this.label = make("output", { id: "clock" });
     const reset = () => {
@@ -49,14 +51,18 @@ export class Live {
       this.#say("");
       this.send({ do: "reset" });
     };
-    footer.append(this.pause, make("button", { id: "reset", onclick: reset }, "reset"), speed, make("label", {}, drag, " dragging pushes (or hold Shift)"), this.label);
+    footer.append(
+      this.pause, make("button", { id: "reset", onclick: reset }, "reset"), speed,
+      make("label", {}, drag, " dragging pushes (or hold Shift)"), this.label);
   }
 
   #effects(side) {
     const boxes = this.head.effects.map((name) => make("input", { type: "checkbox", checked: true, id: `effect-${name}` }));
     const tell = () => this.send({ do: "effects", without: this.head.effects.filter((_, i) => !boxes[i].checked).join(",") });
     for (const box of boxes) box.addEventListener("change", tell);
-    side.append(make("details", { open: true }, make("summary", {}, "effects"), ...boxes.map((box, i) => make("label", {}, box, ` ${this.head.effects[i]}  `))));
+    side.append(make(
+      "details", { open: true }, make("summary", {}, "effects"),
+      ...boxes.map((box, i) => make("label", {}, box, ` ${this.head.effects[i]}  `))));
   }
 
   #receive(data) {

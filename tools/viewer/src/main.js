@@ -20,7 +20,10 @@ const OPEN = ["contact forces", "energy", "q"];
 function heading(head) {
   const { model } = head;
   document.title = `${model.name} · dyn`;
-  byId("header").append(make("b", {}, model.name), make("span", {}, `${model.joints.length - 1} joints, nq ${model.nq}, nv ${model.nv}, ${number(model.mass)} kg`), make("span", {}, `libdyn ${head.version}`));
+  byId("header").append(
+    make("b", {}, model.name),
+    make("span", {}, `${model.joints.length - 1} joints, nq ${model.nq}, nv ${model.nv}, ${number(model.mass)} kg`),
+    make("span", {}, `libdyn ${head.version}`));
 }
 
 // The robot, drawn, with its switches; a page is built on that.
@@ -72,7 +75,8 @@ function startStill(view) {
 
 function startRecorded(view) {
   const { head, recording, robot, scene, overlays, inspector, side } = view;
-  const plots = [recording.contactPlot(), ...recording.plots].filter(Boolean).map((plot) => new Plot({ ...plot, open: OPEN.includes(plot.title) }, recording.time, (t) => player.seek(t)));
+  const plots = [recording.contactPlot(), ...recording.plots].filter(Boolean).map(
+    (plot) => new Plot({...plot, open: OPEN.includes(plot.title) }, recording.time, (t) => player.seek(t)));
   const player = new Player(byId("player"), recording, (t) => {
     const now = recording.at(t);
     robot.setPoses(now.positions, now.turns);
@@ -89,7 +93,8 @@ function startRecorded(view) {
   const tellState = () => {
     const k = recording.index(player.time);
     shown = player.time;
-    inspector.show({ q: recording.row("q", k), v: recording.row("v", k), tau: recording.row("tau", k), contacts: recording.contactsAt(k) });
+    inspector.show(
+      { q: recording.row("q", k), v: recording.row("v", k), tau: recording.row("tau", k), contacts: recording.contactsAt(k) });
     for (const plot of plots) plot.values(k);
   };
   // page.html#t=0.35 stands still at that moment
@@ -99,7 +104,8 @@ function startRecorded(view) {
   draw(scene, (now) => {
     player.tick((now - before) / 1000);
     before = now;
-    if (player.time !== shown && (!player.playing || now - told > 100)) (told = now), tellState(); // text follows ten times a second
+    if (player.time !== shown && (!player.playing || now - told > 100))
+      (told = now), tellState();  // text follows ten times a second
   });
   return { ...view, player, plots };
 }

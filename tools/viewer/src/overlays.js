@@ -39,7 +39,9 @@ export class Overlays {
       if (!frame.mass) return;
       const { values, vectors } = eigen(frame.inertia);
       const axes = semiAxes(values, frame.mass);
-      const [a, b, c] = [0, 1, 2].map((k) => new THREE.Vector3(vectors[0][k], vectors[1][k], vectors[2][k]).multiplyScalar(Math.max(axes[k], this.scene.size / 500)));
+      const [a, b, c] = [0, 1, 2].map(
+        (k) => new THREE.Vector3(vectors[0][k], vectors[1][k], vectors[2][k])
+                 .multiplyScalar(Math.max(axes[k], this.scene.size / 500)));
       const mesh = new THREE.Mesh(ball, material);
       mesh.matrixAutoUpdate = false;
       mesh.matrix.makeBasis(a, b, c).setPosition(...frame.com);
@@ -50,7 +52,9 @@ export class Overlays {
 
   #com() {
     const s = this.scene.size;
-    this.com = new THREE.Mesh(new THREE.SphereGeometry(s / 55, 20, 14), new THREE.MeshBasicMaterial({ color: 0x6a3fb5, depthTest: false, transparent: true, opacity: 0.9 }));
+    this.com = new THREE.Mesh(
+      new THREE.SphereGeometry(s / 55, 20, 14),
+      new THREE.MeshBasicMaterial({ color: 0x6a3fb5, depthTest: false, transparent: true, opacity: 0.9 }));
     this.com.renderOrder = 3;
     this.scene.overlays.add(this.com);
     this.groups.com.push(this.com);
@@ -89,7 +93,9 @@ export class Overlays {
       turn.setFromUnitVectors(Z, force.lengthSq() > 0 ? force.normalize() : Z);
       this.points.setMatrixAt(k, matrix.compose(at, turn, one));
       this.shafts.setMatrixAt(k, matrix.compose(at, turn, scale.set(1, 1, Math.max(length, 1e-9))));
-      this.heads.setMatrixAt(k, matrix.compose(at.addScaledVector(force, length), turn, length > 1e-3 * this.scene.size ? one : scale.setScalar(1e-6)));
+      this.heads.setMatrixAt(
+        k,
+        matrix.compose(at.addScaledVector(force, length), turn, length > 1e-3 * this.scene.size ? one : scale.setScalar(1e-6)));
     }
     for (const mesh of [this.points, this.shafts, this.heads]) {
       mesh.count = n;

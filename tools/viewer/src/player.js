@@ -9,7 +9,15 @@ export class Player {
     this.playing = false;
     this.speed = 1;
     this.button = make("button", { id: "play", onclick: () => this.play(!this.playing), title: "space" }, "play");
-    this.slider = make("input", { id: "scrub", type: "range", min: recording.start, max: recording.end, step: "any", value: recording.start, oninput: () => this.seek(Number(this.slider.value)) });
+    this.slider = make("input", {
+      id: "scrub",
+      type: "range",
+      min: recording.start,
+      max: recording.end,
+      step: "any",
+      value: recording.start,
+      oninput: () => this.seek(Number(this.slider.value))
+    });
     this.label = make("output", { id: "clock" });
     const speeds = [0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8].map((x) => make("option", { value: x, selected: x === 1 }, `${x}×`));
     this.select = make("select", { id: "speed", onchange: () => (this.speed = Number(this.select.value)) }, ...speeds);

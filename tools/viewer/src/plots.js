@@ -1,4 +1,5 @@
-// Plots over time, each with a line at the time shown; a click goes there. A part that is dragged over is shown larger, in all of them.
+// Plots over time, each with a line at the time shown; a click goes there. A part that is dragged over is shown larger, in all of
+// them.
 import Dygraph from "dygraphs";
 import "dygraphs/dist/dygraph.css";
 import { make, number, section } from "./dom.js";
@@ -30,14 +31,18 @@ export class Plot {
     this.clock = make("span", { className: "number" });
     this.numbers = colours.map(() => make("span", { className: "number" }));
     const key = (name, i) => {
-      const entry = make("span", { style: `color: ${colours[i]}`, onclick: () => this.graph.setVisibility(i, !entry.classList.toggle("off")) }, `${name} `, this.numbers[i]);
+      const entry = make(
+        "span", { style: `color: ${colours[i]}`, onclick: () => this.graph.setVisibility(i, !entry.classList.toggle("off")) },
+        `${name} `, this.numbers[i]);
       return entry;
     };
     const holder = make("div");
-    element.append(make("div", { className: "plot" }, holder, this.line), make("div", { className: "key" }, make("span", {}, "t ", this.clock), ...this.plot.names.map(key)));
+    element.append(
+      make("div", { className: "plot" }, holder, this.line),
+      make("div", { className: "key" }, make("span", {}, "t ", this.clock), ...this.plot.names.map(key)));
     const width = () => Math.max(element.clientWidth - 4, 200);
     this.graph = new Dygraph(holder, this.time.length ? this.#rows() : [[0, ...colours.map(() => NaN)]], {
-      labels: ["t", ...colours.map((_, i) => String(i))], // names need not differ
+      labels: ["t", ...colours.map((_, i) => String(i))],  // names need not differ
       colors: colours,
       width: width(),
       height: HEIGHT,
@@ -46,10 +51,14 @@ export class Plot {
       gridLineColor: "#d4d8de",
       axisLineColor: "#9aa3ae",
       axisLabelFontSize: 11,
-      axes: { x: { axisLabelFormatter: (x) => number(x) }, y: { axisLabelFormatter: (y) => number(y), axisLabelWidth: 52, pixelsPerLabel: 24 } },
+      axes: {
+        x: { axisLabelFormatter: (x) => number(x) },
+        y: { axisLabelFormatter: (y) => number(y), axisLabelWidth: 52, pixelsPerLabel: 24 }
+      },
       highlightCallback: (event, x, points, row) => Plot.#drawn.forEach((plot) => plot.values(row)),
       clickCallback: (event) => this.onSeek(this.graph.toDataXCoord(this.graph.eventToDomCoords(event)[0])),
-      zoomCallback: (from, to) => Plot.#drawn.forEach((plot) => plot !== this && plot.graph.updateOptions({ dateWindow: [from, to] })),
+      zoomCallback: (from, to) =>
+        Plot.#drawn.forEach((plot) => plot !== this && plot.graph.updateOptions({ dateWindow: [from, to] })),
       drawCallback: () => this.mark(this.last),
     });
     new ResizeObserver(() => element.open && this.graph.resize(width(), HEIGHT)).observe(element);

@@ -8,7 +8,9 @@ export class Push {
   constructor(scene, robot, inspector, weight, send) {
     Object.assign(this, { scene, robot, inspector, weight, send });
     this.always = false;
-    this.line = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3()]), new THREE.LineBasicMaterial({ color: 0x1c2430, depthTest: false }));
+    this.line = new THREE.Line(
+      new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3()]),
+      new THREE.LineBasicMaterial({ color: 0x1c2430, depthTest: false }));
     this.line.visible = false;
     this.line.frustumCulled = false;
     scene.overlays.add(this.line);
@@ -26,7 +28,8 @@ export class Push {
     this.scene.controls.enabled = false;
     this.scene.canvas.setPointerCapture(event.pointerId);
     this.held = { frame, point: this.robot.frames[frame].worldToLocal(hit.point.clone()) };
-    this.plane = new THREE.Plane().setFromNormalAndCoplanarPoint(this.scene.camera.getWorldDirection(new THREE.Vector3()), hit.point);
+    this.plane =
+      new THREE.Plane().setFromNormalAndCoplanarPoint(this.scene.camera.getWorldDirection(new THREE.Vector3()), hit.point);
     this.target = hit.point.clone();
   }
 

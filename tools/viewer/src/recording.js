@@ -9,8 +9,18 @@ export class Recording {
     this.com = read(recording.com);
     this.plots = recording.plots.map((plot) => ({ ...plot, values: read(plot.values) }));
     const c = recording.contacts;
-    this.contacts = { first: read(c.first), position: read(c.position), force: read(c.force), distance: read(c.distance), shapes: read(c.shapes) };
-    this.now = { positions: new Float32Array(3 * (model.joints.length - 1)), turns: new Float32Array(4 * (model.joints.length - 1)), com: [0, 0, 0] };
+    this.contacts = {
+      first: read(c.first),
+      position: read(c.position),
+      force: read(c.force),
+      distance: read(c.distance),
+      shapes: read(c.shapes)
+    };
+    this.now = {
+      positions: new Float32Array(3 * (model.joints.length - 1)),
+      turns: new Float32Array(4 * (model.joints.length - 1)),
+      com: [0, 0, 0]
+    };
   }
 
   get start() {
@@ -59,7 +69,14 @@ export class Recording {
     const out = [];
     for (let i = first[k]; i < first[k + 1]; ++i) {
       const a = shapes[2 * i], b = shapes[2 * i + 1], sign = this.#moves(b) ? 1 : -1;
-      out.push({ a, b, on: sign > 0 ? b : a, distance: distance[i], position: position.subarray(3 * i, 3 * i + 3), force: [0, 1, 2].map((j) => sign * force[3 * i + j]) });
+      out.push({
+        a,
+        b,
+        on: sign > 0 ? b : a,
+        distance: distance[i],
+        position: position.subarray(3 * i, 3 * i + 3),
+        force: [0, 1, 2].map((j) => sign * force[3 * i + j])
+      });
     }
     return out;
   }
@@ -86,7 +103,8 @@ export class Recording {
     const names = [...links.keys()].map((frame) => this.model.frames[frame].name);
     const values = new Float32Array(names.length * this.moments);
     [...links.values()].forEach((sums, i) => {
-      for (let k = 0; k < this.moments; ++k) values[k * names.length + i] = Math.hypot(sums[3 * k], sums[3 * k + 1], sums[3 * k + 2]);
+      for (let k = 0; k < this.moments; ++k)
+        values[k * names.length + i] = Math.hypot(sums[3 * k], sums[3 * k + 1], sums[3 * k + 2]);
     });
     return { title: "contact forces", unit: "N", names, values };
   }

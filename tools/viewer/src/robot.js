@@ -7,7 +7,16 @@ const PALETTE = [0x8fa3b8, 0x5b7fa6, 0xb0bac6, 0x6d8f8a, 0x9a8fb0, 0x7d93a8];
 /** how a shape looks as a visual one: as the robot's file says, else that of its mesh, else by its joint */
 function looks({ rgba }, geometry, joint) {
   const vertexColors = !rgba && geometry.attributes.color !== undefined;
-  if (!rgba) return { color: vertexColors ? 0xffffff : joint ? PALETTE[joint % PALETTE.length] : 0xc9ced6, vertexColors, transparent: false, opacity: 1, depthWrite: true };
+  if (!rgba)
+    return {
+      color: vertexColors ? 0xffffff :
+        joint             ? PALETTE[joint % PALETTE.length] :
+                            0xc9ced6,
+      vertexColors,
+      transparent: false,
+      opacity: 1,
+      depthWrite: true
+    };
   const [r, g, b] = rgba.map((x) => Math.round(255 * x));
   return { color: (r << 16) | (g << 8) | b, transparent: rgba[3] < 1, opacity: rgba[3], depthWrite: rgba[3] === 1 };
 }

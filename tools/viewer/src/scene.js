@@ -34,7 +34,8 @@ export class Scene {
     const box = this.robot.box();
     this.size = Math.max(box.getSize(new THREE.Vector3()).length(), 0.05);
     const s = this.size;
-    Object.assign(this.sun.shadow.camera, { left: -2 * s, right: 2 * s, top: 2 * s, bottom: -2 * s, near: 0.01 * s, far: 10 * s });
+    Object.assign(
+      this.sun.shadow.camera, { left: -2 * s, right: 2 * s, top: 2 * s, bottom: -2 * s, near: 0.01 * s, far: 10 * s });
     this.sun.shadow.camera.updateProjectionMatrix();
     this.camera.near = s / 200;
     this.camera.far = s * 400;

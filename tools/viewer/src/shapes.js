@@ -45,7 +45,8 @@ function roundedBox(h, r) {
 }
 
 function capsule(r, length) {
-  const arc = (from, y) => Array.from({ length: 11 }, (_, k) => from + (k * Math.PI) / 20).map((a) => new THREE.Vector2(r * Math.cos(a), y + r * Math.sin(a)));
+  const arc = (from, y) => Array.from({ length: 11 }, (_, k) => from + (k * Math.PI) / 20)
+                             .map((a) => new THREE.Vector2(r * Math.cos(a), y + r * Math.sin(a)));
   return new THREE.LatheGeometry([...arc(-Math.PI / 2, -length / 2), ...arc(0, length / 2)], 28);
 }
 

@@ -3,7 +3,8 @@ import { make } from "./dom.js";
 
 export function addTools(element, { robot, scene, overlays }) {
   const toggle = (id, label, on, set) => {
-    const box = make("input", { type: "checkbox", id: `show-${id}`, checked: on, onchange: () => (set(box.checked), scene.redraw()) });
+    const box =
+      make("input", { type: "checkbox", id: `show-${id}`, checked: on, onchange: () => (set(box.checked), scene.redraw()) });
     set(on);
     element.append(make("label", {}, box, ` ${label}`));
   };
@@ -17,5 +18,8 @@ export function addTools(element, { robot, scene, overlays }) {
   toggle("inertia", "inertia ellipsoids", false, (on) => overlays.show("inertia", on));
   toggle("contacts", "contacts and forces", true, (on) => overlays.show("contacts", on));
   toggle("follow", "camera follows", false, (on) => (scene.follow = on));
-  element.append(make("div", { className: "row" }, ...["oblique", "front", "side", "top"].map((name) => make("button", { id: `look-${name}`, onclick: () => scene.look(name) }, name))));
+  element.append(make(
+    "div", { className: "row" },
+    ...["oblique", "front", "side", "top"].map(
+      (name) => make("button", { id: `look-${name}`, onclick: () => scene.look(name) }, name))));
 }
