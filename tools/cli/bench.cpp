@@ -57,7 +57,8 @@ Algorithm algorithm_row(const Robot& robot, dynAlgorithm algorithm, dynIntegrato
     for (std::size_t k = 0; k < out->size(); ++k) x.out[k] = (*out)[k].data();
     const dynStatus status = dyn_algorithm_run(m, d, algorithm, &x);
     if (status != DYN_ERROR_ARGUMENT || !out->empty()) return status;
-    for (int k = 0; k < info.outputs; ++k) out->emplace_back(numbers(info, k)), x.out[k] = out->back().data();
+    for (int k = 0; k < info.outputs; ++k)
+      out->emplace_back(numbers(info, k) + 1), x.out[k] = out->back().data();  // not NULL, even of no numbers
     return dyn_algorithm_run(m, d, algorithm, &x);
   };
   return {name, info.precondition, info.part, call, {}};
