@@ -2,6 +2,7 @@
 
 #include "algorithm/constrained/delassus.hpp"
 #include "solver/pgs.hpp"
+#include "solver/residuals.hpp"
 
 namespace dyn::simulation {
 
@@ -26,8 +27,6 @@ double dot(const double* a, const double* b, Index n) {
   return sum_of(sum) + rest;
 }
 
-constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
-
 // Solves A x = b, positive definite with a small ridge, by Cholesky. Returns false if it is singular.
 bool solve_gram(const double (*A)[depth], int n, double* b) {
   double L[depth][depth];
@@ -51,149 +50,144 @@ bool solve_gram(const double (*A)[depth], int n, double* b) {
 
 }  // namespace
 
-AcceleratedSweeps::AcceleratedSweeps(const Island& island) : x(island), w(x.w), e(w.elimination), room(padded_rows(x.rows)) {
-  const double* Dinv = inverse_pivots(x.m, x.d);
-  const Segments& segments = w.segments;
-  double* to = w.run_rows;
-  Index boxes = 0, contacts = 0;
-  for_each([&](const ActiveConstraint& a, SweepBlock& s, Index k) {
-    const ConstraintBlock& own = w.blocks[k];
-    const Index all = a.s->rows;
-    const double mu = a.kind == RowKind::Contact ? x.friction[contacts] : 0;
-    const bool cone = a.kind == RowKind::Contact && all > 1 && mu > 0;
-    s.order = cone ? order_of[all] : as_they_are + (a.kind == RowKind::Contact ? normal_row(all) : 0);
-    s.first = rows, s.rows = a.kind == RowKind::Contact && !cone ? 1 : all;
-    s.mu = mu, s.cone = cone, s.lower = a.kind == RowKind::Contact ? 0 : -HUGE_VAL, s.upper = HUGE_VAL;
-    if (a.kind == RowKind::Box) s.lower = x.lower[boxes], s.upper = x.upper[boxes], ++boxes;
-    contacts += a.kind == RowKind::Contact;
-    for (Index i = 0; i < s.rows; ++i) {
-      const Index at = s.order[i], in = a.s->first + at;
-      s.scale[i] = cone ? own.scale[i] : 1;
-      const double G = s.scale[i] * s.scale[i] * (own.diagonal[at] + x.compliance[in]);
-      s.soft[i] = s.scale[i] * s.scale[i] * x.compliance[in];
-      s.inverse[i] = G > 0 ? 1 / G : 0, s.speed[i] = s.scale[i] * (own.diagonal[at] + x.compliance[in]);
-      y[rows + i] = s.scale[i] > 0 ? x.lambda[in] / s.scale[i] : 0;
-      wanted[rows + i] = s.scale[i] * (x.g[in] + x.bias[in]), weight[rows + i] = std::sqrt(G);
-    }
-    if (cone) {
-      for (Index j = 0; j < s.rows; ++j)
-        for (Index i = 0; i < s.rows; ++i) s.G[i + max_rows * j] = own.G[i + row_lanes * j];
-      solver::Problem p;
-      p.G = {s.G, max_rows};
-      s.local = solver::local_cone(p, {0, s.rows, mu});
-    }
-    rows += s.rows;
-    Index n = 0;
-    const double* carried = a.Y;
-    for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
-      ConstraintRun& run = e.runs[r];
-      const Index of = e.segment[run.segment], first = segments.first[of];
-      run.rows = to;
-      std::fill_n(to, W * s.rows, 0.0);
-      for (; n < a.s->support_count && segments.of[a.support[n]] == of; ++n, carried += row_lanes) {
-        const double root = std::sqrt(Dinv[a.support[n]]);
-        for (Index i = 0; i < s.rows; ++i) to[W * i + a.support[n] - first] = root * s.scale[i] * carried[s.order[i]];
-      }
-      to += W * s.rows;
-    }
-  });
+template <class F>
+DYN_INLINE void AcceleratedSweeps::by_rows(const RowBlock& s, F&& f) {
+  if (s.rows == 3) f.template operator()<3>();  // most contacts
+  else with_row_count(s.rows, f);
 }
 
-template <int rows_>
+AcceleratedSweeps::AcceleratedSweeps(const Island& island) : x(island), w(x.w), e(w.elimination), room(padded_rows(x.rows)) { load(); }
+
+void AcceleratedSweeps::load() {
+  for_each([&](const ActiveConstraint& a, RowBlock& s, Index) {
+    for (Index i = 0; i < s.rows; ++i) {
+      const Index in = a.s->first + s.order[i];
+      y[a.s->first + i] = s.unit[i] > 0 ? x.lambda[in] / s.unit[i] : 0;
+      wanted[a.s->first + i] = s.unit[i] * (x.g[in] + x.bias[in]);
+    }
+  });
+  kept = next = 0, has_last = false;
+  start();
+}
+
+template <int rows>
 DYN_INLINE void AcceleratedSweeps::gather(Index constraint, double* c) const {
-  P sum[rows_];
-  for (int i = 0; i < rows_; ++i) sum[i] = P::zero();
+  P sum[rows];
+  for (int i = 0; i < rows; ++i) sum[i] = P::zero();
   for (Index r = e.first_run[constraint]; r < e.first_run[constraint + 1]; ++r) {
     const ConstraintRun& run = e.runs[r];
     const P z = P::load(w.by_segment + W * run.segment);
 #pragma GCC unroll 6
-    for (int i = 0; i < rows_; ++i) sum[i] = sum[i] + P::load(run.rows + W * i) * z;
+    for (int i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(run.rows + W * i) * z;
   }
-  for (int i = 0; i < rows_; ++i) c[i] = sum_of(sum[i]);
+  for (int i = 0; i < rows; ++i) c[i] = sum_of(sum[i]);
 }
 
-template <int rows_>
+template <int rows>
 DYN_INLINE void AcceleratedSweeps::scatter(Index constraint, const double* by) const {
   for (Index r = e.first_run[constraint]; r < e.first_run[constraint + 1]; ++r) {
     const ConstraintRun& run = e.runs[r];
     double* const to = w.by_segment + W * run.segment;
     P z = P::load(to);
 #pragma GCC unroll 6
-    for (int i = 0; i < rows_; ++i) z = z + P::load(run.rows + W * i) * by[i];
+    for (int i = 0; i < rows; ++i) z = z + P::load(run.rows + W * i) * by[i];
     z.store(to);
   }
 }
 
-// z' = Y' lambda
+// z = Y'^T y
 void AcceleratedSweeps::start() const {
   std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0);
-  for_each([&](const ActiveConstraint&, const SweepBlock& s, Index k) {
-    with_row_count(s.rows, [&]<int n>() { scatter<n>(k, y + s.first); });
+  for_each([&](const ActiveConstraint& a, const RowBlock& s, Index k) {
+    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { scatter<rows>(k, y + a.s->first); });
   });
 }
 
-// One row of a box or an equality. Returns the change of its velocity.
-template <int rows_>
-DYN_INLINE double AcceleratedSweeps::row(SweepBlock& s, Index k, Index r, double lower, double upper) const {
-  if (!(s.inverse[r] > 0)) return 0;
-  double c[rows_], by[rows_] = {}, &l = y[s.first + r];
-  gather<rows_>(k, c);
-  const double to = std::clamp(l - (wanted[s.first + r] + c[r] + s.soft[r] * l) * s.inverse[r], lower, upper);
-  by[r] = to - l;
+// One row of a box or an equality; its own block is 1. Returns the change of its velocity.
+template <int rows>
+DYN_INLINE double AcceleratedSweeps::row(const RowBlock& s, Index k, double* l, const double* g, Index r) const {
+  double c[rows], by[rows] = {};
+  gather<rows>(k, c);
+  const double to = std::clamp(l[r] - (g[r] + c[r] + s.soft[r] * l[r]), s.lower, s.upper);
+  by[r] = to - l[r];
   if (by[r] == 0) return 0;
-  l = to;
-  scatter<rows_>(k, by);
-  return std::abs(by[r]) * s.speed[r];
+  l[r] = to;
+  scatter<rows>(k, by);
+  return std::abs(by[r]) / s.unit[r];
 }
 
-template <int rows_>
-DYN_INLINE double AcceleratedSweeps::cone(SweepBlock& s, Index k) const {
-  double c[rows_], b[rows_], to[rows_], by[rows_], *l = y + s.first;
-  gather<rows_>(k, c);
-  for (int i = 0; i < rows_; ++i) {
-    b[i] = wanted[s.first + i] + c[i] + s.soft[i] * l[i];
-    for (int j = 0; j < rows_; ++j) b[i] -= s.G[i + max_rows * j] * l[j];
+DYN_INLINE double AcceleratedSweeps::point(RowBlock& s, Index k, double* l, const double* g) const {
+  double c[3], b[3], to[3];
+  const double* G = s.point.G;
+  gather<3>(k, c);
+  b[0] = g[0] + c[0] + s.soft[0] * l[0] - (G[0] * l[0] + G[1] * l[1] + G[2] * l[2]);
+  b[1] = g[1] + c[1] + s.soft[1] * l[1] - (G[1] * l[0] + G[3] * l[1] + G[4] * l[2]);
+  b[2] = g[2] + c[2] + s.soft[2] * l[2] - (G[2] * l[0] + G[4] * l[1] + G[5] * l[2]);
+  s.point.solve(s.mu, b, to);
+  const double by[3] = {to[0] - l[0], to[1] - l[1], to[2] - l[2]};
+  std::copy_n(to, 3, l);
+  const double most = std::max(std::abs(by[0]) / s.speed[0], std::max(std::abs(by[1]), std::abs(by[2])) / s.speed[1]);
+  if (most > 0) scatter<3>(k, by);
+  return most;
+}
+
+// In the units of ConstraintBlock, which its eigenvectors belong to.
+template <int rows>
+DYN_INLINE double AcceleratedSweeps::cone(const RowBlock& s, Index k, double* l, const double* g) const {
+  ConstraintBlock& own = w.blocks[k];
+  double c[rows], b[rows], now[rows], to[rows], by[rows], most = 0;
+  gather<rows>(k, c);
+  const auto unit = [&](int i) { return s.speed[i > 0]; };
+  for (int i = 0; i < rows; ++i) now[i] = l[i] * unit(i);
+  for (int i = 0; i < rows; ++i) {
+    b[i] = (g[i] + c[i] + s.soft[i] * l[i]) / unit(i);
+    for (int j = 0; j < rows; ++j) b[i] -= own.G[i + row_lanes * j] * now[j];
   }
-  solver::solve_cone({0, rows_, s.mu}, s.local, s.G[0], b, to);
-  double most = 0;
-  for (int i = 0; i < rows_; ++i) {
-    by[i] = to[i] - l[i], l[i] = to[i];
-    most = std::max(most, std::abs(by[i]) * s.speed[i]);
+  solver::solve_cone({0, rows, s.mu * s.speed[1] / s.speed[0]}, own.local, own.G[0], b, to);
+  for (int i = 0; i < rows; ++i) {
+    by[i] = (to[i] - now[i]) / unit(i), l[i] = to[i] / unit(i);
+    most = std::max(most, std::abs(by[i]) / unit(i));
   }
-  if (most > 0) scatter<rows_>(k, by);
+  if (most > 0) scatter<rows>(k, by);
   return most;
 }
 
 // One sweep. Returns the largest change of a row's velocity by its own impulse.
 double AcceleratedSweeps::sweep() const {
   double most = 0;
-  for_each([&](const ActiveConstraint&, SweepBlock& s, Index k) {
-    if (s.cone) {
-      if (s.rows == 3) most = std::max(most, cone<3>(s, k));
-      else if (s.rows == 4) most = std::max(most, cone<4>(s, k));
-      else most = std::max(most, cone<6>(s, k));
-      return;
+  for_each([&](const ActiveConstraint& a, RowBlock& s, Index k) {
+    double* const l = y + a.s->first;
+    const double* const g = wanted + a.s->first;
+    if (s.kind == RowBlock::Kind::point) {
+      most = std::max(most, point(s, k, l, g));
+    } else if (s.kind == RowBlock::Kind::cone) {
+      if (s.rows == 3) most = std::max(most, cone<3>(s, k, l, g));
+      else if (s.rows == 4) most = std::max(most, cone<4>(s, k, l, g));
+      else most = std::max(most, cone<6>(s, k, l, g));
+    } else {
+      with_row_count(s.rows, [&]<int rows>() {
+        for (Index r = 0; r < rows; ++r) most = std::max(most, row<rows>(s, k, l, g, r));
+      });
     }
-    with_row_count(s.rows, [&]<int n>() {
-      for (Index r = 0; r < n; ++r) most = std::max(most, row<n>(s, k, r, s.lower, s.upper));
-    });
   });
   return most;
 }
 
-// Onto the cones and the bounds.
+// Onto the cones and the bounds; z follows.
 void AcceleratedSweeps::project() const {
-  for_each([&](const ActiveConstraint&, const SweepBlock& s, Index) {
-    double* const l = y + s.first;
-    if (s.cone) solver::project_cone(s.mu, s.rows, l, l);
+  for_each([&](const ActiveConstraint& a, const RowBlock& s, Index) {
+    double* const l = y + a.s->first;
+    if (s.is_cone()) solver::project_cone(s.mu, s.rows, l, l);
     else
       for (Index i = 0; i < s.rows; ++i) l[i] = std::clamp(l[i], s.lower, s.upper);
   });
+  start();
 }
 
 // y after a sweep becomes the combination of the last results whose changes are least (least squares).
 void AcceleratedSweeps::accelerate(bool grew) {
-  for (Index i = 0; i < rows; ++i) from[i] = weight[i] * (y[i] - from[i]);  // the change
+  const Index rows = x.rows;
+  for (Index i = 0; i < rows; ++i) from[i] = y[i] - from[i];  // the change
   if (grew) kept = next = 0;
   if (has_last && !grew) {
     double *const df = results + next * room, *const dr = changes + next * room;
@@ -212,28 +206,48 @@ void AcceleratedSweeps::accelerate(bool grew) {
   }
   for (int k = 0; k < kept; ++k)
     for (Index i = 0; i < rows; ++i) y[i] -= gamma[k] * results[k * room + i];
-  project(), start();
+  project();
 }
 
-void AcceleratedSweeps::write(const double* of) const {
-  for_each([&](const ActiveConstraint& a, const SweepBlock& s, Index) {
-    for (Index i = 0; i < s.rows; ++i) x.lambda[a.s->first + s.order[i]] = s.scale[i] * of[s.first + i];
+// Calls f(constraint, block, Y' z in its rows).
+template <class F>
+double AcceleratedSweeps::residual(F&& f) const {
+  double worst = 0, most = 0;  // velocity; impulse, as a velocity
+  for_each([&](const ActiveConstraint& a, const RowBlock& s, Index k) {
+    const double *const l = y + a.s->first, *const g = wanted + a.s->first;
+    double c[max_rows], u[max_rows], wrong[max_rows];
+    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+      gather<rows>(k, c);
+      for (int i = 0; i < rows; ++i) u[i] = g[i] + c[i] + s.soft[i] * l[i];
+    });
+    f(a, s, c);
+    if (s.is_cone()) solver::natural_map({0, s.rows, s.mu}, l, u, wrong);
+    else
+      for (Index i = 0; i < s.rows; ++i) wrong[i] = l[i] - std::clamp(l[i] - u[i], s.lower, s.upper);
+    for (Index i = 0; i < s.rows; ++i) {
+      const double speed = s.is_cone() ? s.speed[i > 0] : s.unit[i], error = std::abs(wrong[i]) / speed;
+      most = std::max(most, std::abs(l[i]) / speed);
+      if (!(error <= worst)) worst = error >= 0 ? error : HUGE_VAL;  // NaN counts as infinite
+    }
   });
+  return solver::is_lost_to_round_off(most, x.fastest) ? HUGE_VAL : worst;
 }
 
-bool AcceleratedSweeps::run(Index most, dynContactReport& report) {
-  const double speed = x.speed(), tolerated = x.tolerance * speed;
+double AcceleratedSweeps::residual() const {
+  return residual([](const ActiveConstraint&, const RowBlock&, const double*) {});
+}
+
+void AcceleratedSweeps::run(Index most, dynContactReport& report) {
+  const double tolerated = x.tolerance * x.fastest;
   double least = HUGE_VAL, least_before = HUGE_VAL, last = HUGE_VAL, checked = HUGE_VAL;
-  start();
   for (Index k = 1; k <= most; ++k) {
-    std::copy_n(y, rows, from);
+    std::copy_n(y, x.rows, from);
     const double changed = sweep();
     ++report.iterations;
-    if (changed < least) least = changed, std::copy_n(y, rows, best);
+    if (changed < least) least = changed, std::copy_n(y, x.rows, best);
     if (changed <= tolerated && changed <= recheck * checked) {
       checked = changed;
-      write(y), report.residual = x.residual() / speed;
-      if (report.residual <= x.tolerance) return true;
+      if (residual() <= tolerated) return;
     }
     if (k % patience == 0) {
       if (!(least < progress * least_before)) break;
@@ -243,27 +257,61 @@ bool AcceleratedSweeps::run(Index most, dynContactReport& report) {
     accelerate(changed > growth * last);
     last = changed;
   }
-  write(best), report.residual = speed > 0 ? x.residual() / speed : 0;
-  return report.residual <= x.tolerance;
+  std::copy_n(best, x.rows, y), start();
 }
 
 void AcceleratedSweeps::frictionless(int most, double share) {
-  std::fill_n(y, rows, 0.0);
+  std::fill_n(y, x.rows, 0.0);
   std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0);
   double first = 0;
   for (int n = 0; n < most; ++n) {
     double changed = 0;
-    for_each([&](const ActiveConstraint&, SweepBlock& s, Index k) {
-      if (s.cone) changed = std::max(changed, row<1>(s, k, 0, 0, HUGE_VAL));
+    for_each([&](const ActiveConstraint& a, const RowBlock& s, Index k) {
+      const auto row = [&]<int rows>(Index r, double lower, double upper) DYN_INLINE_LAMBDA {
+        double c[rows], by[rows] = {}, &l = y[a.s->first + r];
+        const double own = 1 - s.soft[r];
+        if (!(own > 0)) return;
+        gather<rows>(k, c);
+        const double to = std::clamp(l - (wanted[a.s->first + r] + c[r]) / own, lower, upper);
+        by[r] = to - l;
+        if (by[r] == 0) return;
+        l = to;
+        scatter<rows>(k, by);
+        changed = std::max(changed, std::abs(by[r]) / s.unit[r]);
+      };
+      if (s.is_cone()) row.template operator()<1>(0, 0, HUGE_VAL);
       else
-        with_row_count(s.rows, [&]<int n_>() {
-          for (Index r = 0; r < n_; ++r) changed = std::max(changed, row<n_>(s, k, r, s.lower, s.upper));
+        with_row_count(s.rows, [&]<int rows>() {
+          for (Index r = 0; r < rows; ++r) row.template operator()<rows>(r, s.lower, s.upper);
         });
     });
     if (n == 0) first = changed;
     else if (changed <= share * first) break;
   }
-  write(y);
+  write();
+}
+
+void AcceleratedSweeps::write() const {
+  for_each([&](const ActiveConstraint& a, const RowBlock& s, Index) {
+    for (Index i = 0; i < s.rows; ++i) x.lambda[a.s->first + s.order[i]] = s.unit[i] * y[a.s->first + i];
+  });
+}
+
+double AcceleratedSweeps::finish() {
+  write();
+  const double wrong = residual([&](const ActiveConstraint& a, const RowBlock& s, const double* c) {
+    for (Index i = 0; i < s.rows; ++i) {
+      const Index in = a.s->first + s.order[i];
+      x.c[in] = x.g[in] + (s.unit[i] > 0 ? c[i] / s.unit[i] : 0);
+    }
+  });
+  const double* Dinv = inverse_pivots(x.m, x.d);
+  for (Index k = 0; k < e.size; ++k) {
+    const Index begin = w.segments.first[e.segment[k]], end = w.segments.first[e.segment[k] + 1];
+    for (Index dof = begin; dof < end; ++dof)
+      if (Dinv[dof] > 0) x.by_dof[dof] = w.by_segment[W * k + dof - begin] / std::sqrt(Dinv[dof]);
+  }
+  return wrong;
 }
 
 }  // namespace dyn::simulation

@@ -25,6 +25,7 @@ bool Island::ordered() {
 
 bool Island::newton(dynContactReport& report, bool from_inside) {
   if (!sparse()) return false;
+  build_rows();
   if (from_inside) return interior(*this, report);
   Newton method(*this);
   if (method.run(report)) return true;

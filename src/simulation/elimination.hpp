@@ -24,7 +24,7 @@ struct Segments {
 inline Index segment_capacity(const Model& m) { return m.has_mimic ? m.n.nv : std::min(m.n.nv, m.n.bodies - 1 + m.n.nv / segment_size); }
 void find_segments(const Model& m, Segments& s);
 
-// Rows of a constraint within one segment: in lanes by degree of freedom, in the units of newton.cpp.
+// Rows of a constraint within one segment: in lanes by degree of freedom, in the units of island_rows.cpp.
 struct ConstraintRun {
   Index segment, constraint;  // numbered within the island
   double* rows;

@@ -43,6 +43,7 @@ void Island::solve_fixed_correction(dynContactReport& report) {
   if (w.method_iterations() < min_iterations || report.residual < rounding || (!sparse() && !ordered())) return;
   const Index more = (report.residual > far * tolerance ? far_rounds : near_rounds) * w.method_iterations();
   allowance = std::min(w.max_iterations(), report.iterations + report.newton_steps + more);
+  build_rows();
   Interior method(*this);
   if (!method.run_fixed_correction(report)) method.write_best(report);
 }

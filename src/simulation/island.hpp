@@ -17,7 +17,7 @@ struct Island {
   double h;
   const double* v_before;
   Index rows = 0, equalities = 0, boxes = 0, contacts = 0, dropped = 0;  // dropped: redundant rows of equalities
-  bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
+  bool bounces = false, supported = false, has_matrix = false, has_cones = false, has_rows = false;  // supported: by the world
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double inconsistency = 0;  // inconsistency of the equalities, relative to the speed
   double fastest = 0;  // speed() at the beginning
@@ -57,6 +57,9 @@ struct Island {
   bool has_runs();  // finds the runs of its constraints; returns false if they do not fit
   bool ordered();  // finds the elimination order; returns false if it does not fit
 
+  // blocks and rows by segments (island_rows.cpp). Needs prepare_blocks and has_runs.
+  void build_rows();
+
   // matrix-free Gauss-Seidel (pgs_matrix_free.cpp)
   void prepare_blocks();
   void prepare_cones();
@@ -72,6 +75,7 @@ struct Island {
   // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
+  void accelerated_sweeps(dynContactReport& report);  // alone
   void solve_fixed_correction(dynContactReport& report);
   double residual() const;  // also sets by_dof and c for lambda
   double speed() const;  // largest velocity that is to change

@@ -133,10 +133,10 @@ void Newton::set_law(const ActiveConstraint& a, State& s) const {
   }
 }
 
-// D of the pivots plus Y law Y^T of each constraint.
+// 1 plus Y law Y^T of each constraint.
 void Newton::fill(Index p, double* D) const {
   std::fill_n(D, BlockFactor::size, 0.0);
-  for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = w.pivots[W * p + i] > 0 ? 1 / w.pivots[W * p + i] : 1;
+  for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = 1;
   e.for_each_of(e.order[p], [&](const ConstraintRun& a) {
     const State& s = w.newton[a.constraint];
     if (s.unknowns == 0) return;
@@ -231,7 +231,7 @@ Newton::Newton(const Island& island)
     : x(island), w(x.w), e(w.elimination),
       factor{e, w.diagonal, w.blocks_above, w.blocks_above + BlockFactor::size * std::ptrdiff_t(e.entries()), w.where, w.newton_acts, w.newton_filled},
       room(padded_rows(x.rows)), speed(x.speed()), bound(0), compliant(min_compliance) {
-  scale(), build_segment_rows();
+  load();
   std::fill_n(y, x.rows, 0.0), velocities();
   for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
   for (Index i = 0; i < x.rows; ++i) bound = std::max(bound, above_guess * std::abs(before[i]));

@@ -1,7 +1,7 @@
 // Newton's method of Alart and Curnier (solver/alart_curnier.hpp) on an island without a dense matrix.
-// With Y the columns at the supporting dofs, D their pivots, G = Y^T D^-1 Y, and K the stiffness of active rows
+// With Y the columns at the supporting dofs over the roots of their pivots, G = Y^T Y, and K the stiffness of active rows
 // (a small compliance where a contact sticks):
-//   (G + K^-1) a = r        (D + Y K Y^T) z = Y K r,   a = K (r - Y^T z)
+//   (G + K^-1) a = r        (1 + Y K Y^T) z = Y K r,   a = K (r - Y^T z)
 // The factorised matrix has the size of the degrees of freedom, however many rows there are, in blocks of segments (elimination.hpp).
 #pragma once
 
@@ -15,6 +15,8 @@ class Newton {
   explicit Newton(const Island& island);
   // Starts from the island's lambda and iterates while the error falls. Returns true when the tolerance is met.
   bool run(dynContactReport& report);
+  // At most max_steps steps, each of which must reduce the squared error to `share` of the last.
+  bool run(Index max_steps, double share, dynContactReport& report);
   // Sets lambda to the feasible impulses nearest to the result if they are better than the guess.
   void write_best(dynContactReport& report);
 
@@ -72,14 +74,10 @@ class Newton {
     return error(0);
   }
   bool factorize() const;  // uses the laws of the constraints
-  // At most max_steps steps, each of which must reduce the error to `share` of the last.
-  bool run(Index max_steps, double share, dynContactReport& report);
-
  private:
   double compliant;  // compliance of sticking rows, relative to the unit diagonal
 
-  void scale();
-  void build_segment_rows();
+  void load();
   void fill(Index position, double* D) const;
   double classify();
   void set_law(const ActiveConstraint& a, State& s) const;

@@ -276,6 +276,7 @@ void Island::gauss_seidel_frictionless() {
   const double least = std::max(correction_change, uses_gauss_seidel_only() ? tolerance : 0);  // of the largest change in the first sweep
   std::fill_n(lambda, rows, 0.0);
   if (!uses_gauss_seidel_only() && has_runs()) {
+    build_rows();
     AcceleratedSweeps(*this).frictionless(correction_sweeps, least);
     return scatter_all(by_dof);
   }

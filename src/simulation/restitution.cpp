@@ -29,7 +29,7 @@ void Island::solve_restitution(dynContactReport& report) {
     report.iterations = report.newton_steps = 0;
     scale_restitution(factor);
     if (uses_gauss_seidel_only()) gauss_seidel(report);
-    else if (!is_exact() && has_runs()) AcceleratedSweeps(*this).run(w.max_iterations(), report);
+    else if (!is_exact() && has_runs()) accelerated_sweeps(report);
     else gauss_seidel_and_newton(report);
     residual();  // sets c for the best impulses
     iterations += report.iterations, newton_steps += report.newton_steps;

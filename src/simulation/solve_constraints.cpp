@@ -20,19 +20,35 @@ void for_each_island(const Workspace& w, Index slots, F&& f) {
   }
 }
 
-// Puts the contacts that no body of the island can close within the step last; their forces are then zero.
-void drop_open(Data<double>& d, double h, Index begin, Index end) {
+// Puts the contacts that do not close within the step last; their forces are then zero. Impulses may make a tree as fast as the trees that it touches.
+void drop_open(const Model& m, Data<double>& d, double h, Index begin, Index end) {
   Workspace& w = *d.step;
   if (w.closed_gap > 0) return;
+  double *const own = w.tree_speeds, *const near = own + m.n.bodies;
   const auto each = [&](auto&& f) {
     for (Index k = begin; k < end; ++k)
       if (ActiveConstraint& x = w.active[w.order[k]]; x.kind == RowKind::Contact) f(x, w.laws[x.index]);
   };
-  double fast = 0;
-  each([&](const ActiveConstraint&, const ContactLaw& law) { fast = std::max({fast, w.speeds[law.geom_a], w.speeds[law.geom_b]}); });
+  const auto at = [](double* of, Index tree) { return tree < 0 ? 0 : of[tree]; };
+  const auto raise = [](double* of, Index tree, double speed) {
+    if (tree >= 0) of[tree] = std::max(of[tree], speed);
+  };
+  each([&](const ActiveConstraint& x, const ContactLaw&) {
+    for (Index tree : {x.tree1, x.tree2})
+      if (tree >= 0) own[tree] = near[tree] = 0;
+  });
+  each([&](const ActiveConstraint& x, const ContactLaw& law) {
+    const double speed = std::max(w.speeds[law.geom_a], w.speeds[law.geom_b]);
+    raise(own, x.tree1, speed), raise(own, x.tree2, speed);
+  });
+  each([&](const ActiveConstraint& x, const ContactLaw&) {
+    const double speed = std::max(at(own, x.tree1), at(own, x.tree2));
+    raise(near, x.tree1, speed), raise(near, x.tree2, speed);
+  });
   bool some = false;
   each([&](ActiveConstraint& x, const ContactLaw& law) {
     const double radius = std::min(d.geoms[law.geom_a].bounding_radius, d.geoms[law.geom_b].bounding_radius);
+    const double fast = std::max(at(near, x.tree1), at(near, x.tree2));
     x.open = w.contacts[x.index].contact.distance > tuning::speed_growth * h * fast + tuning::search::touching * radius;
     if (x.open) some = true, copy_force(w.contacts[x.index], nullptr);
   });
@@ -45,7 +61,7 @@ void drop_open(Data<double>& d, double h, Index begin, Index end) {
 bool skip_idle(const Model& m, Data<double>& d, double h, Index begin, Index end) {
   Workspace& w = *d.step;
   bool idle = true;
-  drop_open(d, h, begin, end);
+  drop_open(m, d, h, begin, end);
   for (Index k = begin; idle && k < end; ++k) {
     const ActiveConstraint& x = w.active[w.order[k]];
     idle = x.kind == RowKind::Contact && (w.laws[x.index].idle || x.open);

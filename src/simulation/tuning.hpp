@@ -87,6 +87,14 @@ inline constexpr double progress = 0.8;         // of the least change: a smalle
 inline constexpr Index small_sweeps = 50;       // where other methods follow
 }  // namespace acceleration
 
+// The solve by default (default_solve.cpp).
+namespace default_solve {
+inline constexpr double near_guess = 0.02, near_sweeps = 0.05;  // residual from which Newton's method is tried: of the guess; after sweeps
+inline constexpr Index newton_steps = 8;        // of one attempt
+inline constexpr double newton_share = 0.5;     // of the squared error that each must reach
+inline constexpr Index dense_rows = 64;         // rows up to which the dense matrix is tried last: beyond, a factorization takes a millisecond
+}  // namespace default_solve
+
 // Elimination order (elimination.hpp).
 namespace elimination {
 inline constexpr Index entries_a_segment = 16;  // room for fill-in; islands that need more use other methods

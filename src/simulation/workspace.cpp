@@ -44,14 +44,14 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.instances, own), f(w.support, own * carriers), f(w.Y, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
-  f(w.blocks, slots), f(w.sweep_blocks, slots), f(w.by_dof, m.n.nv);
+  f(w.blocks, slots), f(w.row_blocks, slots), f(w.by_dof, m.n.nv), f(w.tree_speeds, 2 * m.n.bodies);
   f(w.advancement_cache.q, m.n.nq), f(w.advancement_cache.lever, m.n.nv);
   const std::ptrdiff_t segments = segment_capacity(m), entries = Elimination::entry_capacity(segment_capacity(m));
   f(w.segments.of, m.n.nv), f(w.segments.first, segments + 1);
   w.elimination.arrays(m, Index(slots), f);
   f(w.newton, slots), f(w.newton_vectors, newton_vectors * padded_rows(step_rows(m)));
   f(w.run_rows, segment_lanes * max_rows * std::ptrdiff_t(w.elimination.max_runs));
-  for (double** a : {&w.by_segment, &w.pivots}) f(*a, segment_lanes * segments);
+  f(w.by_segment, segment_lanes * segments);
   f(w.diagonal, BlockFactor::size * segments), f(w.blocks_above, 2 * BlockFactor::size * entries);
   f(w.where, segments), f(w.newton_acts, segments), f(w.newton_filled, entries);
   if (may_rest(m)) for_each_array(m, w.sleep, f);

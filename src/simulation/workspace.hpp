@@ -8,6 +8,7 @@
 #include "simulation/free_bodies.hpp"
 #include "simulation/sleep.hpp"
 #include "simulation/tuning.hpp"
+#include "solver/point_contact.hpp"
 #include "solver/workspace.hpp"
 
 namespace dyn::simulation {
@@ -50,15 +51,16 @@ struct ConstraintBlock {
   solver::LocalCone local;
 };
 
-// A constraint in accelerated sweeps. The normal comes first; scales make friction cones round.
-struct SweepBlock {
+// Rows of a constraint in units that make diagonals 1 and friction cones round (island_rows.cpp). The normal comes first.
+struct RowBlock {
   const Index* order;   // permutation of its rows
-  Index first, rows;    // a contact without friction has its normal alone
-  bool cone;
+  Index rows;
+  enum class Kind { rows, point, cone } kind;  // point: friction cone of three rows; cone: others
   double mu, lower, upper;
-  double scale[max_rows], soft[max_rows], inverse[max_rows], speed[max_rows];  // inverse: of G. speed: velocity by impulse
-  double G[max_rows * max_rows];
-  solver::LocalCone local;
+  double unit[max_rows], speed[2];  // unit: of impulses; speed: of the normal and the tangential velocities
+  double soft[max_rows];            // compliance
+  solver::PointContact point;
+  bool is_cone() const { return kind != Kind::rows; }
 };
 
 // A constraint in a Newton step. The normal comes first; units make diagonals 1 and friction cones round.
@@ -162,12 +164,13 @@ struct Workspace {
   double* dense;                // Y of one island as a dense matrix
   Index* contact_rows;
   ConstraintBlock* blocks;            // of an island's constraints
-  SweepBlock* sweep_blocks;
+  RowBlock* row_blocks;
   double* by_dof;
+  double* tree_speeds;          // of an island: fastest point of a tree, and of the trees that it touches
   Segments segments;            // of Newton's method
   Elimination elimination;
   NewtonConstraint* newton;
-  double *newton_vectors, *run_rows, *by_segment, *pivots, *diagonal, *blocks_above;
+  double *newton_vectors, *run_rows, *by_segment, *diagonal, *blocks_above;
   Index* where;
   bool *newton_acts, *newton_filled;
   Sleep sleep;

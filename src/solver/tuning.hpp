@@ -38,6 +38,8 @@ inline constexpr double warm_enough = 1e-3;        // of the resistance: a small
 inline constexpr int root_steps = 100;             // bisection bound of the scalar equation
 inline constexpr double root_tolerance = 1e-14;    // of mu lambda_n / |lambda_t| - 1
 inline constexpr double root_growth = 4;           // of the resistance while no upper bound is known
+inline constexpr double slip_tolerance = 1e-9;     // the same of one contact in a sweep, which the next sweep repeats
+inline constexpr double singular_block = 1e-10;    // of the product of the diagonal: determinant of three rows that counts as none
 inline constexpr double root_width = 4e-16;        // of the resistance: two units in the last place
 inline constexpr Index check_interval = 50;        // sweeps between removals of accumulated rounding
 }  // namespace pgs
