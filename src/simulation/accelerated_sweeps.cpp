@@ -175,13 +175,16 @@ double AcceleratedSweeps::sweep() const {
 
 // Onto the cones and the bounds; z follows.
 void AcceleratedSweeps::project() const {
-  for_each([&](const ActiveConstraint& a, const RowBlock& s, Index) {
-    double* const l = y + a.s->first;
+  for_each([&](const ActiveConstraint& a, const RowBlock& s, Index k) {
+    double *const l = y + a.s->first, before[max_rows], by[max_rows];
+    std::copy_n(l, s.rows, before);
     if (s.is_cone()) solver::project_cone(s.mu, s.rows, l, l);
     else
       for (Index i = 0; i < s.rows; ++i) l[i] = std::clamp(l[i], s.lower, s.upper);
+    bool moved = false;
+    for (Index i = 0; i < s.rows; ++i) by[i] = l[i] - before[i], moved |= by[i] != 0;
+    if (moved) by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { scatter<rows>(k, by); });
   });
-  start();
 }
 
 // y after a sweep becomes the combination of the last results whose changes are least (least squares).
@@ -206,7 +209,7 @@ void AcceleratedSweeps::accelerate(bool grew) {
   }
   for (int k = 0; k < kept; ++k)
     for (Index i = 0; i < rows; ++i) y[i] -= gamma[k] * results[k * room + i];
-  project();
+  start(), project();
 }
 
 // Calls f(constraint, block, Y' z in its rows).
@@ -298,7 +301,7 @@ void AcceleratedSweeps::write() const {
 }
 
 double AcceleratedSweeps::finish() {
-  write();
+  project(), write();
   const double wrong = residual([&](const ActiveConstraint& a, const RowBlock& s, const double* c) {
     for (Index i = 0; i < s.rows; ++i) {
       const Index in = a.s->first + s.order[i];

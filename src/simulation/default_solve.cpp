@@ -31,7 +31,8 @@ void Island::solve_to_default(dynContactReport& report) {
   report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
   newton_near(near_guess);
   if (unsolved()) {
-    sweeps.run(large() ? allowance : std::min(allowance, tuning::acceleration::small_sweeps), report);
+    const Index left = allowance - report.newton_steps;
+    sweeps.run(large() ? left : std::min(left, tuning::acceleration::small_sweeps), report);
     report.residual = sweeps.residual() / fastest, sweeps.write();
     if (unsolved()) newton_near(near_sweeps);
     if (!large() && unsolved()) {

@@ -49,7 +49,7 @@ TEST(DefaultTolerance, HeapOfBoxesRestsWithBoundedIterations) {
   play.set(turned(heap.at));
   double fastest = 0;
   int rows = 0;
-  for (int k = 0; k < 1000; ++k) {
+  for (int k = 0; k < 2000; ++k) {
     play.steps(1);
     const dynStepReport r = play.report();
     rows = std::max(rows, r.rows);
@@ -60,10 +60,10 @@ TEST(DefaultTolerance, HeapOfBoxesRestsWithBoundedIterations) {
       double across = 0;
       for (int i = 0; i < 3; ++i) across += std::pow(f.force_on_b[i] - n * f.contact.normal[i], 2);
       ASSERT_GE(n, -1e-9) << k;
-      ASSERT_LE(std::sqrt(across), 0.6 * n * (1 + 1e-3) + 1e-6)
-          << k << ", n " << n;  // Newton's method keeps cones to the residual
+      ASSERT_LE(std::sqrt(across), 0.6 * n + 1e-6) << k << ", n " << n;
     }
-    if (k >= 950) {
+
+    if (k >= 1950) {
       EXPECT_LE(r.residual, 1e-4) << k;
       for (int i = 0; i < dyn_model_nv(play.m); ++i) fastest = std::max(fastest, std::abs(play.v[i]));
     }
