@@ -12,6 +12,7 @@ void Island::accelerated_sweeps(dynContactReport& report) {
 }
 
 // Newton's method goes on to the fine residual: bodies at rest then stay exactly at rest, and the next steps have nothing to solve.
+// Far from a solution it ends sooner: in a jam it seldom gets there, and sweeps go on from the guess.
 // Small islands and few sweeps leave iterations for methods that large mass ratios do not slow down.
 void Island::solve_to_default(dynContactReport& report) {
   using namespace tuning::default_solve;
@@ -19,26 +20,26 @@ void Island::solve_to_default(dynContactReport& report) {
   build_rows();
   AcceleratedSweeps sweeps(*this);
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
-  const auto newton_near = [&](double near) {
-    if (!(report.residual > tuning::island::fine && report.residual <= near && within_budget(report) && ordered())) return;
+  report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
+  if (report.residual > tuning::island::fine && report.residual <= far_guess && ordered()) {
     const double wanted = tolerance;
+    const bool is_near = report.residual <= near_guess;
     tolerance = std::min(tolerance, tuning::island::fine);
     Newton method(*this);
-    if (!method.run(newton_steps, newton_share, report)) method.write_best(report);
+    if (!method.run(is_near ? near_steps : far_steps, is_near ? 1 : far_share, report)) method.write_best(report);
     tolerance = wanted;
     sweeps.load();
-  };
-  report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
-  newton_near(near_guess);
+  }
   if (unsolved()) {
     const Index left = allowance - report.newton_steps;
     sweeps.run(large() ? left : std::min(left, tuning::acceleration::small_sweeps), report);
-    report.residual = sweeps.residual() / fastest, sweeps.write();
-    if (unsolved()) newton_near(near_sweeps);
-    if (!large() && unsolved()) {
-      if (!sparse()) solve(report);
-      else if (!newton(report, true) && rows <= dense_rows) solve(report);
-      sweeps.load();
+    if (!large()) {
+      report.residual = sweeps.residual() / fastest, sweeps.write();
+      if (unsolved()) {
+        if (!sparse()) solve(report);
+        else if (!newton(report, true) && rows <= dense_rows) solve(report);
+        sweeps.load();
+      }
     }
   }
   const double wrong = sweeps.finish();

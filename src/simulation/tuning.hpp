@@ -89,9 +89,9 @@ inline constexpr Index small_sweeps = 50;       // where other methods follow
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {
-inline constexpr double near_guess = 0.02, near_sweeps = 0.05;  // residual from which Newton's method is tried: of the guess; after sweeps
-inline constexpr Index newton_steps = 8;        // of one attempt
-inline constexpr double newton_share = 0.5;     // of the squared error that each must reach
+inline constexpr double near_guess = 0.02, far_guess = 1;  // residual of the guess: near, and far, beyond which Newton is not tried
+inline constexpr Index near_steps = 16, far_steps = 8;     // Newton steps from a near and from a far guess
+inline constexpr double far_share = 0.5;        // of the squared error that each step from a far guess must reach; from a near one, less than all
 inline constexpr Index dense_rows = 64;         // rows up to which the dense matrix is tried last: beyond, a factorization takes a millisecond
 }  // namespace default_solve
 
