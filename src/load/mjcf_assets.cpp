@@ -159,9 +159,7 @@ void MjcfAssets::read(Entry& entry) const {
       if (faces.empty()) mesh.vertices = *vertices;
       else mesh = meshes::make_mesh(vertices->data(), std::int64_t(vertices->size() / 3), faces.data(), std::int64_t(faces.size() / 3), 0, reader.owner);
     } else if (e.Attribute("builtin") && e.Attribute("builtin") != std::string_view("none")) {
-      const auto corners = mjcf_builtin_corners(reader, e);
-      if (!corners) reader.fail(DYN_ERROR_UNSUPPORTED, e, "builtin=" + load::quoted(attribute(e, "builtin")) + " is not supported: give sphere, hemisphere or cone, or a file");
-      mesh.vertices = *corners;
+      mesh = mjcf_builtin_mesh(reader, e);
     } else if (entry.path.ends_with(".msh")) {
       mesh = read_msh(entry.path);
     } else {
@@ -170,6 +168,7 @@ void MjcfAssets::read(Entry& entry) const {
       how.points = true;
       mesh = meshes::read_mesh(entry.path, how);
     }
+    for (double& x : mesh.vertices) x = double(float(x));  // MuJoCo's vertices have single precision, and masses follow from them
     mesh = in_frame(std::move(mesh), reference, scale, reader.owner);
     if (mesh.triangles.empty()) mesh = meshes::hull_of(mesh);
     entry.mesh = std::make_shared<meshes::Mesh>(std::move(mesh));
@@ -209,7 +208,7 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
     return geom.place.physics("mesh " + load::quoted(name) + " is left out of collisions: " + error.what());
   }
   geom.mesh = entry.mesh;
-  geom.rule = attribute(*entry.element, "inertia");
+  geom.rule = attribute(*entry.element, "builtin") == "plate" ? "shell" : attribute(*entry.element, "inertia");
   if (!touches) return;
   const CollisionMesh& collision = *entry.collision;
   const std::string message = "mesh " + load::quoted(name) + collision.message;

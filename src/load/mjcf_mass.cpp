@@ -68,6 +68,24 @@ MjcfMass legacy(const meshes::Mesh& mesh) {
   return {about_com.volume, com, symmetric(about_com.second.trace() * Eigen::Matrix3d::Identity() - about_com.second)};
 }
 
+// Inertia of a surface of unit mass per area.
+MjcfMass shell(const meshes::Mesh& mesh) {
+  double area = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();   // integral of x
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  // and of x x^T
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    Eigen::Matrix3d corners;
+    for (int k = 0; k < 3; ++k) store3(mesh.corner(t, k), corners.col(k).data());
+    const Eigen::Vector3d a = corners.col(1) - corners.col(0), b = corners.col(2) - corners.col(0), sum = corners.rowwise().sum();
+    const double part = a.cross(b).norm() / 2;
+    area += part, first += part / 3 * sum, second += part / 12 * (corners * corners.transpose() + sum * sum.transpose());
+  }
+  if (!(area > 0)) return {};
+  const Eigen::Vector3d com = first / area;
+  second -= area * com * com.transpose();
+  return {area, load3(com.data()), symmetric(second.trace() * Eigen::Matrix3d::Identity() - second)};
+}
+
 // Moments of the geom's shape at density 1, about its centre of mass, in the shape's frame.
 MjcfMass solid_of(const MjcfGeom& g) {
   if (g.mesh) return mjcf_mesh_mass(*g.mesh, g);
@@ -116,7 +134,7 @@ MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g) {
     if (!closed) g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no exact mass: give inertia=\"convex\" or an <inertial>");
     return of(meshes::solid_of(mesh));
   }
-  if (g.rule == "shell") g.place.physics(who + ": shell inertia is not supported: the mesh counts as a solid");
+  if (g.rule == "shell") return shell(mesh);
   const MjcfMass out = legacy(mesh);
   if (!closed) g.place.warning(who + " is not closed: the mass of its body is MuJoCo's estimate (legacy)");
   else if (const MjcfMass exact = of(meshes::solid_of(mesh)); std::abs(out.mass - exact.mass) > 1e-3 * exact.mass)

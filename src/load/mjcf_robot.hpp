@@ -215,8 +215,8 @@ std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot);
 MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g);  // at density 1
 // mjcf_fit.cpp: sizes and pose of a primitive that is fitted to a mesh; bounds: to its box, not to its inertia.
 void fit_mjcf_geom(const meshes::Mesh& mesh, bool bounds, double scale, MjcfGeom& geom);
-// mjcf_builtin.cpp: corners of a <mesh builtin>. Nothing if its type is not supported.
-std::optional<std::vector<double>> mjcf_builtin_corners(const Reader& reader, const Element& e);
+// mjcf_builtin.cpp: the surface of a <mesh builtin>, or its corners alone.
+meshes::Mesh mjcf_builtin_mesh(const Reader& reader, const Element& e);
 // mjcf_rest.cpp: sections beside the bodies
 void read_mjcf_option(MjcfFile& file, Element& e);
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);

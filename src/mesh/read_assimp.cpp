@@ -152,6 +152,21 @@ class OneFolder : public Assimp::DefaultIOSystem {
   std::filesystem::path folder_;
 };
 
+// assimp splits a quadrilateral at its first corner. Readers of OBJ files split at the shorter diagonal.
+void split_at_shorter_diagonals(const aiScene& scene) {
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[i];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      unsigned* const corner = mesh.mFaces[f].mIndices;
+      if (mesh.mFaces[f].mNumIndices != 4 || std::any_of(corner, corner + 4, [&](unsigned k) { return k >= mesh.mNumVertices; }))
+        continue;
+      const auto& v = mesh.mVertices;
+      if (!((v[corner[2]] - v[corner[0]]).SquareLength() < (v[corner[3]] - v[corner[1]]).SquareLength()))
+        std::rotate(corner, corner + 1, corner + 4);
+    }
+  }
+}
+
 struct Placed {
   const aiNode* node;
   Affine X;
@@ -166,7 +181,9 @@ Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles) {
   importer.SetIOHandler(new OneFolder(path));  // the importer owns it
   // assimp's convention is y up; it converts COLLADA to that
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, !up_z);
-  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene && kind == "obj") split_at_shorter_diagonals(*scene);
+  if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (!scene || !scene->mRootNode) {
     const std::string why = importer.GetErrorString();
     throw Refusal(DYN_ERROR_PARSE, why.empty() ? "it cannot be read" : why);
