@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "mjcf_robot.hpp"
+#include "polynomial.hpp"
 
 namespace dyn::load {
 
@@ -28,15 +29,6 @@ const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, cons
     for (const MjcfJoint& j : b.joints)
       if (j.spec.name == name) return j;
   e.place.fail(DYN_ERROR_NAME, "there is no joint " + load::quoted(name));
-}
-
-// From the coefficients of powers of (x - at) to those of powers of x.
-void shift(const std::vector<double>& c, double at, double (&out)[5]) {
-  std::fill(out, out + 5, 0.0);
-  for (size_t k = c.size(); k-- > 0;) {  // Horner: out = out (x - at) + c_k
-    for (size_t j = 4; j > 0; --j) out[j] = out[j - 1] - at * out[j];
-    out[0] = c[k] - at * out[0];
-  }
 }
 
 Parent frame_of(const MjcfBody& b) { return b.parent < 0 ? Parent{"", 0} : Parent{b.name, DYN_FRAME_TYPE_BODY}; }
@@ -90,7 +82,7 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
         continue;
       }
       const MjcfJoint& second = joint_named(robot, e, e.second);
-      shift(e.numbers, second.reference, c.coefficients);
+      shift_polynomial(e.numbers, second.reference, c.coefficients);
       c.coefficients[0] += first.reference;
       with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
       continue;

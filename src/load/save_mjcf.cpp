@@ -1,10 +1,12 @@
 // Model to MJCF: the tree. A body's frame has the axes of its last joint. Earlier joints become anchors and axes in that frame.
-#include <Eigen/Eigenvalues>
+#include "save_mjcf.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "base/portable.hpp"
+#include "spatial/explog.hpp"
 #include "spatial/quaternion.hpp"
-#include "save_mjcf.hpp"
 
 namespace dyn::load {
 
@@ -12,7 +14,7 @@ namespace {
 
 using Pose = SE3<double>;
 
-constexpr int max_depth = 75;  // below the limit of xml.cpp
+constexpr int max_depth = 490;  // MuJoCo refuses elements that are nested 500 deep
 
 bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
 
@@ -22,7 +24,7 @@ bool is_identity_rotation(const Mat3<double>& R) {
   double off = 0;
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(R(r, c) - (r == c)));
-  return off < 1e-15;
+  return off < 1e-14;
 }
 
 void put_pose(XmlElement& e, const Pose& X) {
@@ -56,12 +58,71 @@ XmlElement& MjcfWriter::section(const char* name) {
 
 void MjcfWriter::add_option() {
   XmlElement& option = section("option");
-  put(option, "gravity", std::span(m.gravity));
+  put(option, "gravity", std::span(m.gravity)), put(option, "timestep", m.simulation()->dt);
+  switch (m.simulation()->integrator) {
+    case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
+      break;
+    case DYN_INTEGRATOR_RK4:
+      put(option, "integrator", std::string("RK4"));
+      break;
+    case DYN_INTEGRATOR_IMPLICIT_FAST:
+      put(option, "integrator", std::string("implicitfast"));
+      break;
+    default:
+      losses.loss("integrators that MJCF lacks");
+  }
   if (m.density != 0) put(option, "density", m.density);
   if (m.viscosity != 0) put(option, "viscosity", m.viscosity);
-  const auto pairs_parents = [](const ShapeRecord& s) { return s.role != DYN_SHAPE_ROLE_COLLISION || s.filter == std::uint32_t(PairFilter::SameBody); };
-  if (m.n.geoms > 0 && std::all_of(m.shapes(), m.shapes() + m.n.shapes, pairs_parents)) put(*option.InsertNewChildElement("flag"), "filterparent", std::string("disable"));
   if (m.wind[0] != 0 || m.wind[1] != 0 || m.wind[2] != 0) put(option, "wind", std::span(m.wind));
+  add_flags(option);
+}
+
+void MjcfWriter::add_flags(XmlElement& option) {
+  const auto disable = [&](const char* flag) {
+    XmlElement* e = option.FirstChildElement("flag");
+    put(e ? *e : *option.InsertNewChildElement("flag"), flag, std::string("disable"));
+  };
+  const auto pairs_parents = [](const ShapeRecord& s) {
+    return s.role != DYN_SHAPE_ROLE_COLLISION || s.filter == std::uint32_t(PairFilter::SameBody);
+  };
+  if (m.n.geoms > 0 && std::all_of(m.shapes(), m.shapes() + m.n.shapes, pairs_parents)) disable("filterparent");
+  const std::uint32_t off = ~m.simulation()->effects, links = DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION;
+  if (off & DYN_EFFECT_LIMITS) disable("limit");
+  if (off & DYN_EFFECT_FRICTION) disable("frictionloss");
+  if (off & DYN_EFFECT_ACTUATORS) disable("actuation");
+  if (off & DYN_EFFECT_SPRINGS) disable("spring");
+  if (off & DYN_EFFECT_DAMPING) disable("damper");
+  if (off & links) disable("passive");
+}
+
+// The coordinate of a joint as the file draws it.
+double MjcfWriter::reference(Index joint, const SimpleJoint& s) const {
+  const JointRecord& r = m.joints()[joint];
+  if (drawn < 0 || r.leader >= 0 || !s.leader.empty() || joint_nv(s.type) != 1) return 0;
+  const double* const q = m.configurations() + std::ptrdiff_t(drawn) * m.n.nq + r.idx_q + s.q;
+  return s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? math::atan2(q[1], q[0]) : q[0];
+}
+
+Pose MjcfWriter::drawn_motion(Index joint, const SimpleJoint& s) const {
+  const Vec3<double> x = load3(s.axis.data()) * reference(joint, s);
+  return s.type == DYN_JOINT_TYPE_PRISMATIC ? Pose{Mat3<double>::identity(), x} : Pose{exp3(x), Vec3<double>::zero()};
+}
+
+// A joint whose axes, as the file draws it, are those of the joint before.
+bool MjcfWriter::aligned_when_drawn(Index joint) const {
+  const JointRecord& r = m.joints()[joint];
+  Pose X = load_se3(r.placement);
+  if (r.type == DYN_JOINT_TYPE_REVOLUTE || r.type == DYN_JOINT_TYPE_CONTINUOUS)
+    X = X * drawn_motion(joint, {.type = r.type,
+                                 .axis = spec_of(m, r).axis,
+                                 .before = {},
+                                 .name = {},
+                                 .q = 0,
+                                 .v = 0,
+                                 .leader = {},
+                                 .ratio = 1,
+                                 .offset = 0});
+  return is_identity_rotation(X.R);
 }
 
 // Joints of one body: a chain of joints with nothing attached but the last.
@@ -71,7 +132,9 @@ std::vector<Index> MjcfWriter::joints_of_one_body(Index first) const {
     const Index j = out.back();
     if (on[size_t(j)].size() != 1 || children[size_t(j)].size() != 1) return out;
     const Index child = children[size_t(j)][0];
-    if (m.joints()[j].type == DYN_JOINT_TYPE_FREE_FLYER || m.joints()[child].type == DYN_JOINT_TYPE_FREE_FLYER || !is_identity_rotation(load_se3(m.joints()[child].placement).R)) return out;
+    if (m.joints()[j].type == DYN_JOINT_TYPE_FREE_FLYER || m.joints()[child].type == DYN_JOINT_TYPE_FREE_FLYER ||
+        !aligned_when_drawn(child))
+      return out;
     out.push_back(child);
   }
 }
@@ -119,9 +182,12 @@ void MjcfWriter::add_moving(Index first) {
   for (size_t begin = 0; begin < chain.size();) {
     size_t end = begin + 1;  // a ball's coordinates are in the body's axes, so a rotation behind it needs another body
     bool ball = chain[begin].simple.type == DYN_JOINT_TYPE_SPHERICAL;
-    for (; end < chain.size() && !(ball && !is_identity_rotation(chain[end].before.R)); ++end) ball |= chain[end].simple.type == DYN_JOINT_TYPE_SPHERICAL;
+    for (; end < chain.size() &&
+           !(ball && !is_identity_rotation((chain[end].before * drawn_motion(chain[end].joint, chain[end].simple)).R));
+         ++end)
+      ball |= chain[end].simple.type == DYN_JOINT_TYPE_SPHERICAL;
     const bool whole = end == chain.size();
-    for (size_t k = begin; k < end; ++k) X = X * chain[k].before;
+    for (size_t k = begin; k < end; ++k) X = X * chain[k].before * drawn_motion(chain[k].joint, chain[k].simple);
     const Pose frame = whole ? in_joint : Pose::identity();
     XmlElement& body = *at->InsertNewChildElement("body");
     if (++depth > max_depth) throw Error(DYN_ERROR_LIMIT, "bodies are nested more than " + std::to_string(max_depth) + " deep, which readers of MJCF refuse: save as URDF or .dynb");
@@ -141,7 +207,8 @@ void MjcfWriter::add_moving(Index first) {
     if (whole && main >= 0) add_link(body, main);
     Pose to_end = frame;  // of the body in the frame of the piece
     std::vector<Pose> ends(end - begin);
-    for (size_t k = end; k-- > begin;) ends[k - begin] = to_end, to_end = chain[k].before * to_end;
+    for (size_t k = end; k-- > begin;)
+      ends[k - begin] = to_end, to_end = chain[k].before * drawn_motion(chain[k].joint, chain[k].simple) * to_end;
     for (size_t k = begin; k < end; ++k) add_joint(body, chain[k], ends[k - begin]), pieces.push_back(chain[k]);
     at = &body, X = Pose::identity();
     begin = end;

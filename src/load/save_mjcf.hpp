@@ -11,6 +11,11 @@ class MjcfWriter {
   std::string write();
 
  private:
+  // Named configurations with what they state of velocities, controls, activations and time.
+  std::vector<double> qpos_of(Index configuration) const;
+  std::vector<double> qvel_of(Index configuration) const;
+  void put_state(XmlElement& key, Index configuration);
+  bool given_by_poses() const;
   // A simple joint, and the pose of the body's frame in its own at q = 0.
   struct Piece {
     Index joint;
@@ -29,6 +34,10 @@ class MjcfWriter {
 
   // save_mjcf.cpp
   void add_option();
+  void add_flags(XmlElement& option);
+  double reference(Index joint, const SimpleJoint& s) const;
+  SE3<double> drawn_motion(Index joint, const SimpleJoint& s) const;
+  bool aligned_when_drawn(Index joint) const;
   std::vector<Index> joints_of_one_body(Index first) const;
   std::vector<Piece> pieces_of(const std::vector<Index>& group);
   void add_moving(Index first);
@@ -63,6 +72,7 @@ class MjcfWriter {
   std::vector<std::vector<Index>> on, children;  // frames and joints of each joint
   std::vector<Attachment> attachments;                 // by joint
   std::vector<Piece> pieces;                     // in the file's order
+  std::vector<Index> written_actuators;
   std::map<Index, std::string> body_names;       // of BODY frames
   std::map<Index, std::string> geom_names;       // of shapes
   std::map<std::pair<int, Index>, std::string> surface_assets;

@@ -1,5 +1,6 @@
 // Model to MJCF: shapes, their meshes and height fields, and which pairs are tested.
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 
 #include "collision/pair_search.hpp"
@@ -65,7 +66,10 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   if (s.conaffinity != 1) put(e, "conaffinity", s.conaffinity);
   const dynMaterial& material = m.materials()[s.material];
   put_friction(e, material, false);
-  if (!is_default(material, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", called);
+  dynMaterial rest = material;
+  std::fill_n(rest.surface_velocity, 3, 0.0);
+  if (std::memcmp(&rest, &material, sizeof rest) != 0) put(e, "surfacevel", std::span(material.surface_velocity));
+  if (!is_default(rest, false)) losses.loss("restitution, stiffness and damping of materials", called);
   bool wanted = false;
   for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p) wanted |= p->wanted() && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
   if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes with empty masks become visual", called);

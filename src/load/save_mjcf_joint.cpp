@@ -1,8 +1,9 @@
 // Model to MJCF: joints with their parameters, and named configurations.
 #include <cmath>
 
-#include "save_mjcf.hpp"
 #include "base/portable.hpp"
+#include "save_mjcf.hpp"
+#include "spatial/quaternion.hpp"
 
 namespace dyn::load {
 
@@ -12,6 +13,11 @@ using Pose = SE3<double>;
 
 bool alike(const std::vector<double>& x, int first, int n) {
   return std::all_of(x.begin() + first, x.begin() + first + n, [&](double e) { return e == x[size_t(first)]; });
+}
+
+// The slide of a helical joint, whose coordinate is that of its rotation.
+bool slides_with_rotation(const Model& m, const JointRecord& r, const SimpleJoint& s) {
+  return !s.leader.empty() && (r.leader < 0 || s.leader != m.string(m.joints()[r.leader].name));
 }
 
 }  // namespace
@@ -28,6 +34,7 @@ void MjcfWriter::add_joint(XmlElement& body, const Piece& p, const Pose& end) {
     const Vec3<double> axis = is_identity_rotation(end.R) ? load3(s.axis.data()) : transpose(end.R) * load3(s.axis.data());
     put(e, "axis", {axis[0], axis[1], axis[2]});
   }
+  if (const double x = reference(p.joint, s); x != 0) put(e, "ref", x);
   add_numbers(e, p);
   if (s.type == DYN_JOINT_TYPE_CONTINUOUS) losses.note("continuous joints become hinges without a range: differences of their angles are not wrapped", s.name);
   if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) become hinges with an angle", s.name);
@@ -35,7 +42,9 @@ void MjcfWriter::add_joint(XmlElement& body, const Piece& p, const Pose& end) {
   losses.loss("mimic joints become equalities, which are no exact reduction: each adds a degree of freedom", s.name);
   XmlElement& equality = *section("equality").InsertNewChildElement("joint");
   put(equality, "name", s.name + "_follows"), put(equality, "joint1", s.name), put(equality, "joint2", s.leader);
-  put(equality, "polycoef", {s.offset, s.ratio, 0, 0, 0});
+  const auto leader = std::find_if(pieces.begin(), pieces.end(), [&](const Piece& x) { return x.simple.name == s.leader; });
+  const double drawn_leader = leader == pieces.end() ? 0 : reference(leader->joint, leader->simple);
+  put(equality, "polycoef", {s.offset + s.ratio * drawn_leader, s.ratio, 0, 0, 0});
 }
 
 template <class E>
@@ -81,35 +90,89 @@ void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
   if (x.rest != 0) put(e, "springref", x.rest);
 }
 
+std::vector<double> MjcfWriter::qpos_of(Index configuration) const {
+  const double* q = m.configurations() + std::ptrdiff_t(configuration) * m.n.nq;
+  std::vector<double> qpos;
+  for (const Piece& p : pieces) {
+    const JointRecord& r = m.joints()[p.joint];
+    const SimpleJoint& s = p.simple;
+    const double* own = q + r.idx_q + s.q;
+    if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
+      const int n = joint_nq(s.type);
+      qpos.insert(qpos.end(), own, own + n - 4);
+      qpos.insert(qpos.end(), {own[n - 1], own[n - 4], own[n - 3], own[n - 2]});
+      continue;
+    }
+    double x = s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? math::atan2(own[1], own[0]) : own[0];
+    if (r.leader >= 0) x = r.ratio * x + r.offset;
+    if (slides_with_rotation(m, r, s)) x *= s.ratio;
+    qpos.push_back(x);
+  }
+  return qpos;
+}
+
+// The linear velocity of a free joint is in world axes there, and in those of the body here.
+std::vector<double> MjcfWriter::qvel_of(Index configuration) const {
+  const double *q = m.configurations() + std::ptrdiff_t(configuration) * m.n.nq, *v = m.configuration_state(configuration);
+  std::vector<double> qvel;
+  for (const Piece& p : pieces) {
+    const JointRecord& r = m.joints()[p.joint];
+    const SimpleJoint& s = p.simple;
+    const double* own = v + r.idx_v + s.v;
+    if (r.type == DYN_JOINT_TYPE_FREE_FLYER) {
+      const double* const u = q + r.idx_q + 3;
+      std::array<double, 6> moved;
+      store3(rotation(Quaternion<double>{load3(u), u[3]}) * load3(v + r.idx_v), moved.data());
+      std::copy_n(v + r.idx_v + 3, 3, moved.begin() + 3);
+      qvel.insert(qvel.end(), moved.begin() + s.v, moved.begin() + s.v + joint_nv(s.type));
+      continue;
+    }
+    qvel.insert(qvel.end(), own, own + joint_nv(s.type));
+    if (r.leader >= 0) qvel.back() *= r.ratio;
+    if (slides_with_rotation(m, r, s)) qvel.back() *= s.ratio;
+  }
+  return qvel;
+}
+
+void MjcfWriter::put_state(XmlElement& key, Index configuration) {
+  const double *u = m.configuration_state(configuration) + m.n.nv, *act = u + m.n.nu, time = act[m.n.na];
+  std::vector<double> ctrl, activations;
+  for (const Index k : written_actuators) {
+    const ActuatorRecord& a = m.actuators()[k];
+    ctrl.push_back(u[a.spec.idx_u]);
+    if (a.act >= 0) activations.push_back(act[a.act]);
+  }
+  const auto put_some = [&](const char* attribute, const std::vector<double>& x) {
+    if (std::any_of(x.begin(), x.end(), [](double e) { return e != 0; })) put(key, attribute, x);
+  };
+  put_some("qvel", qvel_of(configuration)), put_some("ctrl", ctrl), put_some("act", activations);
+  if (time != 0) put(key, "time", time);
+}
+
 void MjcfWriter::add_keys() {
   Names names;
   for (Index k = 1; k < m.n.configurations; ++k) {
-    const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
-    std::vector<double> qpos;
-    bool is_drawn = k == drawn;
-    for (const Piece& p : pieces) {
-      const JointRecord& r = m.joints()[p.joint];
-      const SimpleJoint& s = p.simple;
-      const double* own = q + r.idx_q + s.q;
-      if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
-        const int n = joint_nq(s.type);
-        qpos.insert(qpos.end(), own, own + n - 4);
-        qpos.insert(qpos.end(), {own[n - 1], own[n - 4], own[n - 3], own[n - 2]});
-        is_drawn &= n == 7 || own[3] == 1;
-        continue;
-      }
-      double x = s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? math::atan2(own[1], own[0]) : own[0];
-      if (r.leader >= 0) x = r.ratio * x + r.offset;
-      if (!s.leader.empty() && (r.leader < 0 || s.leader != m.string(m.joints()[r.leader].name))) x *= s.ratio;  // the slide of a helical joint
-      qpos.push_back(x);
-      is_drawn &= x == 0;
-    }
-    if (is_drawn) continue;  // given by the poses of the file
     std::string name = m.string(m.configuration_names()[k]);
-    if (k == drawn) losses.note("the configuration qpos0 becomes key 'qpos0_2': the file's initial configuration is another"), name = "qpos0_2";
+    if (k == drawn) {
+      if (given_by_poses()) continue;
+      losses.note("the configuration qpos0 becomes key 'qpos0_2': the file's initial configuration is another"), name = "qpos0_2";
+    }
     XmlElement& key = *section("keyframe").InsertNewChildElement("key");
-    put(key, "name", names.claim(name)), put(key, "qpos", qpos);
+    put(key, "name", names.claim(name)), put(key, "qpos", qpos_of(k));
+    put_state(key, k);
   }
+}
+
+// Balls are drawn at the identity, and followers at zero.
+bool MjcfWriter::given_by_poses() const {
+  const std::vector<double> qpos = qpos_of(drawn);
+  auto at = qpos.begin();
+  for (const Piece& p : pieces) {
+    if (p.simple.type == DYN_JOINT_TYPE_SPHERICAL && *at != 1) return false;
+    if (joint_nv(p.simple.type) == 1 && *at != reference(p.joint, p.simple)) return false;
+    at += joint_nq(p.simple.type) + (p.simple.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? -1 : 0);
+  }
+  return true;
 }
 
 }  // namespace dyn::load

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "constraint/list.hpp"
+#include "polynomial.hpp"
 #include "save_mjcf.hpp"
 
 namespace dyn::load {
@@ -33,18 +34,19 @@ void MjcfWriter::add_actuators() {
       losses.loss("actuators of type PD, which have three controls, are left out", name);
       continue;
     }
-    if (s.type == DYN_JOINT_TYPE_FREE_FLYER && component < 3) {
+    if (s.type == DYN_JOINT_TYPE_FREE_FLYER && component < 3 && a.gear != 0) {
       losses.loss("actuators that push a free joint along its own axes are left out", name);
       continue;
     }
     const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_TYPE_AFFINE || ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
     XmlElement& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_TYPE_MOTOR ? "motor" : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity" : a.integrates ? "intvelocity" : "position");
     put(e, "name", name), put(e, "joint", s.name);
+    written_actuators.push_back(k);
     if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
       std::vector<double> gear(s.type == DYN_JOINT_TYPE_SPHERICAL ? 3 : 6, 0);
       gear[size_t(component)] = a.gear;
       put(e, "gear", gear);
-      if (a.gear == 0) losses.loss("actuators with a gear of zero on joints of several degrees of freedom", name);
+      if (a.gear == 0) losses.note("actuators without a force keep their controls", name);
     } else if (a.gear != 1) {
       put(e, "gear", a.gear);
     }
@@ -91,7 +93,11 @@ void MjcfWriter::add_constraints() {
     put(e, "name", name);
     if (!c.enabled) put(e, "active", std::string("false"));
     if (coupling) {
-      put(e, "joint1", piece(c.first, 0).simple.name), put(e, "joint2", piece(c.second, 0).simple.name), put(e, "polycoef", std::span(c.coefficients));
+      const Piece &first = piece(c.first, 0), &second = piece(c.second, 0);
+      std::array<double, 5> polynomial;  // of the coordinates from where they are drawn
+      shift_polynomial(c.coefficients, -reference(second.joint, second.simple), polynomial.data());
+      polynomial[0] -= reference(first.joint, first.simple);
+      put(e, "joint1", first.simple.name), put(e, "joint2", second.simple.name), put(e, "polycoef", std::span(polynomial));
     } else {
       put(e, "site1", site(c.first, c.placement1, name + "_1")), put(e, "site2", site(c.second, c.placement2, name + "_2"));
     }
