@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
 """What of a folder's MJCF and URDF files loads and runs as it is written, beside MuJoCo and Pinocchio.
 
-Usage:  coverage.py FOLDER... [--only PATTERN] [--duration S] [--page FILE.md] [--csv FILE] [--write] [--check FILE]
+Usage:  coverage.py FOLDER... [--only PATTERN] [--duration S] [--page FILE.md] [--csv FILE] [--write TABLE] [--check FILE]
 
   --only PATTERN   files whose path matches this regular expression
   --duration S     of the motion that is compared, s; default 0.25
   --page FILE.md   write the table with every file to this page
   --csv FILE       write every file with what became of it
-  --write          put the summary in its place (pages.py)
+  --write TABLE    put the summary, and the files that differ, in the place of this name (pages.py)
   --check FILE     exit with 1 if a file that FILE (a CSV of --csv) has as good is worse now
 
-Every file is tried in a process of its own. MJCF: sizes, timestep, initial configuration, M and bias at random states, and the motion of the simulation without
-controls, against MuJoCo. URDF: nv and kinetic energies against Pinocchio. Needs the package mujoco for MJCF, and pin for URDF. Without them a file is only loaded.
+Every file is tried in a process of its own. MJCF: sizes, timestep, initial configuration, M, bias, passive and actuator forces at
+random states, and the motion of the simulation without controls, against MuJoCo (beside_mujoco.py). URDF: nv and kinetic energies
+against Pinocchio. Needs the package mujoco for MJCF, and pin for URDF. Without them a file is only loaded.
 """
 
 import argparse
@@ -25,13 +26,15 @@ import warnings
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(PROJECT / "capi" / "python"))
+sys.path[:0] = [str(PROJECT / "capi" / "python"), str(PROJECT / "bench")]
 
 import numpy as np  # noqa: E402
 
-FIELDS = "file format peer result sizes timestep begins forces moves unsupported reason".split()
-MOVES = 0.06  # rad or m: within the peer's contact model
+FIELDS = "file format peer result sizes timestep begins forces moves itself energy contacts unsupported reason".split()
+ENERGIES, CONTACTS = 0.1, 0.7  # where motion amplifies: relative difference of energies, share of pairs that touch in both
+MOVES_ITSELF = 0.06  # rad or m
 GOOD = ("as the peer", "as the peer, with warnings")
+NOT_COMPARED = ("loaded here alone", "refused by both")
 
 
 def kind_of(path):
@@ -50,64 +53,6 @@ def files(folders, only):
 
 
 # ---------------------------------------------------------------------------------------------------- MJCF
-def q_of(mm, qpos):
-    """qpos with quaternions (x, y, z, w)."""
-    q = np.array(qpos)
-    for j in range(mm.njnt):
-        if mm.jnt_type[j] < 2:
-            k = mm.jnt_qposadr[j] + (3 if mm.jnt_type[j] == 0 else 0)
-            q[k : k + 4] = np.roll(q[k : k + 4], -1)
-    return q
-
-
-def velocity_map(mm, qpos):
-    """T with v = T qvel: the linear velocity of a free joint in the body's axes."""
-    import mujoco
-
-    T = np.eye(mm.nv)
-    for j in range(mm.njnt):
-        if mm.jnt_type[j] == 0:
-            R, k = np.empty(9), mm.jnt_dofadr[j]
-            mujoco.mju_quat2Mat(R, qpos[mm.jnt_qposadr[j] + 3 :][:4])
-            T[k : k + 3, k : k + 3] = R.reshape(3, 3).T
-    return T
-
-
-def apart(mm, a, b):
-    """Largest difference of two configurations, m or rad."""
-    import mujoco
-
-    d = np.zeros(mm.nv)
-    mujoco.mj_differentiatePos(mm, d, 1.0, a, b)
-    return float(np.abs(d).max(initial=0))
-
-
-def forces_of(mm, m, dyn, states=5):
-    """Largest relative difference of M and bias at random states."""
-    import mujoco
-
-    md, d, random, worst = mujoco.MjData(mm), m.data(), np.random.default_rng(1), 0.0
-    d.set_effects(dyn.Effect.ARMATURE)
-    full = np.empty((mm.nv, mm.nv))
-    for _ in range(states):
-        mujoco.mj_resetData(mm, md)
-        mujoco.mj_integratePos(mm, md.qpos, random.uniform(-1, 1, mm.nv), 0.5)
-        md.qvel[:] = random.uniform(-1, 1, mm.nv)
-        mujoco.mj_forward(mm, md)
-        mujoco.mj_fullM(mm, md, full)
-        T, q = velocity_map(mm, md.qpos), q_of(mm, md.qpos)
-        v, zero = T @ md.qvel, np.zeros(mm.nv)
-        for j in range(mm.njnt):  # MuJoCo's zero acceleration, in the body's axes
-            if mm.jnt_type[j] == 0:
-                k = mm.jnt_dofadr[j]
-                zero[k : k + 3] = -np.cross(v[k + 3 : k + 6], v[k : k + 3])
-        ours = T.T @ d.crba(q) @ T
-        worst = max(worst, np.abs(ours - full).max() / np.abs(full).max())
-        bias = T.T @ d.rnea(q, v, zero)
-        worst = max(worst, np.abs(bias - md.qfrc_bias).max() / max(1e-3, np.abs(md.qfrc_bias).max()))
-    return float(worst)
-
-
 def load_here(row, peer, path, **options):
     """The model and its warnings, which the row takes; the row has its result where there is nothing to compare."""
     import libdyn as dyn
@@ -125,6 +70,7 @@ def load_here(row, peer, path, **options):
 
 
 def mjcf(path, duration):
+    import beside_mujoco as peer
     import mujoco
 
     import libdyn as dyn
@@ -141,28 +87,40 @@ def mjcf(path, duration):
     row["sizes"] = "same" if (m.nq, m.nv, m.nu) == (mm.nq, mm.nv, mm.nu) else f"{m.nq} {m.nv} {m.nu}, not {mm.nq} {mm.nv} {mm.nu}"
     if (m.nq, m.nv) != (mm.nq, mm.nv):
         return row | {"result": "differs"}
-    sim, md = dyn.Simulation(m), mujoco.MjData(mm)
+    beside, sim = peer.Beside(mm, m), dyn.Simulation(m)
     row["timestep"] = "same" if sim.dt == mm.opt.timestep else f"{sim.dt}, not {mm.opt.timestep}"
-    begins = float(np.abs(sim.q - q_of(mm, md.qpos)).max(initial=0))
+    begins = float(np.abs(sim.q - beside.q(mm.qpos0)).max(initial=0))
     row["begins"] = "same" if begins < 1e-12 else f"{begins:.1e} off"
-    forces = forces_of(mm, m, dyn) if mm.nv else 0.0
-    row["forces"] = f"{forces:.1e}"
     try:
-        steps = round(duration / mm.opt.timestep)
-        worst = 0.0
-        back = [(mm.jnt_qposadr[j] + (3 if mm.jnt_type[j] == 0 else 0)) for j in range(mm.njnt) if mm.jnt_type[j] < 2]
-        for _ in range(max(steps, 1)):
-            mujoco.mj_step(mm, md)
-            sim.step()
-            qpos = sim.q.copy()
-            for k in back:
-                qpos[k : k + 4] = np.roll(qpos[k : k + 4], 1)
-            worst = max(worst, apart(mm, md.qpos, qpos))
-        row["moves"] = f"{worst:.3g}"
+        forces = peer.forces(beside) if mm.nv else {}
+        moves = peer.motion(beside, duration)
     except dyn.Error as error:
         return row | {"result": "fails", "reason": str(error).splitlines()[0]}
-    as_peer = row["sizes"] == row["timestep"] == row["begins"] == "same" and worst <= MOVES
-    return row | {"result": ("as the peer, with warnings" if said else "as the peer") if as_peer else "differs, with warnings" if said else "differs"}
+    off = [f"{part} {x:.0e}" for part, x in forces.items() if x > peer.FORCES]
+    row["forces"] = ", ".join(off) or f"{max(forces.values(), default=0):.0e}"
+    row |= {what: f"{x:.2g}" for what, x in moves.items()}
+    as_peer = row["sizes"] == row["timestep"] == row["begins"] == "same" and not off
+    if as_peer and moves["moves"] > peer.MOVES:
+        amplifies = moves["itself"] > peer.MOVES and moves["energy"] < ENERGIES and moves["contacts"] > CONTACTS
+        as_peer = amplifies
+        agrees = "motion amplifies: energy and contacts agree"
+        row["reason"] = agrees if amplifies else reason_of(peer.beginning(mm), moves, said)
+    elif not as_peer:
+        row["reason"] = reason_of(peer.beginning(mm), moves, said)
+    return row | {"result": ("as the peer" if as_peer else "differs") + (", with warnings" if said else "")}
+
+
+def reason_of(beginning, moves, said):
+    """What is known to part the motions, the first that holds."""
+    beyond, deep = beginning
+    reasons = ["physics that is not supported"] if said else []
+    if beyond:
+        reasons.append(f"drawn beyond the limits of {len(beyond)} joints ({beyond[0]})")
+    if deep:
+        reasons.append(f"drawn with {deep} contacts deeper than 1 mm")
+    if moves.get("itself", 0) > MOVES_ITSELF:
+        reasons.append("MuJoCo's motion depends as much on timestep and stiffness")
+    return "; ".join(reasons)
 
 
 # ---------------------------------------------------------------------------------------------------- URDF
@@ -222,15 +180,20 @@ def summary(rows):
     kinds = ["as the peer", "as the peer, with warnings", "differs, with warnings", "differs", "fails", "refused"]
     lines = ["| folder | files | " + " | ".join(kinds) + " | others |", "|---|---" + "|---" * (len(kinds) + 1) + "|"]
     for (folder, kind), c in counts.items():
-        lines.append(f"| {folder} | {sum(c.values())} {kind} | " + " | ".join(str(c[k]) for k in kinds) + f" | {sum(c.values()) - sum(c[k] for k in kinds)} |")
+        total = sum(c.values())
+        others = total - sum(c[k] for k in kinds)
+        lines.append(f"| {folder} | {total} {kind} | " + " | ".join(str(c[k]) for k in kinds) + f" | {others} |")
     return "\n".join(lines)
 
 
-def table(rows):
-    head = "file result sizes timestep begins forces moves unsupported reason".split()
+ALL = "file result sizes timestep begins forces moves itself energy contacts unsupported reason".split()
+
+
+def table(rows, head=ALL):
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for r in rows:
-        lines.append("| " + " | ".join(without_paths(str(r.get(k, ""))).replace("|", "/")[:160] for k in head) + " |")
+        cells = [r["file"] if k == "file" else without_paths(str(r.get(k, ""))) for k in head]
+        lines.append("| " + " | ".join(cell.replace("|", "/")[:160] for cell in cells) + " |")
     return "\n".join(lines)
 
 
@@ -252,15 +215,16 @@ def main():
     p.add_argument("--duration", type=float, default=0.25)
     p.add_argument("--page", type=Path)
     p.add_argument("--csv", type=Path)
-    p.add_argument("--write", action="store_true")
+    p.add_argument("--write")
     p.add_argument("--check", type=Path)
     args = p.parse_args()
     rows = []
     for folder in args.folder:
         for kind, path in files([folder], args.only):
-            row = {"folder": folder.resolve().name, "file": str(path.relative_to(folder)), "format": kind} | tried(kind, path, folder, args.duration)
-            rows.append(row)
-            print(f"{row['result']:28} {row['file']}  {row.get('moves', '')} {without_paths(row.get('reason', ''))[:120]}", flush=True)
+            named = {"folder": folder.resolve().name, "file": str(path.relative_to(folder)), "format": kind}
+            rows.append(row := named | tried(kind, path, folder, args.duration))
+            reason = without_paths(row.get("reason", ""))[:120]
+            print(f"{row['result']:28} {row['file']}  {row.get('moves', '')} {reason}", flush=True)
     text = summary(rows)
     print("\n" + text)
     if args.csv:
@@ -273,7 +237,12 @@ def main():
     if args.write:
         import pages
 
-        pages.write("coverage", f"{text}\n\n```\npython3 bench/coverage.py --write FOLDER...\n```")
+        named = " ".join(folder.resolve().name for folder in args.folder)
+        only = f" --only '{args.only}'" if args.only else ""
+        command = f"python3 bench/coverage.py {named}{only} --duration {args.duration} --write {args.write}"
+        differ = [r for r in rows if r["result"] not in GOOD and r["result"] not in NOT_COMPARED]
+        found = table(differ, "file forces moves itself energy contacts reason".split())
+        pages.write(args.write, f"{text}\n\nFiles that differ:\n\n{found}\n\n```\n{command}\n```")
     if args.check:
         for line in (found := worse(rows, args.check)):
             print("worse: " + line)

@@ -1,0 +1,229 @@
+"""An MJCF model here and in MuJoCo: forces at random states, and the motion of the simulation without controls."""
+
+import contextlib
+
+import mujoco
+import numpy as np
+
+import libdyn as dyn
+
+MOVES = 0.06  # rad or m: within the peer's contact model
+FORCES = 1e-9  # relative
+PARTS = ("M", "bias", "passive", "actuators")
+
+
+class Beside:
+    """A model and its peer: states and forces of one in the coordinates of the other."""
+
+    def __init__(self, mm, m):
+        self.mm, self.m = mm, m
+        free = mm.jnt_type == mujoco.mjtJoint.mjJNT_FREE
+        ball = mm.jnt_type == mujoco.mjtJoint.mjJNT_BALL
+        self.free = mm.jnt_dofadr[free]
+        self.quaternions = np.r_[mm.jnt_qposadr[free] + 3, mm.jnt_qposadr[ball]]
+
+    def q(self, qpos):
+        """qpos with quaternions (x, y, z, w)."""
+        q = np.array(qpos)
+        for k in self.quaternions:
+            q[k : k + 4] = np.roll(q[k : k + 4], -1)
+        return q
+
+    def qpos(self, q):
+        qpos = np.array(q)
+        for k in self.quaternions:
+            qpos[k : k + 4] = np.roll(qpos[k : k + 4], 1)
+        return qpos
+
+    def velocity_map(self, qpos):
+        """T with v = T qvel: the linear velocity of a free joint in the body's axes."""
+        T = np.eye(self.mm.nv)
+        for j in np.flatnonzero(self.mm.jnt_type == mujoco.mjtJoint.mjJNT_FREE):
+            R, k, a = np.empty(9), self.mm.jnt_dofadr[j], self.mm.jnt_qposadr[j]
+            mujoco.mju_quat2Mat(R, qpos[a + 3 : a + 7])
+            T[k : k + 3, k : k + 3] = R.reshape(3, 3).T
+        return T
+
+    def apart(self, a, b):
+        """Largest difference of two configurations, m or rad."""
+        d = np.zeros(self.mm.nv)
+        mujoco.mj_differentiatePos(self.mm, d, 1.0, a, b)
+        return float(np.abs(d).max(initial=0))
+
+
+def relative(ours, theirs, least):
+    return float(np.abs(ours - theirs).max(initial=0) / max(np.abs(theirs).max(initial=0), least, 1e-12))
+
+
+def links_forces(m, d, q, v):
+    """Drag of the medium and gravity compensation, which act in steps alone: M (v' - v) / h + nle."""
+    h = 1e-3
+    d.set_effects(("armature", "fluid", "gravity_compensation"))
+    d.set_step_options("semi_implicit_euler", dt=h)
+    d.set_state(q, v, np.zeros(m.nv), np.zeros(m.nv))
+    d.step()
+    force = (d.v - v) / h
+    d.set_effects("armature")
+    return d.crba(q) @ force + d.rnea(q, v, np.zeros(m.nv))
+
+
+def actuator_forces(m, d, q, v, ctrl):
+    """Forces on the degrees of freedom: those at the end of a step that is too short to change the state."""
+    tau = np.zeros(m.nv)
+    if not m.nactuators:
+        return tau
+    d.reset()
+    d.set_effects(("armature", "actuators"))
+    d.set_step_options("semi_implicit_euler", dt=1e-20)
+    d.set_state(q, v, np.zeros(m.nv), np.zeros(m.nv))
+    d.set_control(ctrl)
+    d.step()
+    for k, force in enumerate(d.field("actuator_force")):
+        a = m.actuator(k)
+        tau[m.joints[a.joint].idx_v + a.component] += a.gear * force
+    return tau
+
+
+def random_state(beside, md, random):
+    mm = beside.mm
+    mujoco.mj_resetData(mm, md)
+    mujoco.mj_integratePos(mm, md.qpos, random.uniform(-1, 1, mm.nv), 0.5)
+    md.qvel[:] = random.uniform(-1, 1, mm.nv)
+    ranges = np.where(mm.actuator_ctrllimited[:, None], mm.actuator_ctrlrange, (-1, 1)).reshape(-1, 2)
+    md.ctrl[:] = random.uniform(ranges[:, 0], ranges[:, 1])
+    mujoco.mj_forward(mm, md)
+
+
+def forces(beside, states=5):
+    """{part: largest relative difference at random states}."""
+    mm, m = beside.mm, beside.m
+    md, d, random, worst = mujoco.MjData(mm), m.data(), np.random.default_rng(1), dict.fromkeys(PARTS, 0.0)
+    stated = d.effects()
+    d.set_shape_masks(None, 0, 0)
+    for pair in range(m.npairs):
+        d.set_pair(pair, False)
+    for k in range(m.nconstraints):
+        d.set_constraint_enabled(k, False)
+    full = np.empty((mm.nv, mm.nv))
+    for _ in range(states):
+        random_state(beside, md, random)
+        mujoco.mj_fullM(mm, md, full)
+        T, q = beside.velocity_map(md.qpos), beside.q(md.qpos)
+        v, zero = T @ md.qvel, np.zeros(mm.nv)
+        for k in beside.free:  # MuJoCo's zero acceleration, in the body's axes
+            zero[k : k + 3] = -np.cross(v[k + 3 : k + 6], v[k : k + 3])
+        d.set_effects("armature")
+        M, bias = d.crba(q), d.rnea(q, v, zero)
+        d.set_effects(("armature", *(e.name.lower() for e in (dyn.Effect.DAMPING, dyn.Effect.SPRINGS) if e in stated)))
+        passive = bias - d.rnea(q, v, zero)
+        if stated & (dyn.Effect.FLUID | dyn.Effect.GRAVITY_COMPENSATION):
+            passive = passive + links_forces(m, d, q, v)
+        driven = actuator_forces(m, d, q, v, md.ctrl) if dyn.Effect.ACTUATORS in stated else np.zeros(mm.nv)
+        least = 1e-3 * np.abs(md.qfrc_bias).max(initial=0)
+        pairs = (
+            (T.T @ M @ T, full),
+            (T.T @ bias, md.qfrc_bias),
+            (T.T @ passive, md.qfrc_passive),
+            (T.T @ driven, md.qfrc_actuator),
+        )
+        for part, (ours, theirs) in zip(PARTS, pairs):
+            worst[part] = max(worst[part], relative(ours, theirs, 0 if part == "M" else least))
+    return worst
+
+
+class Run:
+    """Configurations, energies and bodies in contact of MuJoCo's steps."""
+
+    def __init__(self, mm, duration, refine=1):
+        before = mm.opt.timestep
+        mm.opt.timestep, mm.opt.enableflags = before / refine, mm.opt.enableflags | mujoco.mjtEnableBit.mjENBL_ENERGY
+        md, self.qpos = mujoco.MjData(mm), []
+        mujoco.mj_forward(mm, md)
+        self.energy, self.kinetic = [md.energy.sum()], [md.energy[1]]
+        for _ in range(max(round(duration / before), 1)):
+            for _ in range(refine):
+                mujoco.mj_step(mm, md)
+            self.qpos.append(md.qpos.copy())
+            self.energy.append(md.energy.sum()), self.kinetic.append(md.energy[1])
+        mm.opt.timestep = before
+        pairs = mm.geom_bodyid[[c.geom for c in md.contact if c.dist < 0]].reshape(-1, 2)
+        self.touching = {frozenset((name_of(mm, a), name_of(mm, b))) for a, b in pairs}
+
+
+@contextlib.contextmanager
+def stiffer(mm):
+    """Time constants of contacts, limits and equalities are half as long."""
+    times = [
+        getattr(mm, name)[:, 0]
+        for name in ("geom_solref", "jnt_solref", "dof_solref", "eq_solref", "pair_solref", "tendon_solref_lim")
+    ]
+    for x in times:
+        x[x > 0] /= 2
+    yield
+    for x in times:
+        x[x > 0] *= 2
+
+
+def name_of(mm, body):
+    """Of a body, or of the world that it is welded to."""
+    return "world" if mm.body_weldid[body] == 0 else mm.body(mm.body_weldid[body]).name or f"body_{mm.body_weldid[body]}"
+
+
+def motion(beside, duration):
+    """The motion here beside MuJoCo's: {"moves", "itself", "energy", "contacts"}.
+
+    moves: largest distance of the configurations. itself: where that is more than MOVES, MuJoCo's distance from its own motion
+    with half the timestep, or with contacts and limits twice as stiff, the larger. energy: difference of the energies at the end,
+    over the largest change or kinetic energy of MuJoCo's run. contacts: share of the pairs of bodies in contact at the end that
+    both have.
+    """
+    mm, m = beside.mm, beside.m
+    peer, sim = Run(mm, duration), dyn.Simulation(m)
+    data = m.data()
+    data.set_effects("all")
+
+    def energy():
+        return sum(data.energy(sim.q, sim.v))
+
+    begin, worst = energy(), 0.0
+    for qpos in peer.qpos:
+        sim.step()
+        worst = max(worst, beside.apart(qpos, beside.qpos(sim.q)))
+    out = {"moves": worst}
+    if worst <= MOVES:
+        return out
+    with stiffer(mm):
+        stiff = Run(mm, duration, 4)
+    out["itself"] = max(beside.apart(a, b) for other in (Run(mm, duration, 2), stiff) for a, b in zip(peer.qpos, other.qpos))
+    E = np.array(peer.energy)
+    scale = max(np.abs(E - E[0]).max(), np.max(peer.kinetic))
+    out["energy"] = abs((energy() - begin) - (E[-1] - E[0])) / max(scale, 1e-12)
+    touching = {
+        frozenset((body_of(m, c.contact.shape_a), body_of(m, c.contact.shape_b)))
+        for c in sim.data.step_contacts()
+        if c.contact.distance < 1e-3
+    }
+    every = len(touching | peer.touching)
+    out["contacts"] = len(touching & peer.touching) / every if every else 1.0
+    return out
+
+
+def body_of(m, shape):
+    """Name of the moving link that carries a shape, or "world"."""
+    frame = m.shapes[shape].frame
+    joint = m.frames[frame].joint
+    if joint == 0:
+        return "world"
+    return next(f.name for f in m.frames if f.joint == joint and f.type is dyn.FrameType.BODY)
+
+
+def beginning(mm):
+    """What of the drawn pose explains a motion that differs: (joints beyond their limits, contacts deeper than 1 mm)."""
+    md = mujoco.MjData(mm)
+    mujoco.mj_forward(mm, md)
+    beyond = [
+        mm.joint(j).name
+        for j in np.flatnonzero(mm.jnt_limited)
+        if mm.jnt_type[j] >= 2 and not mm.jnt_range[j, 0] - 1e-9 <= md.qpos[mm.jnt_qposadr[j]] <= mm.jnt_range[j, 1] + 1e-9
+    ]
+    return beyond, sum(c.dist < -1e-3 for c in md.contact)
