@@ -1,7 +1,8 @@
-"""Gymnasium environments (package gymnasium): a quadruped and a humanoid that are to walk along x on a floor.
+"""Gymnasium environments (package gymnasium): a quadruped and a humanoid that are to walk along x on a floor, and files.
 
-    import gymnasium, libdyn.gym                           # the import registers dyn/Go2-v0 and dyn/Humanoid-v0
+    import gymnasium, libdyn.gym                           # the import registers dyn/Go2-v0, dyn/Humanoid-v0 and dyn/Model-v0
     env = gymnasium.make("dyn/Go2-v0")
+    env = gymnasium.make("dyn/Model-v0", model="scene.xml", key="home", frame_skip=5)
     envs = libdyn.gym.WalkVectorEnv("go2", 1024, threads=8)   # or gymnasium.make_vec("dyn/Go2-v0", 1024,
     vectorization_mode="vector_entry_point")
 
@@ -13,7 +14,7 @@ bit for bit the single one with seed s + k.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -133,6 +134,48 @@ class WalkEnv(gymnasium.Env):
         return self._observe(action), float(reward), bool(self.task.fallen(sim.q[None])[0]), False, {}
 
 
+class ModelEnv(gymnasium.Env):
+    """A model as its file states it: its initial state or a key's, timestep, integrator, effects, controls and their ranges.
+
+    An action is the controls, an observation q and v. frame_skip: steps of an action. reward, ended: of the environment.
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(
+        self,
+        model: Model | str | Path,
+        key: str | None = None,
+        frame_skip: int = 1,
+        reward: Callable[[ModelEnv], float] = lambda env: 0.0,
+        ended: Callable[[ModelEnv], bool] = lambda env: False,
+        render_mode: None = None,
+    ):
+        if frame_skip < 1:
+            raise ValueError(f"frame_skip is {frame_skip}, but must be at least 1.")
+        self.render_mode, self.reward, self.ended = None, reward, ended
+        self.model = model if isinstance(model, Model) else load(model)
+        self.simulation, self.frame_skip = Simulation(self.model, key), frame_skip
+        self.dt: float = self.simulation.dt * frame_skip
+        low, high = np.full((2, self.model.nu), np.inf) * [[-1], [1]]
+        for a in map(self.model.actuator, range(self.model.nactuators)):
+            low[a.idx_u], high[a.idx_u] = a.control_range
+        self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (self.model.nq + self.model.nv,), np.float64)
+
+    def _observe(self) -> Numbers:
+        return np.concatenate([self.simulation.q, self.simulation.v])
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
+        super().reset(seed=seed)
+        self.simulation.reset()
+        return self._observe(), {}
+
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict]:
+        self.simulation.step(self.frame_skip, action)
+        return self._observe(), float(self.reward(self)), bool(self.ended(self)), False, {}
+
+
 class WalkVectorEnv(VectorEnv):
     """N robots, stepped by one call of the batch. An environment that ended is reset by the next step."""
 
@@ -200,3 +243,5 @@ for _name, _id in (("go2", "dyn/Go2-v0"), ("humanoid", "dyn/Humanoid-v0")):
             _id, "libdyn.gym:WalkEnv", vector_entry_point="libdyn.gym:WalkVectorEnv", max_episode_steps=1000,
             kwargs={"robot": _name}
         )
+if "dyn/Model-v0" not in gymnasium.registry:
+    gymnasium.register("dyn/Model-v0", "libdyn.gym:ModelEnv")

@@ -97,3 +97,40 @@ def test_refusals():
         dyn.gym.WalkEnv("cat")
     with pytest.raises(ValueError, match="draw nothing"):
         dyn.gym.WalkEnv("go2", render_mode="human")
+
+
+SCENE = """<mujoco><option timestep="0.004" integrator="implicitfast"/><worldbody>
+  <body pos="0 0 1"><joint name="hinge" axis="0 1 0" ref="30" damping="0.1"/><geom size=".1" pos=".3 0 0"/></body></worldbody>
+  <actuator><motor joint="hinge" ctrlrange="-2 3"/><motor joint="hinge"/></actuator>
+  <keyframe><key name="up" qpos="-1.5" qvel="2"/></keyframe></mujoco>"""
+
+
+@pytest.mark.filterwarnings("error", "ignore:.*infinity", "ignore:.*symmetric")
+def test_a_model_of_a_file_runs_as_the_file_states(tmp_path):
+    from gymnasium.utils.env_checker import check_env
+
+    (tmp_path / "scene.xml").write_text(SCENE)
+    env = gymnasium.make("dyn/Model-v0", model=tmp_path / "scene.xml", frame_skip=3, disable_env_checker=True).unwrapped
+    check_env(env, skip_render_check=True)
+    assert env.dt == pytest.approx(0.012, abs=1e-15) and env.simulation.dt == 0.004
+    np.testing.assert_array_equal(env.action_space.low, [-2, -np.inf])
+    np.testing.assert_array_equal(env.action_space.high, [3, np.inf])
+    np.testing.assert_allclose(env.reset()[0], [np.pi / 6, 0], atol=1e-15)
+    sim = dyn.Simulation(env.model)
+    sim.step(3, [1.0, 0.5])
+    observation, *_ = env.step(np.array([1.0, 0.5]))
+    np.testing.assert_array_equal(observation, np.r_[sim.q, sim.v])
+
+
+def test_a_model_begins_at_a_key_and_ends_by_its_rules():
+    model, angle = dyn.load_string(SCENE), lambda env: env.simulation.q[0]
+    env = dyn.gym.ModelEnv(model, "up", reward=angle, ended=lambda env: angle(env) > -1.4)
+    assert env.reset()[0].tolist() == [-1.5, 2]
+    while True:
+        observation, reward, ended, _, _ = env.step(np.zeros(2))
+        assert reward == observation[0] and ended == (reward > -1.4)
+        if ended:
+            break
+    assert env.reset()[0].tolist() == [-1.5, 2]
+    with pytest.raises(ValueError, match="frame_skip"):
+        dyn.gym.ModelEnv(env.model, frame_skip=0)
