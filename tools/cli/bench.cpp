@@ -9,6 +9,7 @@
 
 #include "cli.hpp"
 #include "counter.hpp"
+#include "effect_choice.hpp"
 
 namespace cli {
 namespace {
@@ -171,8 +172,9 @@ json measure(const Algorithm& algorithm, dynData* data, const std::vector<Sample
 
 void run(const Options& options) {
   if (!(options.seconds > 0) || !std::isfinite(options.seconds)) bad_usage("--seconds must be a positive number of seconds.");
-  const std::uint32_t on = parse_effects(options.effects);
+  parse_effects(options.effects);
   const Robot robot(options.robot);
+  const std::uint32_t on = effects_on(robot, options.effects);
   std::vector<std::string> left_out;
   const auto table = algorithms(robot, left_out);
   if (!left_out.empty()) std::cerr << "dyn: left out, because they need too much memory or a joint: " << join(left_out) << ".\n";

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "cli.hpp"
+#include "effect_choice.hpp"
 
 namespace cli {
 
@@ -25,7 +25,7 @@ const std::vector<Name>& names() {
       if (const auto bits = static_cast<std::uint32_t>(c.value); std::has_single_bit(bits) && (bits & DYN_EFFECT_ALL))
         out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
     for (const Name& n : {Name{"gravity", has_gravity}, Name{"contact", has_contact}, Name{"constraints", has_constraints},
-                          Name{"all", of_joints | of_the_whole}, Name{"none", 0}})
+                          Name{"stated", DYN_EFFECT_AS_STATED}, Name{"all", of_joints | of_the_whole}, Name{"none", 0}})
       out.push_back(n);
     return out;
   }();
@@ -50,17 +50,28 @@ std::uint32_t bits_of(const std::string& list, const char* option) {
   return bits;
 }
 
+// Effects of steps of new data: those of the file that it has and does not switch off.
+std::uint32_t stated(const Robot& robot) {
+  dynData* handle = nullptr;
+  check(dyn_data_new(robot, DYN_PART_SIMULATION, &handle));
+  const std::unique_ptr<dynData, Deleter<dyn_data_free>> data(handle);
+  std::uint32_t bits = 0;
+  check(dyn_data_effects(robot, data.get(), 0, &bits));
+  return bits;
+}
+
 }  // namespace
 
 void add_effects_option(CLI::App& command, EffectOptions& options) {
   std::string of_joints_and_links;
   for (const auto& e : names())
-    if (std::has_single_bit(e.bits) && !(e.bits & of_the_whole))
+    if (std::has_single_bit(e.bits) && e.bits & DYN_EFFECT_ALL)
       of_joints_and_links += (of_joints_and_links.empty() ? "" : ", ") + std::string(e.name);
   command
-      .add_option(
-          "--effects", options.with,
-          "Effects of joints and links: " + of_joints_and_links + ", separated by commas; all (without sleeping), or none")
+      .add_option("--effects", options.with,
+                  "Effects of joints and links: " + of_joints_and_links +
+                      ", separated by commas; stated: those of the file that its flags do not switch off; all (without "
+                      "sleeping), or none")
       ->check(not_empty)
       ->type_name("LIST")
       ->capture_default_str();
@@ -72,6 +83,14 @@ void add_effects_option(CLI::App& command, EffectOptions& options) {
 std::uint32_t parse_effects(const EffectOptions& options) {
   return (bits_of(options.with, "--effects") | of_the_whole) & ~bits_of(options.without, "--without");
 }
+
+std::uint32_t effects_on(const Robot& robot, const EffectOptions& options) {
+  std::uint32_t on = parse_effects(options);
+  if (on & DYN_EFFECT_AS_STATED) on = (on & ~std::uint32_t(DYN_EFFECT_AS_STATED)) | stated(robot);
+  return on & ~bits_of(options.without, "--without");
+}
+
+std::uint32_t effect_bits(const std::string& name) { return bits_of(name, "--without"); }
 
 void apply_effects(const Robot& robot, dynData* data, std::uint32_t effects) {
   check(dyn_data_set_effects(robot, data, 0, effects & (of_joints | DYN_EFFECT_SLEEPING)));
@@ -118,15 +137,15 @@ json effects(const Robot& robot, std::uint32_t on) {
     add(type(bit).name, n && on & bit, n ? found + off(bit) : std::string(type(bit).absent));
   };
   const auto several = [](int n, const char* one, const char* more) { return std::to_string(n) + (n == 1 ? one : more); };
-  const auto present = [&](const char* name) {
-    for (int k = 0; k < dyn_effect_count(); ++k) {
-      dynEffectInfo info{};
+  const auto effect_info = [&](const char* name) {
+    dynEffectInfo info{};
+    for (int k = 0; k < dyn_effect_count() && !(info.name && std::string(name) == info.name); ++k) {
       info.struct_size = sizeof info;
       check(dyn_data_effect_info(robot, data, k, &info));
-      if (std::string(name) == info.name) return int(info.present);
     }
-    return 0;
+    return info;
   };
+  const auto present = [&](const char* name) { return int(effect_info(name).present); };
   const double* g = dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY);
   const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
   add("gravity", falls && on & has_gravity,
@@ -146,9 +165,10 @@ json effects(const Robot& robot, std::uint32_t on) {
   const int tested = present("contact");
   add("contact", tested && on & has_contact,
       tested ? several(tested, " pair", " pairs") + " of shapes may touch" + off(has_contact) : "no pair of shapes is tested");
-  const int constraints = dyn_model_nconstraints(robot);
-  add("constraints", constraints && on & has_constraints,
-      constraints ? "the file has " + several(constraints, " constraint", " constraints") + off(has_constraints)
+  const int constraints = dyn_model_nconstraints(robot), enabled = effect_info("constraints").acting;
+  const std::string none_enabled = on & has_constraints && !enabled ? ", none of them enabled" : "";
+  add("constraints", enabled > 0,
+      constraints ? "the file has " + several(constraints, " constraint", " constraints") + none_enabled + off(has_constraints)
                   : "the file has none");
   const int actuators = dyn_model_nactuators(robot);
   effect(DYN_EFFECT_ACTUATORS, actuators,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "counter.hpp"
+#include "effect_choice.hpp"
 #include "stepping.hpp"
 
 namespace cli {
@@ -73,9 +74,6 @@ double distance(const Robot& robot, const Rollout& a, const Rollout& b) {
 
 json number_or_null(double x) { return std::isfinite(x) ? json(x) : json(nullptr); }
 
-// Of one effect.
-std::uint32_t bit_of(const std::string& name) { return parse_effects({"all", ""}) & ~parse_effects({"all", name}); }
-
 struct Measured {
   Rollout all;
   json effects;
@@ -89,7 +87,7 @@ Measured measure(const Robot& robot, const State& state, const SteppingOptions& 
   for (json& e : out.effects) {
     progress.at(done++);
     if (!e["active"].get<bool>() || e["name"] == "mimic") continue;
-    const Rollout without = roll_out(robot, state, options, on & ~bit_of(e["name"]));
+    const Rollout without = roll_out(robot, state, options, on & ~effect_bits(e["name"]));
     e["magnitude"] = number_or_null(distance(robot, out.all, without));
     e["instructions"] = number_or_null(out.all.instructions - without.instructions);
     e["ns"] = out.all.ns - without.ns;
@@ -109,7 +107,7 @@ json suggest(const Robot& robot, const State& state, const SteppingOptions& opti
   for (;; candidates.pop_back()) {
     std::uint32_t kept = on;
     std::vector<std::string> without;
-    for (const auto& c : candidates) kept &= ~bit_of(c.second), without.push_back(c.second);
+    for (const auto& c : candidates) kept &= ~effect_bits(c.second), without.push_back(c.second);
     const Rollout run = candidates.empty() ? measured.all : roll_out(robot, state, options, kept);
     const double error = distance(robot, measured.all, run);
     if (!(error < allowed) && !candidates.empty()) continue;
@@ -143,9 +141,9 @@ void run(const Options& given, bool asked) {
   check_stepping(options);
   if (asked && (!(options.allowed > 0) || !std::isfinite(options.allowed)))
     bad_usage("--suggest must be a positive number of metres and radians.");
-  const std::uint32_t on = parse_effects(options.effects);
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
+  const std::uint32_t on = effects_on(robot, options.effects);
   complete_stepping(robot, options);
   json warnings = json::array();
   const State state = start_of(robot, options, warnings);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "cli.hpp"
+#include "effect_choice.hpp"
 
 namespace cli {
 namespace {
@@ -336,10 +337,11 @@ void append_text(std::string& out, const std::string& name, const json& value, c
 void run(const Options& options) {
   const auto reference = static_cast<dynReference>(value_of("dynReference", "--reference", options.reference, &Choice::capital));
   const auto wanted = select(options);
-  const std::uint32_t on = parse_effects(options.effects);
+  parse_effects(options.effects);
 
   check_lists(options.state);
   const Robot robot(options.robot, contact_count(options.contacts));
+  const std::uint32_t on = effects_on(robot, options.effects);
   dynParts parts = DYN_PART_KINEMATICS;
   for (const Quantity* quantity : wanted) parts |= quantity->parts ? quantity->parts : robot.forward_parts();
   const Data data(robot, parts, on);

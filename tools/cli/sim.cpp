@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "drive.hpp"
+#include "effect_choice.hpp"
 #include "files.hpp"
 #include "ledger.hpp"
 #include "page/recording.hpp"
@@ -210,7 +211,6 @@ void run(const Options& given) {
   if (options.accuracy_given && (!(options.accuracy > 0) || !std::isfinite(options.accuracy)))
     bad_usage("--accuracy must be a positive number.");
   const ContactSolver solver{solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget};
-  const std::uint32_t on = parse_effects(options.effects);
   const bool adaptive = options.accuracy > 0;
   const bool page = !options.html.empty();
   const double rows = options.duration / 100;
@@ -221,6 +221,7 @@ void run(const Options& given) {
   json warnings = json::array();
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
+  const std::uint32_t on = effects_on(robot, options.effects);
   complete_stepping(robot, options);
   const auto& integrator = integrator_named(options.integrator);
   const double dt = !adaptive || options.dt_given ? options.dt : page ? std::min(rows, 1.0 / 60) : rows;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "effect_choice.hpp"
+
 namespace cli {
 
 namespace {
@@ -115,8 +117,9 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   command.add_flag("--ground", options.ground, "Add the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
   command
-      .add_option("--configuration", options.configuration,
-                  "Start in this configuration of the file; default: where an MJCF file draws the robot, else neutral")
+      .add_option("--configuration,--key", options.configuration,
+                  "Start in this configuration of the file, an MJCF key or an SRDF state; default: where an MJCF file draws the "
+                  "robot, else neutral")
       ->check(not_empty);
   command.add_option("--ctrl", options.ctrl, "Controls of the actuators, nu numbers; default: the configuration's")
       ->type_name("NUMBERS");
@@ -144,6 +147,7 @@ void check_stepping(const SteppingOptions& options) {
   if (!(options.time_budget >= 0) || !std::isfinite(options.time_budget))
     bad_usage("--time-budget must be a number of seconds, 0 or more.");
   check_lists(options.state);
+  parse_effects(options.effects);
   parse_list("--ctrl", options.ctrl);
 }
 
@@ -168,7 +172,7 @@ State start_of(const Robot& robot, const SteppingOptions& options, json& warning
   if (said && !options.configuration.empty()) bad_usage("--configuration excludes --q and --state: keep one.");
   if (!said) start_in_configuration(robot, options, state);
   if (options.ground && !said && options.configuration.empty()) lift(robot, state.q, warnings);
-  if (parse_effects(options.effects) & DYN_EFFECT_LIMITS) warn_beyond_limits(robot, state.q, warnings);
+  if (effects_on(robot, options.effects) & DYN_EFFECT_LIMITS) warn_beyond_limits(robot, state.q, warnings);
   if (!options.ctrl.empty()) {
     const Vector given = parse_list("--ctrl", options.ctrl);
     if (given.size() != state.ctrl.size())

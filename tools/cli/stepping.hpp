@@ -36,7 +36,7 @@ void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator
 struct SteppingOptions {
   RobotOptions robot;
   StateOptions state;
-  EffectOptions effects;
+  EffectOptions effects{"stated", ""};
   std::string integrator, solver = "admm", configuration;  // integrator "": the file's
   double duration = 0, dt = std::numeric_limits<double>::quiet_NaN(), tolerance = 0, time_budget = 0;
   int max_iterations = 0;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "effect_choice.hpp"
 #include "files.hpp"
 #ifdef DYN_LIVE
 #include "live/server.hpp"
@@ -50,8 +51,8 @@ void write_still(const Options& options, const std::string& html, const std::str
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
   page::Pack pack;
-  const json head =
-      page::still("model", options.robot, robot, start_of(robot, options, notes), parse_effects(options.effects), pack, notes);
+  const json head = page::still("model", options.robot, robot, start_of(robot, options, notes),
+                                effects_on(robot, options.effects), pack, notes);
   page::write_file(path, page::filled(html, head, pack));
 }
 

@@ -3,6 +3,7 @@
 import math
 import os
 
+import libdyn as dyn
 import numpy as np
 import pytest
 from command import ROBOTS, answer, arm_file, pytestmark, run, state_file  # noqa: F401 (fixtures)
@@ -117,3 +118,32 @@ def test_sim_to_an_accuracy(arm_file):
     assert np.abs(np.subtract(tight["q"], loose["q"])).max() < 1e-3 and loose["error_estimate"] <= 1e-4
     for bad in ("-1", "nan", "inf"):
         run(*words, bad, status=2)
+
+
+STATED = """<mujoco><option timestep="0.004" integrator="implicitfast">FLAGS</option><worldbody><geom type="plane" size="1 1 1"/>
+  <body pos="0 0 1"><joint name="hinge" axis="0 1 0" ref="20" damping="0.5" frictionloss="0.2" range="-90 90"/>
+  <geom type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1"/></body></worldbody>
+  <actuator><motor name="m" joint="hinge"/></actuator>
+  <keyframe><key name="away" time="2" qpos="0.3" qvel="1" ctrl="0.7"/></keyframe></mujoco>"""
+
+
+FLAGS = ("", '<flag frictionloss="disable"/>', '<flag damper="disable" limit="disable"/>', '<flag actuation="disable"/>')
+
+
+@pytest.mark.parametrize("flags", FLAGS)
+@pytest.mark.parametrize("key", [None, "away"])
+def test_a_file_runs_as_it_states_its_effects_step_and_beginning(tmp_path, flags, key):
+    """As dyn.Simulation does; --effects all applies what flags switch off."""
+    path = tmp_path / "m.xml"
+    path.write_text(STATED.replace("FLAGS", flags))
+    at = ["--key", key] if key else []
+    found = answer("sim", path, "--duration", "0.4", *at)
+    sim = dyn.Simulation(dyn.load(path), key)
+    sim.step(100)
+    assert (found["dt"], found["integrator"], found["steps"]) == (0.004, "implicit_fast", 100)
+    assert found["time"] == pytest.approx(sim.time, abs=1e-12)
+    assert found["q"] == sim.q.tolist() and found["v"] == sim.v.tolist()
+    every = answer("sim", path, "--duration", "0.4", "--effects", "all", *at)
+    assert (every["q"] == found["q"]) == (flags == "" or (flags.startswith("<flag act") and key is None))
+    off = {w.split(":")[0] for w in found["warnings"] if "switched off" in w}
+    assert off == {"": set(), "<flag f": {"friction"}, "<flag d": {"damping", "limits"}, "<flag a": {"actuators"}}[flags[:7]]

@@ -12,6 +12,7 @@
 
 #include "../files.hpp"
 #include "../page/markup.hpp"
+#include "../effect_choice.hpp"
 #include "derivatives.hpp"
 #include "distance_sweep.hpp"
 #include "plot.hpp"
@@ -300,11 +301,11 @@ void run(const Options& given, const std::vector<std::string>& words) {
   std::string unit, second;
   const double target = options.target.empty() ? 0 : with_unit("--target", options.target, {"m", "rad", "J"}, unit);
   const double seconds = with_unit("--budget", options.budget, {"s", "min"}, second) * (second == "min" ? 60 : 1);
-  const std::uint32_t on = parse_effects(options.effects);
   check_outputs({{"--csv", options.csv}, {"--svg", options.svg}, {"--html", options.html}, {"--resume", options.resume}},
                 inputs_of(options.robot, {{"--state", options.state.file}, {"--reference", options.reference}}));
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
+  const std::uint32_t on = effects_on(robot, options.effects);
   complete_stepping(robot, options);
   json warnings = json::array();
   const Scene scene{robot, start_of(robot, options, warnings), on, options.duration};
@@ -412,7 +413,7 @@ std::vector<std::string> scene_words(const SteppingOptions& o) {
   value(o.robot.srdf, "--srdf"), value(o.robot.meshes, "--collision-meshes", RobotOptions().meshes),
       value(o.state.file, "--state"), value(o.configuration, "--configuration");
   list(o.state.q, "--q"), list(o.state.v, "--v"), list(o.state.tau, "--tau"), list(o.ctrl, "--ctrl");
-  value(o.effects.with, "--effects", "all"), value(o.effects.without, "--without");
+  value(o.effects.with, "--effects", "stated"), value(o.effects.without, "--without");
   return out;
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "../effect_choice.hpp"
+
 namespace cli::live {
 
 namespace {
@@ -26,7 +28,7 @@ Simulation::Simulation(const SteppingOptions& options)
     : options_(options),
       robot_(load(options)),
       start_(start_of(robot_, options, notes_)),
-      effects_(parse_effects(options.effects)),
+      effects_(effects_on(robot_, options.effects)),
       poses_(robot_, effects_) {
   complete_stepping(robot_, options_);
   begin(start_);
@@ -86,7 +88,7 @@ std::string Simulation::obey(const json& command) {
       now.q.assign(q, q + robot_.nq), now.v.assign(v, v + robot_.nv);
       EffectOptions options = options_.effects;
       options.without = command.at("without").get<std::string>();
-      effects_ = parse_effects(options);
+      effects_ = effects_on(robot_, options);
       before_ = time_;
       begin(now);
     } else {
@@ -128,7 +130,7 @@ std::vector<float> Simulation::state() const {
 json Simulation::head(page::Pack& pack) const {
   json out = page::still("live", options_.robot, robot_, start_, effects_, pack, notes_);
   json names = json::array();
-  for (const json& e : effects(robot_, parse_effects(options_.effects)))
+  for (const json& e : effects(robot_, effects_on(robot_, options_.effects)))
     if (e["active"].get<bool>() && e["name"] != "mimic") names.push_back(e["name"]);
   out["effects"] = names, out["dt"] = options_.dt;
   return out;
