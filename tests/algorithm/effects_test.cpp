@@ -23,8 +23,7 @@ void slow_down(Case& c) {
 
 // r(q, v) by its definition.
 static_assert(DYN_EFFECT_ALL == 0x1ff,
-              "an effect that joints have beside their rotors is defined here, and drawn by add_resistance in "
-              "tests/common/random_tree.hpp");
+              "an effect that joints have beside their rotors is defined here");
 VectorXd resistance(const Case& c) {
   VectorXd r(c.nv), e(c.nv);
   difference(c.m, c.m.spring_reference(), c.x.q.data(), e.data());

@@ -162,11 +162,14 @@ inline const std::vector<dynJointType>& moving_types() {
   return all;
 }
 
-// Damping, dry friction and springs for a joint, each with the given chance.
+// Every coefficient but armature for a joint, each with the given chance.
 inline void add_resistance(Dice& dice, double chance, JointSpec& s) {
   const std::size_t nv = std::size_t(spec_nv(s));
-  for (auto* x : {&s.damping, &s.friction, &s.stiffness})
-    if (dice.chance(chance))
+#define COEFFICIENT(name, has, sentence) &s.name,
+  for (auto* x : {
+#include "effect/coefficients.def"
+       })
+    if (x != &s.armature && dice.chance(chance))
       for (std::size_t k = 0; k < nv; ++k) x->push_back(dice.in(0, 3));
   if (s.stiffness.empty()) return;
   if (s.type == DYN_JOINT_TYPE_SPHERICAL) {
