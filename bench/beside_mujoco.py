@@ -119,7 +119,7 @@ def forces(beside, states=5):
         if stated & (dyn.Effect.FLUID | dyn.Effect.GRAVITY_COMPENSATION):
             passive = passive + links_forces(m, d, q, v)
         driven = actuator_forces(m, d, q, v, md.ctrl) if dyn.Effect.ACTUATORS in stated else np.zeros(mm.nv)
-        least = 1e-3 * np.abs(md.qfrc_bias).max(initial=0)
+        least = 1e-3 * max(np.abs(md.qfrc_bias).max(initial=0), np.abs(full).max(initial=0))
         pairs = (
             (T.T @ M @ T, full),
             (T.T @ bias, md.qfrc_bias),

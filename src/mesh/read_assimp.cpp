@@ -152,19 +152,36 @@ class OneFolder : public Assimp::DefaultIOSystem {
   std::filesystem::path folder_;
 };
 
-// assimp splits a quadrilateral at its first corner. Readers of OBJ files split at the shorter diagonal.
-void split_at_shorter_diagonals(const aiScene& scene) {
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
-    const aiMesh& mesh = *scene.mMeshes[i];
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      unsigned* const corner = mesh.mFaces[f].mIndices;
-      if (mesh.mFaces[f].mNumIndices != 4 || std::any_of(corner, corner + 4, [&](unsigned k) { return k >= mesh.mNumVertices; }))
-        continue;
-      const auto& v = mesh.mVertices;
-      if (!((v[corner[2]] - v[corner[0]]).SquareLength() < (v[corner[3]] - v[corner[1]]).SquareLength()))
-        std::rotate(corner, corner + 1, corner + 4);
+// Splits quadrilaterals at the shorter diagonal, as readers of OBJ files do. assimp begins at a corner that it takes for concave.
+void split_quadrilaterals(aiMesh& mesh) {
+  const auto is_split = [&](const aiFace& face) {
+    return face.mNumIndices == 4 &&
+           std::all_of(face.mIndices, face.mIndices + 4, [&](unsigned k) { return k < mesh.mNumVertices; });
+  };
+  const auto count = static_cast<unsigned>(std::count_if(mesh.mFaces, mesh.mFaces + mesh.mNumFaces, is_split));
+  if (count == 0) return;
+  aiFace* const faces = new aiFace[mesh.mNumFaces + count];  // the mesh owns them
+  aiFace* to = faces;
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    const aiFace& face = mesh.mFaces[f];
+    if (!is_split(face)) {
+      *to++ = face;
+      continue;
+    }
+    unsigned* const corner = face.mIndices;
+    const auto square = [&](int i, int j) { return (mesh.mVertices[corner[i]] - mesh.mVertices[corner[j]]).SquareLength(); };
+    if (!(square(0, 2) < square(1, 3))) std::rotate(corner, corner + 1, corner + 4);
+    for (const int second : {1, 2}) {
+      to->mNumIndices = 3;
+      to->mIndices = new unsigned[3]{corner[0], corner[second], corner[second + 1]};
+      ++to;
     }
   }
+  delete[] mesh.mFaces;
+  mesh.mFaces = faces, mesh.mNumFaces += count;
+  mesh.mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
+  if (std::all_of(faces, faces + mesh.mNumFaces, [](const aiFace& face) { return face.mNumIndices <= 3; }))
+    mesh.mPrimitiveTypes &= ~unsigned(aiPrimitiveType_POLYGON);
 }
 
 struct Placed {
@@ -182,7 +199,7 @@ Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles) {
   // assimp's convention is y up; it converts COLLADA to that
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, !up_z);
   const aiScene* scene = importer.ReadFile(path, 0);
-  if (scene && kind == "obj") split_at_shorter_diagonals(*scene);
+  for (unsigned i = 0; scene && kind == "obj" && i < scene->mNumMeshes; ++i) split_quadrilaterals(*scene->mMeshes[i]);
   if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (!scene || !scene->mRootNode) {
     const std::string why = importer.GetErrorString();
