@@ -240,7 +240,7 @@ def main():
         named = " ".join(folder.resolve().name for folder in args.folder)
         only = f" --only '{args.only}'" if args.only else ""
         command = f"python3 bench/coverage.py {named}{only} --duration {args.duration} --write {args.write}"
-        differ = [r for r in rows if r["result"] not in GOOD and r["result"] not in NOT_COMPARED]
+        differ = [r | {"file": " ".join(Path(r["file"]).parts[-2:])} for r in rows if r["result"] not in (*GOOD, *NOT_COMPARED)]
         found = table(differ, "file forces moves itself energy contacts reason".split())
         pages.write(args.write, f"{text}\n\nFiles that differ:\n\n{found}\n\n```\n{command}\n```")
     if args.check:
