@@ -56,15 +56,22 @@ def relative(ours, theirs, least):
 
 
 def links_forces(m, d, q, v):
-    """Drag of the medium and gravity compensation, which act in steps alone: M (v' - v) / h + nle."""
-    h = 1e-3
-    d.set_effects(("armature", "fluid", "gravity_compensation"))
-    d.set_step_options("semi_implicit_euler", dt=h)
-    d.set_state(q, v, np.zeros(m.nv), np.zeros(m.nv))
-    d.step()
-    force = (d.v - v) / h
+    """Drag of the medium and gravity compensation, which act in steps alone: M times their part of a step, at the limit h = 0."""
+
+    def after_step(h, *effects):
+        d.set_effects(("armature", *effects))
+        d.set_step_options("semi_implicit_euler", dt=h)
+        d.set_state(q, v, np.zeros(m.nv), np.zeros(m.nv))
+        d.step()
+        return d.v.copy()
+
+    def acceleration(h):
+        return (after_step(h, "fluid", "gravity_compensation") - after_step(h)) / h
+
+    h = 1e-4
+    a = 3 * acceleration(h) - 3 * acceleration(2 * h) + acceleration(3 * h)
     d.set_effects("armature")
-    return d.crba(q) @ force + d.rnea(q, v, np.zeros(m.nv))
+    return d.crba(q) @ a
 
 
 def actuator_forces(m, d, q, v, ctrl):
