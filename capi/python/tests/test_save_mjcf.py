@@ -172,14 +172,21 @@ def test_mujoco_opens_robots_of_urdf_files(tmp_path, file):
     """Whatever their meshes are: moving joints in the same order, followers as equalities, and M of the same bodies."""
     mujoco = pytest.importorskip("mujoco")
     first = loaded(file)
-    second, _ = again(first, tmp_path / "m.xml")
-    mm = mujoco.MjModel.from_xml_path(str(tmp_path / "m.xml"))
+    if any("forward dynamics may be undefined" in line.message for line in first.report):
+        pytest.skip("a joint moves no mass, which MJCF does not have")
+    second, lost = again(first, tmp_path / "m.xml")
+    try:
+        mm = mujoco.MjModel.from_xml_path(str(tmp_path / "m.xml"))
+    except ValueError as error:
+        if "mass and inertia of moving bodies" not in str(error):
+            raise
+        pytest.skip("a moving link has no mass, which MuJoCo refuses")
     assert (mm.nq, mm.nv) == (second.nq, second.nv)
     if first.nv != second.nv or any(j.mimic_leader >= 0 for j in first.joints) or not first.nv:
         return
     assert [mm.joint(j).name for j in range(mm.njnt)] == [j.name for j in second.joints[1:]]
-    if first.nq != first.nv or first.nq != mm.nq:
-        return
+    if first.nq != first.nv or first.nq != mm.nq or any("moments" in line or "inertias" in line for line in lost):
+        return  # what MuJoCo refuses as an inertia is said to be lost
     q, md, theirs = first.random(1), mujoco.MjData(mm), np.empty((mm.nv, mm.nv))
     md.qpos[:] = q
     mujoco.mj_forward(mm, md)
