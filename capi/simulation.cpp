@@ -47,9 +47,18 @@ bool has_finite_state(const Model& m, const Data<double>& d) {
         function, t);
   if (answer == integrator::no_step_left)
     return fail(DYN_ERROR_NUMERIC,
-                "%s: no step is short enough near t = %g s: the motion is singular there, or the accuracy beyond what rounding "
+                "%s: no step is short enough near t = %g s, or too many are needed: the motion is singular there, or the accuracy beyond what rounding "
                 "allows; the state is as before the step",
                 function, t);
+  const simulation::Workspace& w = *d.step;
+  if (answer == integrator::energy_gained)
+    return fail(DYN_ERROR_NUMERIC,
+                "%s: near t = %g s joint '%s' gains kinetic energy that nothing explains, also in parts of dt: the state is as before the step; "
+                "use a smaller dt", function, t, m.string(m.joints()[w.failed_joint].name));
+  if (answer == integrator::unstable)
+    return fail(DYN_ERROR_NUMERIC,
+                "%s: springs, damping or gains at joint '%s' are unstable in explicit steps near t = %g s: the state is as before the step; "
+                "use implicit_fast, or a dt below %.2g s", function, m.string(m.joints()[w.failed_joint].name), t, w.stable_dt);
   Index bad_v = m.n.nv, bad_q = m.n.nq;
   simulation::with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
@@ -78,7 +87,7 @@ DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   if (w.options.time_budget > 0) w.expired = Deadline::past, w.clock = &deadline;
   if (w.sleep.count > 0) simulation::begin_sleep(m, d, h);  // otherwise no tree can rest
   call.begin_step();
-  const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
+  const Index answer = integrator::step(m, d, w.options.integrator, h, w.report, d.backup);
   w.expired = nullptr;
   if (answer || !has_finite_state(m, d)) [[unlikely]] {
     const dynStatus status = explain(m, d, answer, function, d.time[0]);

@@ -12,7 +12,10 @@ namespace integrator {
 
 inline constexpr Index not_converged = -1;  // of the implicit midpoint rule
 inline constexpr Index no_step_left = -2;   // steps became shorter than time can tell apart
-template <class T> Index step(const Model&, Data<T>&, dynIntegrator, T h, dynStepReport&);
+inline constexpr Index energy_gained = -3;  // the step adds kinetic energy that nothing explains (Workspace::failed_joint)
+inline constexpr Index unstable = -4;       // springs, damping or gains make the explicit method unstable (failed_joint, stable_dt)
+// start: the state at the beginning of the step, as in Data::backup, with which the energy guard repeats it; nullptr: no guard.
+template <class T> Index step(const Model&, Data<T>&, dynIntegrator, T h, dynStepReport&, const T* start = nullptr);
 template <class T> Index advance(const Model&, Data<T>&, dynIntegrator, T duration, T accuracy, dynStepReport&);
 
 }  // namespace integrator

@@ -8,6 +8,7 @@ struct Classical {
   static constexpr int stages = 4;
   static constexpr double a[4][3] = {{}, {0.5}, {0, 0.5}, {0, 0, 1}};
   static constexpr double b[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  static constexpr double stability[5] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24};  // y' = s y: y is multiplied by their polynomial in h s
 };
 
 // Dormand and Prince 1980, order 5. e: difference to the embedded method of order 4.
@@ -21,6 +22,7 @@ struct DormandPrince5 {
                                      {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
                                      {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
   static constexpr double b[7] = {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0};
+  static constexpr double stability[7] = {1, 1, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 600};
   static constexpr double e[7] = {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 };
 

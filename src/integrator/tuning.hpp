@@ -22,6 +22,8 @@ inline constexpr int noise_share = 4;                 // of the accuracy that no
 inline constexpr double last_step = 1e-12;            // of the duration: a shorter rest belongs to the last step
 inline constexpr double no_step = 1e-13;              // of the duration: shorter steps are refused
 
+inline constexpr int reference_steps = 100000;        // within one step of the integrator `reference`: what is too stiff is refused
+
 // Singular configurations (step_control.hpp).
 inline constexpr double projection_error = 1e-2;      // of the projection step counted as error (the Jacobian changed during the step)
 inline constexpr double retry_lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6};  // of the last ordinary step

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "block_check.hpp"
+#include "model/contact_capacity.hpp"
 #include "shape/geometry.hpp"
 #include "model/data.hpp"
 #include "shape/material.hpp"
@@ -168,7 +169,7 @@ bool BlockChecker::shapes() {
       !require(geoms == n.geoms, "collision shapes"))
     return false;
   return require(m.contact_capacity >= 0 && m.contact_capacity <= max_contacts &&
-      n.contacts == contact_capacity_of(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
+      n.contacts == default_contact_capacity(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
     const PairRecord& p = m.pairs()[k];
     if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") ||
         !index(p.material(), n.materials + 1, "material of a pair")) return false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "builder_compile.hpp"
+#include "model/contact_capacity.hpp"
 
 namespace dyn {
 
@@ -42,7 +43,7 @@ ModelPtr Compiler::compile() {
   const auto moving = std::count_if(a.geoms.begin(), a.geoms.end(), [&](const GeomRecord& g) {
     return a.frames[std::size_t(a.shapes[std::size_t(g.shape)].frame)].joint > 0;
   });
-  model->n.contacts = Index(contact_capacity_of(*model, moving));
+  model->n.contacts = Index(default_contact_capacity(*model, moving));
   return std::move(model);
 }
 

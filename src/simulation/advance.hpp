@@ -7,6 +7,7 @@
 #include "integrator/runge_kutta.hpp"
 #include "integrator/settled_rows.hpp"
 #include "integrator/step_control.hpp"
+#include "simulation/energy_guard.hpp"
 #include "simulation/extrapolated.hpp"
 #include "simulation/semi_implicit_euler.hpp"
 
@@ -19,9 +20,10 @@ void record_ledger_step(const Model& m, Data<T>& d, T h) {
 }
 
 // Advances d by duration. accuracy 0: to rounding. A step may use up to three times its share of the error if earlier steps left it.
-// Returns 0, the joint whose forward dynamics failed, or no_step_left; the state is then that of report.time.
+// Returns 0, the joint whose forward dynamics failed, or no_step_left, also after max_steps; the state is then that of report.time.
 template <class Tableau, class T>
-Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
+Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report,
+                          std::int64_t max_steps = std::numeric_limits<std::int64_t>::max()) {
   T h = duration, t = 0, left = 0;
   if (const Index joint = project_to_constraints(m, d)) return joint;  // initial velocities that violate the constraints jump at once
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h)) return joint;
@@ -33,7 +35,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - tuning::last_step);
     if (last) h = duration - t;
-    if (!(h > duration * T(tuning::no_step))) return no_step_left;
+    if (!(h > duration * T(tuning::no_step)) || report.steps + report.rejected >= max_steps) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
     const T share = accuracy / T(tuning::growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h));
@@ -199,12 +201,22 @@ Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool s
   return euler_step(m, d, s, h, springs);
 }
 
+// An explicit step, unless springs, damping or gains make it unstable.
+template <class Tableau, class T>
+Index stable_explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+  if (const Index joint = explicit_step<Tableau>(m, d, s, h)) return joint;
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step && (d.step->failed_joint = simulation::unstable_joint(m, d, h, Tableau::stability, d.step->stable_dt))) return unstable;
+  return 0;
+}
+
 // One step of h by the integrator. Where velocities may jump, implicit_fast replaces all but the two methods of order 1.
-// Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
+// Returns 0, the joint whose forward dynamics failed, not_converged, no_step_left or unstable.
 template <class T>
-Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
-  const Stages<T> s(m, d);
+Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h, dynStepReport& report) {
   Index failed = 0;
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step) d.step->rows_add_energy = false, d.step->rows_work = 0;
   begin_rows(m, d, integrator != DYN_INTEGRATOR_REFERENCE);
   if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_constraints(m, d, s, h))
     integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, true);
@@ -213,21 +225,78 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
     case DYN_INTEGRATOR_IMPLICIT_FAST:
       failed = one_euler_step(m, d, s, h, integrator == DYN_INTEGRATOR_IMPLICIT_FAST), report.evaluations += 1;
       break;
-    case DYN_INTEGRATOR_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
+    case DYN_INTEGRATOR_RK4: failed = stable_explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
     case DYN_INTEGRATOR_RK45:
-      failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
+      failed = stable_explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
       if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
       break;
     case DYN_INTEGRATOR_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
     case DYN_INTEGRATOR_REFERENCE: {
       dynStepReport inner{};
-      failed = advance_to_accuracy<DormandPrince8>(m, d, s, h, T(0), inner);
+      failed = advance_to_accuracy<DormandPrince8>(m, d, s, h, T(0), inner, tuning::reference_steps);
       report.evaluations += inner.evaluations, report.rejected += inner.rejected, report.error_estimate += inner.error_estimate;
       break;
     }
   }
   if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) failed = project_to_constraints(m, d);
   keep_all_rows(m, d);
+  return failed;
+}
+
+// Repeats a step that gained energy: with another contact solver, then in 2, 4, .. parts. Each part is checked.
+// Returns 0, or energy_gained with the joint that has most of it. After the deadline a step stays as it is.
+inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<double>& s, dynIntegrator integrator, double h,
+                                 dynStepReport& report, const double* start) {
+  using namespace simulation;
+  Workspace& w = *d.step;
+  if (w.time_is_up()) return 0;
+  const auto swap_states = [&] {
+    double* const kept = const_cast<double*>(start);
+    with_active_trees(d, [&](const auto& part) {
+      part.for_each_group(m, [&](const Trees& t) {
+        std::swap_ranges(d.q + t.q, d.q + t.q_end, kept + t.q), std::swap_ranges(d.v + t.v, d.v + t.v_end, kept + m.n.nq + t.v);
+      });
+    });
+  };
+  const StepEnergy last = step_energy(m, d, s.f);
+  swap_states();
+  const StepEnergy first = step_energy(m, d, s.f);
+  swap_states();
+  if (!gains_energy(m, d, first, last, start + m.n.nq, h, 1)) return 0;
+  const dynContactSolverType solver = w.options.solver;
+  const Index joint = last.fastest;
+  for (int k = w.constraint_count > 0 ? 0 : 1; k <= simulation::tuning::guard::halvings && !w.time_is_up(); ++k) {
+    with_active_trees(d, [&](const auto& part) {
+      part.for_each_group(m, [&](const Trees& t) {
+        std::copy(start + t.q, start + t.q_end, d.q + t.q), std::copy(start + m.n.nq + t.v, start + m.n.nq + t.v_end, d.v + t.v);
+      });
+    });
+    std::copy_n(start + m.n.nq + 3 * m.n.nv, m.n.na, d.act);
+    ++report.rejected, reset_impulse_work(d), forget_forces(w);
+    if (k == 0) w.options.solver = solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
+    const double part = h / (1 << k);
+    StepEnergy from = first;
+    bool good = true;
+    for (int i = 0; i < 1 << k && good; ++i) {
+      good = single_step(m, d, s, integrator, part, report) == 0;
+      if (!good) break;
+      const StepEnergy to = step_energy(m, d, s.f);
+      good = !gains_energy(m, d, from, to, s.y0 + m.n.nv, part, 1 << k), from = to;
+    }
+    w.options.solver = solver;
+    if (good) return 0;
+  }
+  w.failed_joint = joint;
+  return energy_gained;
+}
+
+template <class T>
+Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report, const T* start) {
+  const Stages<T> s(m, d);
+  Index failed = single_step(m, d, s, integrator, h, report);
+  if constexpr (std::is_same_v<T, double>)
+    if (!failed && start && simulation::may_gain_energy(m, d, h) && simulation::energy_numbers(m) <= 12 * s.n) [[unlikely]]
+      failed = repeat_without_gain(m, d, s, integrator, h, report, start);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
   record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // the inner steps are recorded already

@@ -2,6 +2,7 @@
 //   v' = v + h ddq(q, v')      q' = q (+) h v'
 // Order 1. Damping, friction and actuator gains are implicit (taken at v'), so no coefficient is too large:
 //   (M + h D) ddq = tau - nle      (gains: implicit_actuators.hpp)
+// So are springs that explicit steps would resolve poorly (implicit_springs); the others keep the energy of their oscillations bounded.
 #pragma once
 
 #include "integrator/chart.hpp"
@@ -37,18 +38,39 @@ DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const
   return ConstraintOutcome::Nothing;
 }
 
-// d.armature = armature plus the implicit terms of a step of h, those of springs if asked. The same bits in every call.
+// Which springs are implicit.
+enum class Springs { None, Stiff, All };
+
+// Calls f(degree of freedom, stiffness) for the implicit springs of a step of h. Stiff: with h^2 k above a quarter of the body's own inertia
+// about its axis, which bounds the joint's inertia from below in every configuration.
+template <class T, class F>
+void implicit_springs(const Model& m, const Data<T>& d, T h, Springs which, F&& f) {
+  if (which == Springs::All || m.has_mimic) {
+    for (Index k = 0; which != Springs::None && k < m.n.nv; ++k) f(k, d.stiffness[k]);
+    return;
+  }
+  for (Index i = 1; which == Springs::Stiff && i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    if (b.type == BodyType::FreeFlyer) continue;
+    const bool ball = b.type == BodyType::Spherical;
+    const T own = T(b.type == BodyType::Prismatic ? b.m : ball ? std::min({b.I(0, 0), b.I(1, 1), b.I(2, 2)}) : b.I(2, 2));
+    for (Index k = b.user_v; k < b.user_v + (ball ? 3 : 1); ++k)
+      if (h * h * d.stiffness[k] > T(simulation::tuning::stiff_spring) * own) f(k, d.stiffness[k]);
+  }
+}
+
+// d.armature = armature plus the implicit terms of a step of h. The same bits in every call.
 template <class T>
-void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, bool springs) {
+void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs) {
   implicit_armature(m, d, armature, h);
-  for (Index k = 0; springs && k < m.n.nv; ++k) d.armature[k] += h * h * d.stiffness[k];
+  implicit_springs(m, d, h, springs, [&](Index k, T stiffness) { d.armature[k] += h * h * stiffness; });
 }
 
 // Forward dynamics under tau and the actuators at the end of a step of h.
 // When an actuator saturates, d.armature is rebuilt from armature, so actuators do not affect other trees.
 // Returns 0 or the joint whose forward dynamics failed.
 template <class T, class Part>
-[[gnu::noinline]] Index actuated_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, bool springs, const Part& part) {
+[[gnu::noinline]] Index actuated_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, Springs springs, const Part& part) {
   const T* fext = forces_on_bodies(m, d);
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (int k = 0;; ++k) {
@@ -63,19 +85,23 @@ template <class T, class Part>
 Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
-  constexpr std::uint32_t always = implicit_effects(false), with_springs = implicit_effects(true);
-  const std::uint32_t acting = d.acting, implicit = springs ? with_springs : always;
-  springs = springs && (d.acting & DYN_EFFECT_SPRINGS);
-  if (d.acting & implicit) {
+  constexpr std::uint32_t always = implicit_effects(false);
+  const std::uint32_t acting = d.acting;
+  Springs which = !(acting & DYN_EFFECT_SPRINGS) ? Springs::None : springs ? Springs::All : Springs::Stiff;
+  bool some = which == Springs::All;
+  if (which == Springs::Stiff) implicit_springs(m, d, h, which, [&](Index, T stiffness) { some = some || stiffness > T(0); });
+  if (!some) which = Springs::None;
+  if (some || (acting & always)) {
     d.armature = d.net + m.n.nv;
-    set_implicit_armature(m, d, armature, h, springs);
-    if (springs) {
-      for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.tau_applied[k] - h * d.stiffness[k] * d.v[k];
+    set_implicit_armature(m, d, armature, h, which);
+    if (some) {
+      std::copy_n(d.tau_applied, m.n.nv, s.y);
+      implicit_springs(m, d, h, which, [&](Index k, T stiffness) { s.y[k] -= h * stiffness * d.v[k]; });
       tau = s.y;
     }
     d.acting |= DYN_EFFECT_ARMATURE;
   }
-  const Index joint = d.acting & DYN_EFFECT_ACTUATORS ? actuated_dynamics(m, d, tau, armature, h, springs, part)
+  const Index joint = d.acting & DYN_EFFECT_ACTUATORS ? actuated_dynamics(m, d, tau, armature, h, which, part)
                                                       : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, forces_on_bodies(m, d), d.ddq);
   d.armature = armature, d.acting = acting;
   return joint;

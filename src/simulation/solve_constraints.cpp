@@ -88,6 +88,40 @@ Index set_immovable_contacts_aside(Workspace& w, Index begin, Index end) {
   return acting;
 }
 
+// Work of the impulses: lambda (g + c) / 2. Soft rows, gains and restitution ask for -lambda bias; belts give lambda slip.
+void note_work(const Island& x) {
+  namespace accept = solver::tuning::accept;
+  double work = 0, size = 0, asked = 0, belts = 0;
+  for (Index i = 0; i < x.rows; ++i) {
+    work += x.lambda[i] * (x.g[i] + x.c[i]) / 2, size += std::abs(x.lambda[i] * x.g[i]);
+    asked += std::max(0.0, -x.lambda[i] * x.bias[i]);
+  }
+  for (Index k = 0; k < x.constraint_count; ++k)
+    if (const ActiveConstraint& a = x.constraint(k); a.kind == RowKind::Contact && a.s->rows > 1)
+      for (Index r = 0; r < 2; ++r) belts += std::abs(x.lambda[a.s->first + r] * x.w.laws[a.index].slip[r]);
+  x.w.rows_work += asked + belts;
+  if (!(work <= asked + (accept::energy + accept::energy_by_tolerance * x.tolerance) * size)) x.w.rows_add_energy = true;
+}
+
+// No coordinate moves further than `max_displacement`: contacts near an axis, or rows that move little, ask for more.
+bool shorten(const Model& m, const Data<double>& d, double* dq) {
+  const double most = tuning::max_displacement;
+  double largest = 0;
+  for_each_impulse_range(m, d, [&](Index first, Index end) {
+    for (Index k = first; k < end; ++k) largest = std::max(largest, std::abs(dq[k]));
+  });
+  if (largest <= most * std::min(1.0, d.step->length)) return false;
+  largest = 0;
+  for_each_impulse_range(m, d, [&](Index first, Index end) {
+    for (Index k = first; k < end; ++k) largest = std::max(largest, std::abs(dq[k]) / (is_length(m, k) ? d.step->length : 1));
+  });
+  if (largest <= most) return false;
+  for_each_impulse_range(m, d, [&](Index first, Index end) {
+    for (Index k = first; k < end; ++k) dq[k] *= most / largest;
+  });
+  return true;
+}
+
 }  // namespace
 
 void Island::impulses(dynContactReport& report) {
@@ -112,6 +146,7 @@ void Island::impulses(dynContactReport& report) {
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses
   }
+  if (const double most = contacts > 0 ? speed() : 0; most > 0 && project_to_cones()) report.residual = std::max(residual() / most, inconsistency);
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
     if (x.kind != RowKind::Contact) continue;
@@ -124,6 +159,33 @@ void Island::impulses(dynContactReport& report) {
     }
     store3(force, f.force_on_b), store3(moment, f.moment_on_b);
   }
+}
+
+// Shortens impulses across contacts to their cones, beyond which some methods end by the residual. Returns whether any was changed.
+bool Island::project_to_cones() {
+  bool changed = false;
+  for (Index k = 0, contact = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& x = constraint(k);
+    if (x.kind != RowKind::Contact) continue;
+    const double mu = friction[contact], roll = rolling[contact], twist = torsion[contact];
+    ++contact;
+    const Index count = x.s->rows, normal = normal_row(count);
+    double* const y = lambda + x.s->first;
+    const double pressed = std::max(0.0, y[normal]);
+    double square = 0;
+    bool outside = y[normal] < 0;
+    for (Index r = 0; r < count; ++r) {
+      if (r == normal) continue;
+      const double size = r < 2 ? mu : r == count - 1 ? twist : roll;
+      if (size > 0) square += y[r] * y[r] / (size * size);
+      else if (y[r] != 0) outside = true, y[r] = 0;
+    }
+    if (!outside && square <= pressed * pressed * (1 + tuning::island::cone_rounding)) continue;
+    const double scale = square > pressed * pressed ? pressed / std::sqrt(square) : 1;
+    for (Index r = 0; r < count; ++r) y[r] = r == normal ? pressed : scale * y[r];
+    changed = true;
+  }
+  return changed;
 }
 
 // Returns whether a row's error is an angle.
@@ -139,7 +201,7 @@ bool Island::is_angle(const ActiveConstraint& x, Index row) const {
 // the closing rate of rolling surfaces, once for each drift. That part is no error: it falls as h^2, and extrapolation
 // over steps of different lengths would turn it into one.
 bool Island::correct() {
-  const double most = slow_speed(d, h) * h / w.length;  // of the length scale, or rad
+  const double most = correction_speed(d, h) * h / w.length;  // of the length scale, or rad
   const double ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;
   double largest = 0;
   auto part = [&](double wrong, double unit) {
@@ -199,6 +261,7 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
     island.assign_rows(), island.fill();
     dynContactReport report{};
     island.by_dof = impulse, island.impulses(report);
+    note_work(island);
     if (w.ledger.open) record_impulses(island);
     island.by_dof = displacement, corrected |= island.correct();
     island.keep_all();
@@ -214,6 +277,7 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
     scatter(m, d, displacement, first, end);
     std::copy(displacement + first, displacement + end, dq + first);
   });
+  if (corrected && shorten(m, d, dq)) w.rows_add_energy = true;
   return corrected;
 }
 

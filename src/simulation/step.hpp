@@ -59,6 +59,19 @@ inline double slow_speed(const Data<double>& d, double h) {
   return std::max(tuning::slow_fall * std::sqrt(g * length), tuning::slow_shift * length / h);
 }
 
+// Largest speed (m/s) at which overlaps and drift are removed: that of a fall over length / 20, 0.32 sqrt(g L), however short the step.
+// Without gravity nothing but the step sets a speed: 1e-3 L/h. So do steps chosen by an accuracy.
+inline double correction_speed(const Data<double>& d, double h) {
+  const double length = d.step->length, g = shape::norm(load3(d.world_gravity));
+  return g > 0 && d.step->closed_gap == 0 && d.step->options.accuracy == 0 ? tuning::slow_fall * std::sqrt(g * length) : tuning::slow_shift * length / h;
+}
+
+// Whether a degree of freedom is a length: of a prismatic joint, or the first three of a free flyer.
+inline bool is_length(const Model& m, Index dof) {
+  const Body& b = m.bodies()[body_of_dof(m, dof)];
+  return b.type == BodyType::Prismatic || (b.type == BodyType::FreeFlyer && dof < b.idx_v + 3);
+}
+
 // Gap beyond which shapes do not meet within a step of h. max_speed: before the step (m/s).
 // Infinite in fixed steps; steps that follow from an accuracy may be so short that only this bounds the search.
 inline double contact_margin(const Workspace& w, double h, double max_speed) {

@@ -11,6 +11,7 @@ inline constexpr double limit_margin = 1e-4;   // of the length, or rad: limits 
 inline constexpr double speed_growth = 3;      // a joint may end a step this much faster than its free velocity, by impulses
 inline constexpr double slow_fall = 0.32;      // of sqrt(g length): speed after a fall over length / 20, sqrt(2 / 20)
 inline constexpr double slow_shift = 1e-3;     // of the length per step: slower motion is not resolved by the step
+inline constexpr double max_displacement = 0.1;  // of the length, or rad: no correction moves a coordinate further in a step
 inline constexpr double reopen_factor = 3;     // of closed_gap: hysteresis, an active contact opens at a larger gap than it closes at
 inline constexpr double free_closing = 10;     // of the island's largest rate: bound on the closing speed of open gaps
 
@@ -52,6 +53,7 @@ inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster appro
 inline constexpr double correction = 0.5;       // of the position error that a step removes
 inline constexpr double correction_tolerance = 1e-6;  // of its displacement: the next steps correct the rest
 inline constexpr double correction_softness = 1e-6;  // of a row's own G: bounds displacements of inconsistent or nearly dependent rows
+inline constexpr double cone_rounding = 1e-12;  // relative, of squared impulses
 inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps can reduce to the tolerance
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
@@ -142,6 +144,19 @@ inline constexpr double rounding = 1e-11;       // residual that is rounding
 inline constexpr double far = 10;               // of the tolerance: residual above which more rounds are spent
 inline constexpr Index near_rounds = 2, far_rounds = 9;  // of method_iterations
 }  // namespace fixed_correction
+
+// Springs (semi_implicit_euler.hpp).
+inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia: half a radian of the oscillation in a step; explicit steps need less than 4
+
+// Energy guard (energy_guard.hpp).
+namespace guard {
+inline constexpr double motion = 0.1;           // rad, or of the length, in a step: below it terms that steps take at their beginning gain little
+inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: an integrator of order 1 errs by about motion^2
+inline constexpr double rounding = 1e-9;        // of the potential energy
+inline constexpr int halvings = 5;              // of a step that gained energy
+inline constexpr double amplification = 1.1;    // of oscillations in an explicit step: above it the method is unstable
+inline constexpr double stable = 2.5;           // of |h s|: explicit methods of orders 4 and 5 are stable below it
+}  // namespace guard
 
 // Sleep (sleep.cpp).
 inline constexpr double same_force = 1e-6;  // of the largest on the island: difference of forces of one problem solved twice

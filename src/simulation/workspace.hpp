@@ -131,6 +131,11 @@ struct Workspace {
   // gap (m, rad) that counts as closed; 0 in fixed steps, where an open gap may close exactly
   double closed_gap;
   int drift_count;              // drifts since the step began, when closed_gap > 0
+  // rows_add_energy: an island's impulses did positive work. rows_work: what soft rows, gains, restitution and belts give (J)
+  bool rows_add_energy;
+  double rows_work;
+  Index failed_joint;           // that the message of a refused step names
+  double stable_dt;             // s, of an explicit method that is unstable
 
   Ledger ledger;
   FreeBodies free_bodies;

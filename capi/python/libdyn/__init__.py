@@ -56,6 +56,7 @@ from .errors import (
     BaseChoiceError,
     BusyError,
     CancelledError,
+    ContactWarning,
     Error,
     FileError,
     HandleError,
@@ -104,7 +105,8 @@ LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 __all__ = [
     "ALGORITHMS", "Actuator", "AlgorithmInfo", "ArgumentError", "BaseChoiceError", "Batch", "BroadPhase", "Builder", "BusyError",
     "CancelledError", "Centroidal", "ClosestPoint", "ConeQp", "Contact", "ContactForce", "ContactReport", "ContactSolution",
-    "ContactSolver", "Data", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "FrameInfo",
+    "ContactSolver", "ContactWarning",
+    "Data", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "FrameInfo",
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "NonFiniteError",
     "NumericError", "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError", "RayHit", "Rays",

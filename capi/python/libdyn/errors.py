@@ -164,6 +164,10 @@ class LoadWarning(UserWarning):
     """The file of a model says something that the model does not do: Model.report has every entry."""
 
 
+class ContactWarning(UserWarning):
+    """Steps had no room for all contact points: the shallowest were left out."""
+
+
 BY_STATUS: dict[int, type[Error]] = {}
 """The class of each status."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from ctypes import byref, c_int, create_string_buffer
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,7 +12,7 @@ from . import abi
 from .choices import member, text, whole
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
-from .errors import ArgumentError
+from .errors import ArgumentError, ContactWarning
 from .handles import DataHandle
 from .library import check, fail, lib
 from .material import Material
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
 _step = lib.dyn_step
+_LOOK_EVERY = 64  # steps: reading the report at each would cost as much as the step of a small robot
 
 
 class StepReport(NamedTuple):
@@ -122,6 +124,9 @@ def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numb
 class SimulationCalls(DataHandle):
     """The part of Data that moves it in time."""
 
+    _steps = 0  # made by step()
+    _dropped = False  # the warning was given
+
     def set_step_options(
         self,
         integrator: IntegratorLike | None = None,
@@ -175,11 +180,23 @@ class SimulationCalls(DataHandle):
         status = _step(self._m, self._d)
         if status:
             fail(status)
+        self._steps += 1
+        if not self._steps % _LOOK_EVERY:
+            self._warn_of_dropped()
 
     def advance(self, duration: float) -> StepReport:
         """Makes the steps that duration (s) takes, and says how many."""
         check(lib.dyn_advance(self._m, self._d, duration))
+        self._warn_of_dropped()
         return self.step_report
+
+    def _warn_of_dropped(self) -> None:
+        """Warns once when a step had no room for all its contact points."""
+        if self._dropped or not self.step_report.dropped:
+            return
+        self._dropped = True
+        message = f"{self.step_report.dropped} contact points had no room and were left out, the shallowest: raise contact_capacity"
+        warnings.warn(f"{self.model.name}: {message}", ContactWarning, stacklevel=3)
 
     @property
     def step_report(self) -> StepReport:

@@ -23,6 +23,15 @@ Outcome governor_100ms();
 Outcome governor_5s();
 Outcome governor_rk4();
 Outcome governor_implicit();
+Outcome bricard_default();
+Outcome governor_default();
+// default_steps.cpp
+Outcome misaligned_four_bars();
+Outcome four_digit_angles();
+Outcome delta_default();
+Outcome legged_loops();
+Outcome wall_stands();
+Outcome bin_settles();
 // linear.cpp
 Outcome four_bar_frequency();
 Outcome four_bar_periods();

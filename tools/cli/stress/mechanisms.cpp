@@ -128,6 +128,25 @@ Outcome bricard_place(bool six_rows) {
 
 Outcome bricard_five_rows() { return bricard_place(false); }
 Outcome bricard_six_rows() { return bricard_place(true); }
+// P3 after a second of default steps by each integrator.
+Outcome bricard_default() {
+  Outcome out;
+  const auto end = [](Play& play) {
+    play.steps(1000);
+    return play.point(play.model().frame_id("rod2"), {0, 0, 1});
+  };
+  Play exact = bricard(false);
+  exact.set_step_options(DYN_INTEGRATOR_REFERENCE, 1e-3);
+  const Vector3 reference = end(exact);
+  for (const dynIntegrator integrator : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_RK4,
+                                         DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_IMPLICIT_MIDPOINT}) {
+    Play play = bricard(false);
+    play.set_step_options(integrator, 1e-3);
+    const Vector3 x = end(play);
+    for (std::size_t k = 0; k < 3; ++k) out.compare(reference[k], x[k]);
+  }
+  return out;
+}
 Outcome bricard_energy() {
   Play play = bricard(false);
   Outcome out;
@@ -266,6 +285,7 @@ Outcome governor_reference() { return governor(DYN_INTEGRATOR_REFERENCE, 1e-3, 1
 Outcome governor_100ms() { return governor(DYN_INTEGRATOR_REFERENCE, 1e-3, 0.1, 0.523836475569575694); }
 Outcome governor_5s() { return governor(DYN_INTEGRATOR_REFERENCE, 1e-3, 5, 0.535563103721643485); }
 Outcome governor_rk4() { return governor(DYN_INTEGRATOR_RK4, 1e-4, 1, 0.501420922379567651); }
+Outcome governor_default() { return governor(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, 1, 0.501420922379567651); }
 Outcome governor_implicit() { return governor(DYN_INTEGRATOR_IMPLICIT_FAST, 1e-3, 1, 0.501420922379567651); }
 
 }  // namespace cli::stress

@@ -1,0 +1,91 @@
+"""Steps that would gain energy: stiff springs, unstable gains, fast chains, deep overlaps."""
+
+import numpy as np
+import pytest
+
+import libdyn as dyn
+
+
+def slider(stiffness=0.0, kp=0.0):
+    b = dyn.Builder("slider")
+    b.set_gravity((0, 0, 0))
+    b.add_joint("slide", "prismatic", axis=(1, 0, 0), stiffness=stiffness).add_body("block", "slide", mass=1.0)
+    if kp:
+        b.add_actuator("servo", "slide", type="position", kp=kp)
+    return b.finish().data()
+
+
+@pytest.mark.parametrize("stiffness", (1e2, 1e5, 1e8, 1e12))
+def test_default_steps_take_springs_of_any_stiffness(stiffness):
+    d = slider(stiffness)
+    d.q = [0.1]
+    d.set_step_options("semi_implicit_euler", 1e-2)
+    for _ in range(300):
+        d.step()
+        assert 0.5 * d.v[0] ** 2 + 0.5 * stiffness * d.q[0] ** 2 <= 0.5 * stiffness * 0.1**2 * 1.1  # h w < 1/2: within h w / 4 of the energy
+
+
+def test_soft_springs_keep_the_energy_of_their_oscillation():
+    d = slider(100.0)
+    d.q = [0.1]
+    d.set_step_options("semi_implicit_euler", 1e-2)
+    energies = []
+    for _ in range(2000):
+        d.step()
+        energies.append(0.5 * d.v[0] ** 2 + 50 * d.q[0] ** 2)
+    assert max(energies[-100:]) == pytest.approx(max(energies[:100]), rel=1e-2)
+
+
+@pytest.mark.parametrize("integrator", ("rk4", "rk45"))
+def test_explicit_methods_refuse_unstable_gains(integrator):
+    d = slider(kp=1e7)
+    d.q = [0.1]
+    d.set_step_options(integrator, 1e-3)
+    with pytest.raises(dyn.NumericError, match="joint 'slide' are unstable"):
+        d.step()
+    assert d.q[0] == 0.1 and d.v[0] == 0 and d.time == 0
+    d.set_step_options(integrator, 5e-4)  # h w = 1.6
+    d.step()
+
+
+def test_a_fast_chain_gains_no_energy():
+    """Three rods that turn by up to two radians in a step: without the guard their energy grows past all bounds."""
+    b = dyn.Builder("chain")
+    for k in range(3):
+        b.add_joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, (1.0, 0, 0) if k else None, axis=(0, 1, 0))
+        b.add_body(f"rod{k}", f"j{k}", mass=1.0, com=(0.5, 0, 0), inertia=np.diag([0.01, 0.09, 0.09]))
+    d = b.finish().data(dyn.Part.ALL)
+    d.q, d.v = [0.3, 1.0, -2.0], [10.0, -25.0, 40.0]
+    d.set_step_options("semi_implicit_euler", 0.05)
+    first, rejected = d.energy().kinetic + d.energy().potential, 0
+    for _ in range(200):
+        try:
+            d.step()
+        except dyn.NumericError as error:
+            assert "gains kinetic energy" in str(error) and "'j" in str(error)
+            break
+        rejected += d.step_report.rejected
+    assert rejected > 0
+    assert d.energy().kinetic + d.energy().potential <= 1.5 * first
+
+
+@pytest.mark.parametrize("dt", (1e-5, 1e-4, 1e-3, 1e-2))
+def test_deep_overlaps_open_at_a_bounded_speed(dt):
+    """Cubes of 0.2 m that share half of their volume part by half of the overlap in a step, and by no more than 1.1 m/s."""
+    b = dyn.Builder("cubes")
+    for k in range(2):
+        b.add_joint(f"j{k}", "free_flyer").add_body(f"cube{k}", f"j{k}", mass=1.0, inertia=np.eye(3) / 150)
+        b.add_shape(f"cube{k}", "box", (0.2, 0.2, 0.2))
+    d = b.finish().data()
+    q = d.q.copy()
+    q[7 + 2] = 0.1
+    d.q = q
+    d.set_step_options(dt=dt)
+    before = q
+    for _ in range(20):
+        d.step()
+        apart = (d.q[9] - d.q[2]) - (before[9] - before[2])
+        assert apart <= 1.1 * dt + 1e-9
+        before = d.q.copy()
+    assert d.q[9] - d.q[2] > 0.1
+    assert abs(d.v).max() <= 9.81 * 20 * dt + 1e-6

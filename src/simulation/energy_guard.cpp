@@ -1,0 +1,134 @@
+#include "simulation/energy_guard.hpp"
+
+#include <complex>
+
+#include "algorithm/actuators.hpp"
+#include "algorithm/effects.hpp"
+#include "algorithm/external_forces.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
+#include "algorithm/kinematics.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+using tuning::guard::motion;
+
+bool flies_alone(const Model& m, Index i) {
+  return m.bodies()[i].type == BodyType::FreeFlyer && m.bodies()[i].parent == 0 && m.subtree_end()[i] == i + 1;
+}
+
+// Whether joints turn by more than `motion` rad, or slide by that share of the length scale. Free bodies keep their momentum exactly.
+bool moves_far(const Model& m, const Data<double>& d, double h) {
+  static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // degrees of freedom by BodyType
+  const double* const v = d.v;
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    if (flies_alone(m, i)) continue;
+    const double unit = b.type == BodyType::Prismatic ? d.step->length : 1;
+    const Index first = b.type == BodyType::FreeFlyer ? 3 : 0;
+    for (Index k = b.user_v + first, end = b.user_v + sizes[Index(b.type)]; k < end; ++k)
+      if (!(std::abs(v[k]) * h <= motion * unit)) return true;
+  }
+  return false;
+}
+
+// Gains and damping of an actuator's force at its end, as those of a joint.
+struct Gains {
+  double stiffness, damping;
+};
+Gains gains_of(const ActuatorRecord& r, const Data<double>& d) {
+  const double gear = r.spec.gear * r.spec.gear, f = actuator_force(r, d);
+  if (f <= r.spec.force_range[0] || f >= r.spec.force_range[1]) return {0, 0};
+  return {r.q >= 0 ? gear * std::max(0.0, -r.bias[1]) : 0, gear * std::max(0.0, -r.bias[2])};
+}
+
+}  // namespace
+
+bool may_gain_energy(const Model& m, const Data<double>& d, double h) {
+  if (d.step->rows_add_energy) return true;
+  bool slow = true;
+  with_active_trees(d, [&](const auto& part) {
+    part.for_each_group(m, [&](const Trees& t) {
+      for (Index k = t.v; k < t.v_end; ++k) slow &= std::abs(d.v[k]) * h <= motion;
+    });
+  });
+  return !slow && moves_far(m, d, h);
+}
+
+StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
+  d.invalidate(Stage::Position), d.invalidate(Stage::Velocity);
+  const double* const fext = forces_on_bodies(m, d);
+  forward_kinematics<0>(m, d);
+  auto* const vectors = reinterpret_cast<Vec3<double>*>((reinterpret_cast<std::uintptr_t>(memory) + 63) / 64 * 64);
+  const Motions<double> motions{vectors, vectors + m.n.bodies, nullptr, nullptr};
+  motions.omega[0] = motions.vel[0] = Vec3<double>::zero();
+  const double* const v = d.expand(m, static_cast<const double*>(d.v), d.vx);
+  const Vec3<double> g = load3(d.world_gravity);
+  StepEnergy out{0, 0, 0, 0};
+  Index largest = 1;
+  double most = 0;
+  forward(m, [&]<class J>(Index i) {
+    const Body& b = m.bodies()[i];
+    const Mat3<double>& R = d.R[i];
+    move_body<1, J>(b, i, motions, R, d.p[i] - d.p[b.parent], v, static_cast<const double*>(nullptr));
+    const Vec3<double> h = R * b.h, u = motions.vel[i], w = motions.omega[i], wB = transpose_times(R, w);
+    const double kinetic = 0.5 * (b.m * dot(u, u) + 2 * dot(u, cross(w, h)) + dot(wB, b.I * wB));
+    out.kinetic += kinetic, out.potential -= dot(g, d.p[i] * b.m + h);
+    if (kinetic > most) most = kinetic, largest = i;
+  });
+  for (Index k = 0; k < m.n.nv; ++k) out.kinetic += 0.5 * d.armature[k] * d.v[k] * d.v[k];
+  if (d.acting & DYN_EFFECT_SPRINGS) out.potential += spring_energy(m, d);
+  for (Index j = 1; fext && j < m.n.joints; ++j) {
+    const Index body = m.joints()[j].last_body;
+    const Mat3<double> R = d.R[body] * m.joints()[j].C;
+    out.power += dot(R * load3(fext + 6 * j), motions.vel[body]) + dot(R * load3(fext + 6 * j + 3), motions.omega[body]);
+  }
+  for (Index j = 1; j < m.n.joints; ++j)
+    if (m.joints()[j].last_body <= largest) out.fastest = j;
+  d.invalidate(Stage::Position), d.invalidate(Stage::Velocity);
+  return out;
+}
+
+bool gains_energy(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h,
+                  int parts) {
+  const double* const v = d.v;
+  const auto work = [&](double force, Index k) { return std::max(0.0, h * force * (v0[k] + v[k]) / 2); };
+  double given = d.step->rows_work + h * std::max({0.0, before.power, after.power});
+  for (Index k = 0; k < m.n.nv; ++k) given += work(d.tau_applied[k], k);
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) { given += work(r.spec.gear * actuator_force(r, d), r.v); });
+  given += std::max(0.0, before.potential - after.potential);
+  const double rounding = tuning::guard::rounding * (std::abs(before.potential) + std::abs(after.potential));
+  return !(after.kinetic - before.kinetic - given <= tuning::guard::share / parts * (before.kinetic + given) + rounding);
+}
+
+void forget_forces(Workspace& w) {
+  for (Index k = 0; k < w.contact_count; ++k) copy_force(w.contacts[k], nullptr);
+}
+
+Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<const double> R, double& length) {
+  constexpr std::uint32_t stiff = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_ACTUATORS;
+  if (!(d.acting & stiff) || m.has_mimic || active_rows(m, d) > 0) return 0;
+  const auto amplification = [&](std::complex<double> z) {
+    std::complex<double> sum = 0;
+    for (std::size_t k = R.size(); k-- > 0;) sum = sum * z + R[k];
+    return std::abs(sum);
+  };
+  for (Index j = 1; j < m.n.joints; ++j) {
+    for (Index k = m.joints()[j].idx_v; k < m.joints()[j].idx_v + m.joints()[j].nv; ++k) {
+      double stiffness = d.acting & DYN_EFFECT_SPRINGS ? d.stiffness[k] : 0, damping = d.acting & DYN_EFFECT_DAMPING ? d.damping[k] : 0;
+      for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
+        if (r.v == k) stiffness += gains_of(r, d).stiffness, damping += gains_of(r, d).damping;
+      });
+      const double Dinv = d.Dinv[k], half = damping * Dinv / 2;
+      const std::complex<double> root = std::sqrt(std::complex<double>(half * half - stiffness * Dinv));
+      const std::complex<double> s = -half - root;  // the faster one
+      if (amplification(h * s) <= tuning::guard::amplification) continue;
+      length = tuning::guard::stable / std::abs(s);
+      return j;
+    }
+  }
+  return 0;
+}
+
+}  // namespace dyn::simulation

@@ -1,0 +1,36 @@
+// Energy guard: no step may add kinetic energy that nothing explains. Between the states at its ends
+//   K1 - K0 - (V0 - V1)+ - W <= share (K0 + (V0 - V1)+ + W)
+// with K the kinetic energy, V that of gravity and springs, W the positive work of tau, actuators, wrenches, forces on links, soft rows
+// and belts. The share is the error of an integrator of order 1.
+// Energies are evaluated only where something moves far within the step, or where rows did positive work.
+#pragma once
+
+#include <span>
+
+#include "simulation/step.hpp"
+
+namespace dyn::simulation {
+
+struct StepEnergy {
+  double kinetic, potential;
+  double power;       // W, of wrenches and forces on links
+  Index fastest;      // joint with the largest kinetic energy
+};
+
+// Numbers that step_energy needs: two vectors a body, aligned.
+inline std::ptrdiff_t energy_numbers(const Model& m) { return 8 * std::ptrdiff_t(m.n.bodies) + 8; }
+// Returns whether a step of h that ended at the state in d may have gained energy: the cheap test.
+bool may_gain_energy(const Model& m, const Data<double>& d, double h);
+// Energies of the state in d. The memory of the integrator's stages, from `memory` on, is overwritten.
+StepEnergy step_energy(const Model& m, Data<double>& d, double* memory);
+// Returns whether a step of h that ended at the state in d gained energy, which is one of `parts`. v0: its velocity at the beginning.
+bool gains_energy(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h, int parts);
+// Sets the forces of all contacts to zero: a step that is repeated begins without a guess.
+void forget_forces(Workspace& w);
+
+// An explicit method whose amplification factor is R multiplies oscillations of springs, damping and gains by |R(h s)| in each step, with
+// s^2 + (c / D) s + k / D = 0 and D the joint's inertia with the joints beyond it free, which is at least its effective inertia.
+// Returns the joint at which |R| is too large, or 0. length: step below which it would not be.
+Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<const double> R, double& length);
+
+}  // namespace dyn::simulation
