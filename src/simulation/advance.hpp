@@ -248,6 +248,7 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
 inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<double>& s, dynIntegrator integrator, double h,
                                  dynStepReport& report, const double* start) {
   using namespace simulation;
+  using simulation::tuning::guard::share, simulation::tuning::guard::part_share, simulation::tuning::guard::halvings;
   Workspace& w = *d.step;
   if (w.time_is_up()) return 0;
   const auto swap_states = [&] {
@@ -262,10 +263,13 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
   swap_states();
   const StepEnergy first = step_energy(m, d, s.f);
   swap_states();
-  if (!gains_energy(m, d, first, last, start + m.n.nq, h, 1)) return 0;
+  const EnergyGain nothing{0, first.kinetic};
+  EnergyGain sum = nothing;
+  add_gain(m, d, first, last, start + m.n.nq, h, sum);
+  if (!sum.exceeds(share)) return 0;
   const dynContactSolverType solver = w.options.solver;
   const Index joint = last.fastest;
-  for (int k = w.constraint_count > 0 ? 0 : 1; k <= simulation::tuning::guard::halvings && !w.time_is_up(); ++k) {
+  for (int k = w.constraint_count > 0 ? 0 : 1; k <= halvings && !w.time_is_up(); ++k) {
     with_active_trees(d, [&](const auto& part) {
       part.for_each_group(m, [&](const Trees& t) {
         std::copy(start + t.q, start + t.q_end, d.q + t.q), std::copy(start + m.n.nq + t.v, start + m.n.nq + t.v_end, d.v + t.v);
@@ -277,14 +281,16 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
     const double part = h / (1 << k);
     StepEnergy from = first;
     bool good = true;
+    sum = nothing;
     for (int i = 0; i < 1 << k && good; ++i) {
       good = single_step(m, d, s, integrator, part, report) == 0;
       if (!good) break;
       const StepEnergy to = step_energy(m, d, s.f);
-      good = !gains_energy(m, d, from, to, s.y0 + m.n.nv, part, 1 << k), from = to;
+      add_gain(m, d, from, to, s.y0 + m.n.nv, part, sum), from = to;
+      good = !sum.exceeds(part_share);
     }
     w.options.solver = solver;
-    if (good) return 0;
+    if (good && !sum.exceeds(k == halvings ? part_share : share)) return 0;
   }
   w.failed_joint = joint;
   return energy_gained;

@@ -43,6 +43,15 @@ Gains gains_of(const ActuatorRecord& r, const Data<double>& d) {
   return {r.q >= 0 ? gear * std::max(0.0, -r.bias[1]) : 0, gear * std::max(0.0, -r.bias[2])};
 }
 
+// Energy of what drives: -integral of f dl of its part that depends on the length alone, f = f0 + b l. At the end of its range f is constant.
+double actuator_energy(const ActuatorRecord& r, const Data<double>& d) {
+  const double l = r.spec.gear * d.q[r.q], b = r.bias[1], total = actuator_force(r, d);
+  const double f = unbounded_force(r, d, r.act >= 0 ? d.act[r.act] : command(r, d), d.q[r.q], 0.0), f0 = f - b * l;
+  if (total > r.spec.force_range[0] && total < r.spec.force_range[1]) return -f0 * l - 0.5 * b * l * l;
+  const double joined = b != 0 ? (total - f0) / b : 0;  // the length at which the range ends
+  return -total * l + (b != 0 ? 0.5 * b * joined * joined : 0);
+}
+
 }  // namespace
 
 bool may_gain_energy(const Model& m, const Data<double>& d, double h) {
@@ -79,6 +88,9 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
   });
   for (Index k = 0; k < m.n.nv; ++k) out.kinetic += 0.5 * d.armature[k] * d.v[k] * d.v[k];
   if (d.acting & DYN_EFFECT_SPRINGS) out.potential += spring_energy(m, d);
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
+    if (r.q >= 0) out.potential += actuator_energy(r, d);
+  });
   for (Index j = 1; fext && j < m.n.joints; ++j) {
     const Index body = m.joints()[j].last_body;
     const Mat3<double> R = d.R[body] * m.joints()[j].C;
@@ -90,16 +102,17 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
   return out;
 }
 
-bool gains_energy(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h,
-                  int parts) {
+void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h,
+              EnergyGain& sum) {
   const double* const v = d.v;
   const auto work = [&](double force, Index k) { return std::max(0.0, h * force * (v0[k] + v[k]) / 2); };
-  double given = d.step->rows_work + h * std::max({0.0, before.power, after.power});
+  double given = d.step->rows_work + h * std::max({0.0, before.power, after.power}) + std::max(0.0, before.potential - after.potential);
   for (Index k = 0; k < m.n.nv; ++k) given += work(d.tau_applied[k], k);
-  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) { given += work(r.spec.gear * actuator_force(r, d), r.v); });
-  given += std::max(0.0, before.potential - after.potential);
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
+    if (r.q < 0) given += work(r.spec.gear * actuator_force(r, d), r.v);
+  });
   const double rounding = tuning::guard::rounding * (std::abs(before.potential) + std::abs(after.potential));
-  return !(after.kinetic - before.kinetic - given <= tuning::guard::share / parts * (before.kinetic + given) + rounding);
+  sum.base += given, sum.gain += after.kinetic - before.kinetic - given - rounding;
 }
 
 void forget_forces(Workspace& w) {

@@ -1,6 +1,6 @@
 // Energy guard: no step may add kinetic energy that nothing explains. Between the states at its ends
 //   K1 - K0 - (V0 - V1)+ - W <= share (K0 + (V0 - V1)+ + W)
-// with K the kinetic energy, V that of gravity and springs, W the positive work of tau, actuators, wrenches, forces on links, soft rows
+// with K the kinetic energy, V that of gravity, springs and actuators, W the positive work of tau, wrenches, forces on links, soft rows
 // and belts. The share is the error of an integrator of order 1.
 // Energies are evaluated only where something moves far within the step, or where rows did positive work.
 #pragma once
@@ -23,8 +23,14 @@ inline std::ptrdiff_t energy_numbers(const Model& m) { return 8 * std::ptrdiff_t
 bool may_gain_energy(const Model& m, const Data<double>& d, double h);
 // Energies of the state in d. The memory of the integrator's stages, from `memory` on, is overwritten.
 StepEnergy step_energy(const Model& m, Data<double>& d, double* memory);
-// Returns whether a step of h that ended at the state in d gained energy, which is one of `parts`. v0: its velocity at the beginning.
-bool gains_energy(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h, int parts);
+// Sum over the parts of a step.
+struct EnergyGain {
+  double gain, base;  // unexplained; K0 and what was given
+  // share: of the base
+  bool exceeds(double share) const { return !(gain <= share * base); }
+};
+// Adds a part of h that ended at the state in d. v0: its velocity at the beginning.
+void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h, EnergyGain& sum);
 // Sets the forces of all contacts to zero: a step that is repeated begins without a guess.
 void forget_forces(Workspace& w);
 

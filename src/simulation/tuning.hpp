@@ -152,6 +152,7 @@ inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia: half 
 namespace guard {
 inline constexpr double motion = 0.1;           // rad, or of the length, in a step: below it terms that steps take at their beginning gain little
 inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: an integrator of order 1 errs by about motion^2
+inline constexpr double part_share = 0.1;       // the same of all parts so far, and of the finest parts
 inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy
 inline constexpr double amplification = 1.1;    // of oscillations in an explicit step: above it the method is unstable

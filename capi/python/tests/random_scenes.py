@@ -69,7 +69,7 @@ def scene(seed):
     ground = random.random() < 0.7 or kind == "heap"
     if ground:
         b.add_shape("universe", "half_space", name="ground", material=dyn.Material(friction=random.choice([0.0, 0.5, 1.0])))
-    collides = kind == "heap" or random.random() < 0.6
+    collides = kind == "heap" or (random.random() < 0.6 and kind != "servo")  # corrections of overlaps would wind up servos
     n = int(random.integers(2, 9))
     length = log_uniform(random, 0.01, 1)
     ratio = random.choice([1.0, 1e2, 1e6])  # of the masses
