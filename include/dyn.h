@@ -1237,9 +1237,9 @@ DYN_API dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* na
                                              const char* second);
 /* Spare slots of the model, 0 to 1000; default 8. */
 DYN_API dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slots);
-/* Contact points that a step can hold, 1 to 10^6, at about 5 kB of data each (dyn_data_size gives the exact
-   bytes). Of more points the deepest count, and dynStepReport.dropped is the number left out. 0: 16 plus 8
-   for each shape; beyond 1,000 shapes 16 plus 8 for each shape that moves. */
+/* Contact points that a step can hold, 1 to 10^6, at about 5 kB of data each (dyn_data_size: exact bytes). Of
+   more points the deepest count; dynStepReport.dropped is the number left out. 0: 16, plus 8 a shape (beyond
+   1,000 shapes: that moves), 12 a capsule and 24 a box, hull or mesh that flies freely; at most 50,000. */
 DYN_API dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts);
 /* Returns the contact points that a step of this model can hold. */
 DYN_API int dyn_model_contact_capacity(const dynModel* model);
@@ -1923,9 +1923,9 @@ DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
    integrators then step as IMPLICIT_FAST. Steps with permanent constraints alone keep their orders. Free
    flyers keep their momentum. */
 typedef enum dynIntegrator {
-  /* Order 1; damping and dry friction are implicit, so no coefficient is too large. */
+  /* Order 1; damping, friction, and springs with h^2 k > I / 4 are implicit: no coefficient is too large. */
   DYN_INTEGRATOR_SEMI_IMPLICIT_EULER = 0,
-  DYN_INTEGRATOR_RK4 = 1, /* Order 4, with four evaluations of forward dynamics a step. */
+  DYN_INTEGRATOR_RK4 = 1, /* Order 4, four evaluations of forward dynamics. Refuses what is too stiff. */
   /* Order 1; damping, dry friction and springs are implicit, so no stiffness is too large. */
   DYN_INTEGRATOR_IMPLICIT_FAST = 2,
   /* Order 2, time-reversible, symplectic on vector spaces, solved to rounding: for long times. */
@@ -1990,10 +1990,10 @@ DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data
 /* Writes the options of steps. */
 DYN_API dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options);
 
-/* One step of dt. The state and the time advance. After an error both are unchanged. */
+/* One step of dt. After an error state and time are unchanged. A step that gains kinetic energy which nothing
+   explains is repeated: by another solver, then in 2 to 32 parts. Then it is DYN_ERROR_NUMERIC. */
 DYN_API dynStatus dyn_step(const dynModel* model, dynData* data);
-/* Steps over duration (s, >= 0), with a shorter last step, or with lengths chosen by accuracy. After an error
-   the state and time are those before the failing step. */
+/* Steps over duration (s, >= 0), a shorter last one, or lengths by accuracy. An error keeps earlier steps. */
 DYN_API dynStatus dyn_advance(const dynModel* model, dynData* data, double duration);
 
 /* Report on the last dyn_step or dyn_advance. */
@@ -2045,8 +2045,8 @@ typedef struct dynErrorLedger {
 DYN_API dynStatus dyn_data_ledger(const dynModel* model, dynData* data, dynErrorLedger* ledger);
 
 /* Contact points of the last step, ascending by shapes and features, with their mean forces over the step. At
-   most capacity of them are written; *count is the total. A step holds the lesser of 8 a pair and 16 + 8 a
-   shape (16 + 8 a moving shape, where pairs are not listed): see dyn_builder_set_contact_capacity. */
+   most capacity of them are written; *count is the total. A step holds 8 a pair, where pairs are listed,
+   and at most what its shapes or the builder say: see dyn_builder_set_contact_capacity. */
 typedef struct dynContactForce {
   dynContact contact;    /* as at the beginning of the step */
   double force_on_b[3];  /* N, world, on shape_b; the opposite on shape_a */

@@ -155,7 +155,7 @@ inline constexpr double share = 0.02;           // of the kinetic energy that a 
 inline constexpr double part_share = 0.1;       // the same of all parts so far, and of the finest parts
 inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy
-inline constexpr double amplification = 1.1;    // of oscillations in an explicit step: above it the method is unstable
+inline constexpr double amplification = 1.01;   // of oscillations in an explicit step: above it the method is unstable
 inline constexpr double stable = 2.5;           // of |h s|: explicit methods of orders 4 and 5 are stable below it
 }  // namespace guard
 
