@@ -1,5 +1,5 @@
-// For how many contact points a step has room by default. A body that flies freely may lie in a heap, where a convex shape touches up to
-// twelve others: six pairs a shape, each with as many points as its faces make. Shapes of robots have eight points each.
+// For how many contact points a step has room by default. A body that flies freely may lie in a heap, where a convex shape
+// touches up to twelve others: six pairs a shape, each with as many points as its faces make. Shapes of robots have eight.
 #pragma once
 
 #include "model/model.hpp"
@@ -26,7 +26,8 @@ inline std::int64_t default_contact_capacity(const Model& m, std::int64_t moving
     const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
     const Index joint = m.frames()[s.frame].joint;
     const bool flies = joint > 0 && m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER;
-    in_heap += flies ? std::max<std::int64_t>(8, pairs_in_heap * points_of_shape(dynShapeType(s.type))) : lists_pairs(m) || joint > 0 ? 8 : 0;
+    const std::int64_t own = flies ? pairs_in_heap * points_of_shape(dynShapeType(s.type)) : 0;
+    if (lists_pairs(m) || joint > 0) in_heap += std::max<std::int64_t>(8, own);
   }
   if (lists_pairs(m)) in_heap = std::min(in_heap, 8 * std::int64_t(m.n.pairs));
   return std::max(least, std::min(in_heap, max_default_contacts));

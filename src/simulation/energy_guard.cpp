@@ -18,7 +18,7 @@ bool flies_alone(const Model& m, Index i) {
   return m.bodies()[i].type == BodyType::FreeFlyer && m.bodies()[i].parent == 0 && m.subtree_end()[i] == i + 1;
 }
 
-// Whether joints turn by more than `motion` rad, or slide by that share of the length scale. Free bodies keep their momentum exactly.
+// Whether joints turn by more than `motion` rad, or slide by that share of the length scale. Free bodies keep their momentum.
 bool moves_far(const Model& m, const Data<double>& d, double h) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // degrees of freedom by BodyType
   const double* const v = d.v;
@@ -43,7 +43,8 @@ Gains gains_of(const ActuatorRecord& r, const Data<double>& d) {
   return {r.q >= 0 ? gear * std::max(0.0, -r.bias[1]) : 0, gear * std::max(0.0, -r.bias[2])};
 }
 
-// Energy of what drives: -integral of f dl of its part that depends on the length alone, f = f0 + b l. At the end of its range f is constant.
+// Energy of what drives: -integral of f dl of its part that depends on the length alone, f = f0 + b l. At the end of its range
+// f is constant.
 double actuator_energy(const ActuatorRecord& r, const Data<double>& d) {
   const double l = r.spec.gear * d.q[r.q], b = r.bias[1], total = actuator_force(r, d);
   const double f = unbounded_force(r, d, r.act >= 0 ? d.act[r.act] : command(r, d), d.q[r.q], 0.0), f0 = f - b * l;
@@ -106,7 +107,8 @@ void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, c
               EnergyGain& sum) {
   const double* const v = d.v;
   const auto work = [&](double force, Index k) { return std::max(0.0, h * force * (v0[k] + v[k]) / 2); };
-  double given = d.step->rows_work + h * std::max({0.0, before.power, after.power}) + std::max(0.0, before.potential - after.potential);
+  double given = d.step->rows_work + h * std::max({0.0, before.power, after.power});
+  given += std::max(0.0, before.potential - after.potential);
   for (Index k = 0; k < m.n.nv; ++k) given += work(d.tau_applied[k], k);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     if (r.q < 0) given += work(r.spec.gear * actuator_force(r, d), r.v);
@@ -129,7 +131,8 @@ Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<
   };
   for (Index j = 1; j < m.n.joints; ++j) {
     for (Index k = m.joints()[j].idx_v; k < m.joints()[j].idx_v + m.joints()[j].nv; ++k) {
-      double stiffness = d.acting & DYN_EFFECT_SPRINGS ? d.stiffness[k] : 0, damping = d.acting & DYN_EFFECT_DAMPING ? d.damping[k] : 0;
+      double stiffness = d.acting & DYN_EFFECT_SPRINGS ? d.stiffness[k] : 0;
+      double damping = d.acting & DYN_EFFECT_DAMPING ? d.damping[k] : 0;
       for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
         if (r.v == k) stiffness += gains_of(r, d).stiffness, damping += gains_of(r, d).damping;
       });

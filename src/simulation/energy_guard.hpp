@@ -1,7 +1,7 @@
 // Energy guard: no step may add kinetic energy that nothing explains. Between the states at its ends
 //   K1 - K0 - (V0 - V1)+ - W <= share (K0 + (V0 - V1)+ + W)
-// with K the kinetic energy, V that of gravity, springs and actuators, W the positive work of tau, wrenches, forces on links, soft rows
-// and belts. The share is the error of an integrator of order 1.
+// with K the kinetic energy, V that of gravity, springs and actuators, W the positive work of tau, wrenches, forces on links,
+// soft rows and belts. The share is the error of an integrator of order 1.
 // Energies are evaluated only where something moves far within the step, or where rows did positive work.
 #pragma once
 
@@ -30,12 +30,13 @@ struct EnergyGain {
   bool exceeds(double share) const { return !(gain <= share * base); }
 };
 // Adds a part of h that ended at the state in d. v0: its velocity at the beginning.
-void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h, EnergyGain& sum);
+void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0,
+              double h, EnergyGain& sum);
 // Sets the forces of all contacts to zero: a step that is repeated begins without a guess.
 void forget_forces(Workspace& w);
 
-// An explicit method whose amplification factor is R multiplies oscillations of springs, damping and gains by |R(h s)| in each step, with
-// s^2 + (c / D) s + k / D = 0 and D the joint's inertia with the joints beyond it free, which is at least its effective inertia.
+// An explicit method whose amplification factor is R multiplies oscillations of springs, damping and gains by |R(h s)| in each
+// step, with s^2 + (c / D) s + k / D = 0 and D the joint's inertia with the joints beyond it free: at least its effective inertia.
 // Returns the joint at which |R| is too large, or 0. length: step below which it would not be.
 Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<const double> R, double& length);
 

@@ -103,7 +103,6 @@ struct Island {
     for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
     return sum;
   }
-  bool project_to_cones();
   bool is_angle(const ActiveConstraint& x, Index row) const;
   bool correct();
 };

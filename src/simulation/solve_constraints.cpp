@@ -146,7 +146,6 @@ void Island::impulses(dynContactReport& report) {
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses
   }
-  if (const double most = contacts > 0 ? speed() : 0; most > 0 && project_to_cones()) report.residual = std::max(residual() / most, inconsistency);
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
     if (x.kind != RowKind::Contact) continue;
@@ -159,33 +158,6 @@ void Island::impulses(dynContactReport& report) {
     }
     store3(force, f.force_on_b), store3(moment, f.moment_on_b);
   }
-}
-
-// Shortens impulses across contacts to their cones, beyond which some methods end by the residual. Returns whether any was changed.
-bool Island::project_to_cones() {
-  bool changed = false;
-  for (Index k = 0, contact = 0; k < constraint_count; ++k) {
-    const ActiveConstraint& x = constraint(k);
-    if (x.kind != RowKind::Contact) continue;
-    const double mu = friction[contact], roll = rolling[contact], twist = torsion[contact];
-    ++contact;
-    const Index count = x.s->rows, normal = normal_row(count);
-    double* const y = lambda + x.s->first;
-    const double pressed = std::max(0.0, y[normal]);
-    double square = 0;
-    bool outside = y[normal] < 0;
-    for (Index r = 0; r < count; ++r) {
-      if (r == normal) continue;
-      const double size = r < 2 ? mu : r == count - 1 ? twist : roll;
-      if (size > 0) square += y[r] * y[r] / (size * size);
-      else if (y[r] != 0) outside = true, y[r] = 0;
-    }
-    if (!outside && square <= pressed * pressed * (1 + tuning::island::cone_rounding)) continue;
-    const double scale = square > pressed * pressed ? pressed / std::sqrt(square) : 1;
-    for (Index r = 0; r < count; ++r) y[r] = r == normal ? pressed : scale * y[r];
-    changed = true;
-  }
-  return changed;
 }
 
 // Returns whether a row's error is an angle.

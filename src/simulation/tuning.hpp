@@ -53,7 +53,6 @@ inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster appro
 inline constexpr double correction = 0.5;       // of the position error that a step removes
 inline constexpr double correction_tolerance = 1e-6;  // of its displacement: the next steps correct the rest
 inline constexpr double correction_softness = 1e-6;  // of a row's own G: bounds displacements of inconsistent or nearly dependent rows
-inline constexpr double cone_rounding = 1e-12;  // relative, of squared impulses
 inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps can reduce to the tolerance
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z

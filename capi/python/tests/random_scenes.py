@@ -1,4 +1,5 @@
-"""Scenes drawn from a seed: masses from 1e-6 to 1e6 kg, deep overlaps, loops, huge gains, steps from 1e-5 to 0.05 s, every integrator and solver."""
+"""Scenes drawn from a seed: masses from 1e-6 to 1e6 kg, deep overlaps, loops, huge gains, steps from 1e-5 to 0.05 s, every
+integrator and solver."""
 
 import math
 import re
@@ -13,7 +14,7 @@ INTEGRATORS = ("semi_implicit_euler", "implicit_fast", "rk4", "implicit_midpoint
 SOLVERS = ("admm", "pgs", "newton")
 KINDS = ("heap", "tree", "loop", "servo", "springs")
 GRAVITY = 9.81
-# Of the energy that was there: a larger gain is not explained. Half: steps of order 1 let the energy of an oscillation swing by h w / 2.
+# Of the energy that was there: a larger gain is not explained. Steps of order 1 let the energy of an oscillation swing by h w / 2.
 SHARE = 0.5
 
 
@@ -42,7 +43,8 @@ class Scene(NamedTuple):
         """Kinetic, potential, and that of servos, less the work of motors since the start."""
         d = self.data
         stored = sum(0.5 * kp * (target - d.q[i]) ** 2 for i, kp, target in self.servos)
-        return d.energy().kinetic + d.energy().potential + stored - float(self.motors @ d.model.difference(start, d.q) if self.motors.any() else 0)
+        driven = float(self.motors @ d.model.difference(start, d.q)) if self.motors.any() else 0.0
+        return d.energy().kinetic + d.energy().potential + stored - driven
 
 
 def add_link(b, random, k, parent, length, mass, type, collides, more):
@@ -55,7 +57,8 @@ def add_link(b, random, k, parent, length, mass, type, collides, more):
     inertia = mass / 3 * np.diag([half[1] ** 2 + half[2] ** 2, half[0] ** 2 + half[2] ** 2, half[0] ** 2 + half[1] ** 2])
     b.add_body(name, f"joint{k}", mass, (0, 0, 0), inertia)
     if collides:
-        restitution, stiffness = random.choice([0.0, 0.0, 0.0, 0.5, 1.0]), random.choice([0.0, 0.0, 0.0, log_uniform(random, 1, 1e8)])
+        restitution = random.choice([0.0, 0.0, 0.0, 0.5, 1.0])
+        stiffness = random.choice([0.0, 0.0, 0.0, log_uniform(random, 1, 1e8)])
         material = dyn.Material(friction=random.choice([0.0, 0.3, 1.0, 5.0]), restitution=restitution, stiffness=stiffness)
         shape = random.choice(["box", "sphere", "capsule"])
         size = {"box": 2 * half, "sphere": (half[1],), "capsule": (half[1], half[0])}[shape]
@@ -70,7 +73,8 @@ def scene(seed):
     ground = random.random() < 0.7 or kind == "heap"
     if ground:
         b.add_shape("universe", "half_space", name="ground", material=dyn.Material(friction=random.choice([0.0, 0.5, 1.0])))
-    collides = kind == "heap" or (random.random() < 0.6 and kind != "servo")  # corrections of overlaps would wind up servos
+    # corrections of overlaps would wind up servos
+    collides = kind == "heap" or (random.random() < 0.6 and kind != "servo")
     n = int(random.integers(2, 9))
     length = log_uniform(random, 0.01, 1)
     ratio = random.choice([1.0, 1e2, 1e6])  # of the masses
@@ -100,7 +104,8 @@ def scene(seed):
                 motors.append((k, joint.idx_v, scale * log_uniform(random, 1e-2, 1e2)))
             else:
                 kp = log_uniform(random, 1e-2, 1e8)
-                b.add_actuator(f"servo{k}", joint.name, type="position", kp=kp, kv=float(random.choice([0.0, kp * 1e-3, kp])))
+                kv = float(random.choice([0.0, kp * 1e-3, kp]))
+                b.add_actuator(f"servo{k}", joint.name, type="position", kp=kp, kv=kv)
                 servos.append((joint.idx_q, kp, random.uniform(-1, 1)))
         m = b.finish()
     q = m.random(seed=seed)
@@ -116,7 +121,10 @@ def scene(seed):
             off = rotation(random, float(random.choice([0.0, log_uniform(random, 1e-12, 1e-2)])))
             closing = random.choice(["connect", "weld", "loop"])
             place = (at.rotation @ off, at.translation)
-            c = dc.loop("revolute", first, None, axis=random.normal(size=3), placement2=place) if closing == "loop" else getattr(dc, closing)(first, None, placement2=place)
+            if closing == "loop":
+                c = dc.loop("revolute", first, None, axis=random.normal(size=3), placement2=place)
+            else:
+                c = getattr(dc, closing)(first, None, placement2=place)
             b.add_constraint(f"closing{len(m.joints)}{_}", c)
         m = b.finish()
     d = m.data()
@@ -135,7 +143,8 @@ def scene(seed):
             u[a] = next(x[2] for x in servos if x[0] == joint.idx_q)
     if m.nu:
         d.set_control(u)
-    d.set_step_options(str(random.choice(INTEGRATORS, p=(0.4, 0.2, 0.1, 0.1, 0.1, 0.1))), log_uniform(random, 1e-5, 0.05), solver=str(random.choice(SOLVERS)), ledger=True)
+    integrator = str(random.choice(INTEGRATORS, p=(0.4, 0.2, 0.1, 0.1, 0.1, 0.1)))
+    d.set_step_options(integrator, log_uniform(random, 1e-5, 0.05), solver=str(random.choice(SOLVERS)), ledger=True)
     return Scene(seed, kind, d, 100, force, servos)
 
 
@@ -156,7 +165,8 @@ def soft_energy(d):
     """Energy of the contacts' springs at the beginning of the last step."""
     sum = 0.0
     for c in d.step_contacts():
-        springs = [x.stiffness for x in (d.shape_material(c.contact.shape_a), d.shape_material(c.contact.shape_b)) if x.stiffness > 0]
+        materials = d.shape_material(c.contact.shape_a), d.shape_material(c.contact.shape_b)
+        springs = [x.stiffness for x in materials if x.stiffness > 0]
         if springs and c.contact.distance < 0:
             sum += 0.5 / math.fsum(1 / x for x in springs) * c.contact.distance**2
     return sum
@@ -167,13 +177,15 @@ def play(scene):
     d = scene.data
     start = d.q.copy()
     first = scene.energy(start)
-    soft = any(d.shape_material(k).stiffness > 0 for k, shape in enumerate(d.model.shapes) if shape.role == dyn.ShapeRole.COLLISION)
+    colliding = [k for k, shape in enumerate(d.model.shapes) if shape.role == dyn.ShapeRole.COLLISION]
+    soft = any(d.shape_material(k).stiffness > 0 for k in colliding)
     kinetic, lowest, given, gain, finite = d.energy().kinetic, first, 0.0, 0.0, True
     for k in range(scene.steps):
         try:
             d.step()
         except dyn.NumericError as error:
-            return Result(reason(error), k, finite and np.isfinite(d.q).all() and np.isfinite(d.v).all(), gain, kinetic + first - lowest + given)
+            finite = finite and bool(np.isfinite(d.q).all() and np.isfinite(d.v).all())
+            return Result(reason(error), k, finite, gain, kinetic + first - lowest + given)
         ledger = d.ledger
         given += max(0.0, ledger.correction) + (soft_energy(d) if k == 0 else 0.0)
         if soft:

@@ -2,6 +2,7 @@
 
 import warnings
 
+import numpy as np
 import pytest
 
 import libdyn as dyn
@@ -12,8 +13,8 @@ def wall(rows, columns, capacity=0):
     b = dyn.Builder("wall")
     b.add_shape("universe", "half_space", name="ground")
     for k in range(rows * columns):
-        row, column = divmod(k, columns)
-        b.add_joint(f"joint{k}", "free_flyer").add_body(f"brick{k}", f"joint{k}", mass=1.0, inertia=[[0.01, 0, 0], [0, 0.02, 0], [0, 0, 0.02]])
+        b.add_joint(f"joint{k}", "free_flyer")
+        b.add_body(f"brick{k}", f"joint{k}", mass=1.0, inertia=np.diag([0.01, 0.02, 0.02]))
         b.add_shape(f"brick{k}", "box", (0.4, 0.2, 0.2))
     b.set_contact_capacity(capacity)
     m = b.finish()

@@ -1,4 +1,5 @@
-"""Random scenes gain no energy that nothing explains, and end in finite numbers or a named error. bench/random_scenes.py plays 1,000."""
+"""Random scenes gain no energy that nothing explains, and end in finite numbers or a named error. bench/random_scenes.py plays
+1,000."""
 
 import pytest
 import random_scenes as scenes

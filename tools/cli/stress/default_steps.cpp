@@ -50,13 +50,16 @@ Play tilted_four_bar(double tilt) {
 Play four_bar_of_urdf() {
   const std::string inertia = "<inertia ixx='0.001' iyy='0.08' izz='0.08' ixy='0' ixz='0' iyz='0'/></inertial></link>";
   const auto link = [&](const std::string& name, double length) {
-    return "<link name='" + name + "'><inertial><origin xyz='" + std::to_string(length / 2) + " 0 0'/><mass value='1'/>" + inertia;
+    const std::string middle = std::to_string(length / 2);
+    return "<link name='" + name + "'><inertial><origin xyz='" + middle + " 0 0'/><mass value='1'/>" + inertia;
   };
-  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child, const std::string& origin, const char* axis) {
-    return "<joint name='" + name + "' type='continuous'><parent link='" + parent + "'/><child link='" + child + "'/><origin " + origin +
-           "/><axis xyz='" + axis + "'/></joint>";
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child, const std::string& origin,
+                        const char* axis) {
+    return "<joint name='" + name + "' type='continuous'><parent link='" + parent + "'/><child link='" + child + "'/><origin " +
+           origin + "/><axis xyz='" + axis + "'/></joint>";
   };
-  const std::string text = "<robot name='four_bar'><link name='ground'/>" + link("crank", 1) + link("coupler", 1.3) + link("rocker", 0.8) +
+  const std::string text = "<robot name='four_bar'><link name='ground'/>" + link("crank", 1) + link("coupler", 1.3) +
+                           link("rocker", 0.8) +
                            joint("a", "ground", "crank", "rpy='1.5708 0 0'", "0 0 1") +
                            joint("b", "crank", "coupler", "xyz='1 0 0' rpy='-1.5708 0 0'", "0 -1 0") +
                            joint("c", "coupler", "rocker", "xyz='1.3 0 0' rpy='1.5708 0 0'", "0 0 1") + "</robot>";
@@ -73,7 +76,7 @@ Play four_bar_of_urdf() {
 
 // Angle of the crank half a second after it was let go.
 double crank_angle(Play& play) {
-  static const Vector start = tilted_four_bar(0).project(Vector{1, -0.9, -1.2}, Vector(3)).q;  // exact: others are off by their tilt
+  static const Vector start = tilted_four_bar(0).project(Vector{1, -0.9, -1.2}, Vector(3)).q;  // of the exact mechanism
   play.set_state(start);
   play.steps(500);
   return play.q()[0];
@@ -82,7 +85,7 @@ double crank_angle(Play& play) {
 // Three arms of 0.3 m on hinges; from each two rods of 0.6 m on balls to a platform.
 Play delta_robot() {
   Builder b("delta");
-  b.add_joint("platform_joint", DYN_JOINT_TYPE_FREE_FLYER).add_body("platform", "platform_joint", 1, {0, 0, 0}, diagonal(0.01, 0.01, 0.02));
+  add_free(b, "platform", 1, diagonal(0.01, 0.01, 0.02));
   for (int k = 0; k < 3; ++k) {
     const double angle = 2 * pi / 3 * k, c = std::cos(angle), s = std::sin(angle);
     const std::string name = "arm" + std::to_string(k);
@@ -108,7 +111,7 @@ Play delta_robot() {
 Play legged_robot() {
   Builder b("legged");
   add_ground(b, material(0.8));
-  b.add_joint("trunk_joint", DYN_JOINT_TYPE_FREE_FLYER).add_body("trunk", "trunk_joint", 8, {0, 0, 0}, box_inertia(8, {0.5, 0.3, 0.1}));
+  add_free(b, "trunk", 8, box_inertia(8, {0.5, 0.3, 0.1}));
   for (int k = 0; k < 4; ++k) {
     const std::string leg = "leg" + std::to_string(k);
     const double x = k < 2 ? 0.2 : -0.2, y = k % 2 ? 0.15 : -0.15;
@@ -218,14 +221,16 @@ Outcome bin_settles() {
   Play play(heap_model([](Builder& b) {
               for (const double angle : {0.0, pi / 2, pi, 3 * pi / 2})
                 add_shape(b, "", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.6),
-                          turned({-std::sin(angle), std::cos(angle), 0}, pi / 2, {-0.4 * std::cos(angle), -0.4 * std::sin(angle), 0}));
+                          turned({-std::sin(angle), std::cos(angle), 0}, pi / 2,
+                                 {-0.4 * std::cos(angle), -0.4 * std::sin(angle), 0}));
               for (int k = 0; k < 27; ++k) add_box(b, "box" + std::to_string(k), 1, {0.14, 0.14, 0.14}, material(0.6));
             }), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 2e-3);
   Vector q;
   for (int k = 0; k < 27; ++k) {
     const double a = std::sin(3.0 * k), b = std::sin(5.0 * k), c = std::sin(7.0 * k), d = std::sin(11.0 * k + 1);
     const double size = std::sqrt(a * a + b * b + c * c + d * d);
-    q.insert(q.end(), {0.25 * (k % 3 - 1), 0.25 * (k / 3 % 3 - 1), 0.15 + 0.25 * (k / 9), a / size, b / size, c / size, d / size});
+    const double at[] = {0.25 * (k % 3 - 1), 0.25 * (k / 3 % 3 - 1), 0.15 + 0.25 * (k / 9)};
+    q.insert(q.end(), {at[0], at[1], at[2], a / size, b / size, c / size, d / size});
   }
   play.set_state(q);
   play.steps(1500);
