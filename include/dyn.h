@@ -1990,10 +1990,10 @@ DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data
 /* Writes the options of steps. */
 DYN_API dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options);
 
-/* One step of dt. After an error state and time are unchanged. A step that gains kinetic energy which nothing
-   explains is repeated: by another solver, then in 2 to 32 parts. Then it is DYN_ERROR_NUMERIC. */
+/* One step of dt. An error leaves state and time. Unexplained energy: up to 32 parts, then an error. */
 DYN_API dynStatus dyn_step(const dynModel* model, dynData* data);
-/* Steps over duration (s, >= 0), a shorter last one, or lengths by accuracy. An error keeps earlier steps. */
+/* Steps over duration (s, >= 0), with a shorter last step, or with lengths chosen by accuracy. After an error
+   the state and time are those before the failing step. */
 DYN_API dynStatus dyn_advance(const dynModel* model, dynData* data, double duration);
 
 /* Report on the last dyn_step or dyn_advance. */

@@ -248,7 +248,10 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
 inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<double>& s, dynIntegrator integrator, double h,
                                  dynStepReport& report, const double* start) {
   using namespace simulation;
-  using simulation::tuning::guard::share, simulation::tuning::guard::part_share, simulation::tuning::guard::halvings;
+  using simulation::tuning::guard::part_share, simulation::tuning::guard::halvings;
+  const bool first_order = integrator == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || integrator == DYN_INTEGRATOR_IMPLICIT_FAST ||
+                           d.step->constraint_count > 0;
+  const double share = first_order ? simulation::tuning::guard::share : high_order_share;
   Workspace& w = *d.step;
   if (w.time_is_up()) return 0;
   const auto swap_states = [&] {

@@ -58,9 +58,10 @@ double actuator_energy(const ActuatorRecord& r, const Data<double>& d) {
 bool may_gain_energy(const Model& m, const Data<double>& d, double h) {
   if (d.step->rows_add_energy) return true;
   bool slow = true;
+  const double most = motion / h;
   with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
-      for (Index k = t.v; k < t.v_end; ++k) slow &= std::abs(d.v[k]) * h <= motion;
+      for (Index k = t.v; k < t.v_end; ++k) slow &= std::abs(d.v[k]) <= most;
     });
   });
   return !slow && moves_far(m, d, h);

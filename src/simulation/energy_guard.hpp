@@ -11,6 +11,9 @@
 
 namespace dyn::simulation {
 
+// The share for methods of order 2 and more, whose error is far smaller: a larger gain is an oscillation that they do not resolve.
+inline constexpr double high_order_share = 1e-3;
+
 struct StepEnergy {
   double kinetic, potential;
   double power;       // W, of wrenches and forces on links
