@@ -268,7 +268,7 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
   swap_states();
   const EnergyGain nothing{0, first.kinetic};
   EnergyGain sum = nothing;
-  add_gain(m, d, first, last, start + m.n.nq, h, sum);
+  add_gain(m, d, first, last, start + m.n.nq, h, !first_order, sum);
   if (!sum.exceeds(share)) return 0;
   const dynContactSolverType solver = w.options.solver;
   const Index joint = last.fastest;
@@ -289,7 +289,7 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
       good = single_step(m, d, s, integrator, part, report) == 0;
       if (!good) break;
       const StepEnergy to = step_energy(m, d, s.f);
-      add_gain(m, d, from, to, s.y0 + m.n.nv, part, sum), from = to;
+      add_gain(m, d, from, to, s.y0 + m.n.nv, part, !first_order, sum), from = to;
       good = !sum.exceeds(part_share);
     }
     w.options.solver = solver;

@@ -104,8 +104,8 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
   return out;
 }
 
-void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0, double h,
-              EnergyGain& sum) {
+void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0,
+              double h, bool stored, EnergyGain& sum) {
   const double* const v = d.v;
   const auto work = [&](double force, Index k) { return std::max(0.0, h * force * (v0[k] + v[k]) / 2); };
   double given = d.step->rows_work + h * std::max({0.0, before.power, after.power});
@@ -115,7 +115,8 @@ void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, c
     if (r.q < 0) given += work(r.spec.gear * actuator_force(r, d), r.v);
   });
   const double rounding = tuning::guard::rounding * (std::abs(before.potential) + std::abs(after.potential));
-  sum.base += given, sum.gain += after.kinetic - before.kinetic - given - rounding;
+  const double rise = stored ? std::max(0.0, after.potential - before.potential) : 0;
+  sum.base += given, sum.gain += after.kinetic - before.kinetic + rise - given - rounding;
 }
 
 void forget_forces(Workspace& w) {

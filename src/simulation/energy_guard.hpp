@@ -32,9 +32,10 @@ struct EnergyGain {
   // share: of the base
   bool exceeds(double share) const { return !(gain <= share * base); }
 };
-// Adds a part of h that ended at the state in d. v0: its velocity at the beginning.
+// Adds a part of h that ended at the state in d. v0: its velocity at the beginning. stored: what V rises by counts, too; not where
+// corrections of overlaps stretch springs.
 void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0,
-              double h, EnergyGain& sum);
+              double h, bool stored, EnergyGain& sum);
 // Sets the forces of all contacts to zero: a step that is repeated begins without a guess.
 void forget_forces(Workspace& w);
 

@@ -48,10 +48,10 @@ Play tilted_four_bar(double tilt) {
 
 // The same in the x-z plane from a URDF, whose right angles have four digits.
 Play four_bar_of_urdf() {
-  const std::string inertia = "<inertia ixx='0.001' iyy='0.08' izz='0.08' ixy='0' ixz='0' iyz='0'/></inertial></link>";
-  const auto link = [&](const std::string& name, double length) {
-    const std::string middle = std::to_string(length / 2);
-    return "<link name='" + name + "'><inertial><origin xyz='" + middle + " 0 0'/><mass value='1'/>" + inertia;
+  const auto link = [](const std::string& name, double length) {
+    const std::string middle = std::to_string(length / 2), across = std::to_string(length * length / 12);
+    return "<link name='" + name + "'><inertial><origin xyz='" + middle + " 0 0'/><mass value='1'/><inertia ixx='0.001' iyy='" +
+           across + "' izz='" + across + "' ixy='0' ixz='0' iyz='0'/></inertial></link>";
   };
   const auto joint = [](const std::string& name, const std::string& parent, const std::string& child, const std::string& origin,
                         const char* axis) {
