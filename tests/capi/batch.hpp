@@ -58,7 +58,7 @@ struct BatchCase {
     dyn_batch_arrays_init(&x);
     x.frame = dyn_model_nframes(m) - 1, x.joint = dyn_model_njoints(m) - 1, x.reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED;
     x.q = q.data(), x.v = v.data(), x.a = a.data(), x.tau = tau.data(), x.fext = fext.data(), x.b = b.data(), x.q1 = q1.data(),
-    x.dt = 1e-3, x.integrator = DYN_INTEGRATOR_RK4, x.status = status.data();
+    x.dt = 1e-4, x.integrator = DYN_INTEGRATOR_RK4, x.status = status.data();
     for (int k = 0; k < info.outputs; ++k) {
       out[k].assign(std::size_t(n) * row_size(info, k) + guard, pattern);
       x.out[k] = out[k].data();

@@ -121,7 +121,7 @@ def test_resumed_points_are_measured_from_one_reference(tmp_path):
     assert again["reference"] == first["reference"]
     errors = [{(p["integrator"], p["dt"], p["accuracy"]): p["errors"] for p in x["points"]} for x in (first, again)]
     assert errors[0].items() <= errors[1].items()
-    longer = answer(*words, "--budget", "8s")
+    longer = answer(*words, "--budget", "20s")
     assert longer["reference"]["uncertainty"]["m"] < first["reference"]["uncertainty"]["m"]
     moved = {(p["integrator"], p["dt"], p["accuracy"]): p["errors"] for p in longer["points"]}
     assert all(moved[k] and abs(moved[k]["m"] - e["m"]) <= 2 * first["reference"]["uncertainty"]["m"]

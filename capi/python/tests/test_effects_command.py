@@ -78,7 +78,7 @@ def test_postmortem(tmp_path):
     said = run("sim", file, "--duration", "1", "--dt", "1e-2", "--integrator", "rk4", "--q", "0.1", "--postmortem", box, status=1)
     assert "step " in said
     kept = json.loads(box.read_text())
-    assert kept["error"] in said and kept["grew"][0]["joint"] == "j" and kept["grew"][0]["factor"] > 1e3
+    assert kept["error"] in said and "unstable in explicit steps" in said and kept["grew"][0]["joint"] == "j"
     # the last state fails again, and the one before it can be simulated by what does not
     state = tmp_path / "state.json"
     last = kept["states"][-1]

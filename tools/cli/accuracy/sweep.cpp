@@ -53,7 +53,11 @@ std::string key_of(const Setting& s) { return name_of(s) + " " + solvers()[s.sol
 Reference make_reference(const Scene& scene, const Setting& contact, const Budget& budget) {
   Setting probe = contact;
   probe.integrator = integrators()[DYN_INTEGRATOR_RK4], probe.dt = std::min(1e-3, scene.duration / samples);
-  const JointRun first = run_within(scene, probe, budget.left() / 4);
+  JointRun first = run_within(scene, probe, budget.left() / 4);
+  if (!first.error.empty() && first.error != too_long) {  // explicit steps refuse what is too stiff for them
+    probe.integrator = integrators()[DYN_INTEGRATOR_IMPLICIT_FAST];
+    first = run_within(scene, probe, budget.left() / 4);
+  }
   if (!first.error.empty() && first.error != too_long && first.steps < 3) fail("the scene cannot be simulated: " + first.error);
   Reference out;
   out.smooth = first.error.empty() && first.rows == 0;
