@@ -56,7 +56,9 @@ DYN_INLINE void AcceleratedSweeps::by_rows(const RowBlock& s, F&& f) {
   else with_row_count(s.rows, f);
 }
 
-AcceleratedSweeps::AcceleratedSweeps(const Island& island) : x(island), w(x.w), e(w.elimination), room(padded_rows(x.rows)) { load(); }
+AcceleratedSweeps::AcceleratedSweeps(const Island& island) : x(island), w(x.w), e(w.elimination), room(padded_rows(x.rows)) {
+  load();
+}
 
 void AcceleratedSweeps::load() {
   for_each([&](const ActiveConstraint& a, RowBlock& s, Index) {

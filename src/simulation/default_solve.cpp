@@ -1,4 +1,5 @@
-// The solve of steps without a tolerance: Newton's method near a solution, accelerated sweeps elsewhere, bounded by max_iterations.
+// The solve of steps without a tolerance: Newton's method near a solution, accelerated sweeps elsewhere.
+// max_iterations bounds their sum.
 #include "simulation/accelerated_sweeps.hpp"
 #include "simulation/newton.hpp"
 
@@ -8,10 +9,11 @@ void Island::accelerated_sweeps(dynContactReport& report) {
   build_rows();
   AcceleratedSweeps sweeps(*this);
   sweeps.run(w.max_iterations(), report);
+  report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
   sweeps.write();
 }
 
-// Newton's method goes on to the fine residual: bodies at rest then stay exactly at rest, and the next steps have nothing to solve.
+// Newton's method goes on to the fine residual: bodies at rest then stay at rest, and the next steps have nothing to solve.
 // Far from a solution it ends sooner: in a jam it seldom gets there, and sweeps go on from the guess.
 // Small islands and few sweeps leave iterations for methods that large mass ratios do not slow down.
 void Island::solve_to_default(dynContactReport& report) {
