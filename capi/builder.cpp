@@ -5,6 +5,7 @@
 #include "surfaces.hpp"
 #include "reflection.hpp"
 #include "handles.hpp"
+#include "table/names.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -33,7 +34,7 @@ JointSpec read_spec(const char* function, const dynJointSpec& s, int depth) {
   if (s.parts_count && !s.parts) throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: parts is NULL but parts_count is not 0");
   if (s.parts_count > 1000) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: more than 1000 parts");
   if (s.type != DYN_JOINT_TYPE_COMPOSITE && (s.parts || s.parts_count))
-    throw Error(DYN_ERROR_ARGUMENT, "joint '" + out.name + "': parts are given, but its type is " + joint_type_name(s.type) +
+    throw Error(DYN_ERROR_ARGUMENT, "joint '" + out.name + "': parts are given, but its type is " + name_of(s.type) +
                                         ": use DYN_JOINT_TYPE_COMPOSITE, or leave parts NULL");
   for (size_t k = 0; k < s.parts_count; ++k) {
     const auto* part = reinterpret_cast<const dynJointSpec*>(reinterpret_cast<const char*>(s.parts) + k * s.parts->struct_size);

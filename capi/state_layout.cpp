@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "table/names.hpp"
+
 namespace dyn::capi {
 
 namespace {
@@ -101,7 +103,7 @@ dynStatus Layout::place() {
     if (l.convention == DYN_CONVENTION_ROS && r.type != DYN_JOINT_TYPE_FREE_FLYER && n.nv != 1)
       return fail(DYN_ERROR_UNSUPPORTED,
                   "%s: joint '%.200s' (%s) has %d degrees of freedom: sensor_msgs/JointState holds joints of one", function,
-                  name(x.joint), joint_type_name(r.type), n.nv);
+                  name(x.joint), name_of(r.type), n.nv);
     if (x.q < 0 || x.v < 0)
       return fail(DYN_ERROR_ARGUMENT, "%s: joint '%.200s' begins at q[%d], v[%d]: indices can't be negative", function,
                   name(x.joint), int(x.q), int(x.v));

@@ -13,14 +13,16 @@ namespace dyn::constraint {
 
 struct Loop {
   static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_LOOP;
-  static int rows(const Constraint& c) {
-    switch (c.joint_type) {
+  // 0: such a joint closes no loop.
+  static int rows(dynJointType type) {
+    switch (type) {
       case DYN_JOINT_TYPE_REVOLUTE: case DYN_JOINT_TYPE_CONTINUOUS: case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED: case DYN_JOINT_TYPE_PRISMATIC: case DYN_JOINT_TYPE_HELICAL: return 5;
       case DYN_JOINT_TYPE_CYLINDRICAL: case DYN_JOINT_TYPE_UNIVERSAL: return 4;
       case DYN_JOINT_TYPE_SPHERICAL: case DYN_JOINT_TYPE_SPHERICAL_ZYX: case DYN_JOINT_TYPE_PLANAR: case DYN_JOINT_TYPE_TRANSLATION: return 3;
       default: return 0;
     }
   }
+  static int rows(const Constraint& c) { return rows(c.joint_type); }
 
   template <class T, class Out>
   static DYN_INLINE void evaluate(const Constraint& c, const Relative<T>& X, Out&& out) {

@@ -9,7 +9,6 @@ namespace kind {
 
 struct Continuous : Kind<Continuous> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_CONTINUOUS;
-  static constexpr const char* name = "continuous";
   static constexpr int nq = 1, nv = 1;
   static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Revolute, g.axis, 0, true});

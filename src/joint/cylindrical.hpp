@@ -9,7 +9,6 @@ namespace kind {
 
 struct Cylindrical : Kind<Cylindrical> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_CYLINDRICAL;
-  static constexpr const char* name = "cylindrical";
   static constexpr int nq = 2, nv = 2;
   static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Revolute, g.axis}, Element{BodyType::Prismatic, g.axis});

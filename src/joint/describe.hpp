@@ -2,6 +2,7 @@
 #pragma once
 
 #include "joint/kinds.hpp"
+#include "table/names.hpp"
 
 namespace dyn {
 
@@ -28,7 +29,7 @@ constexpr KindText describe_kind() {
     const char* name;
     bool has_axis;
   } primitives[] = {
-#define DYN_PRIMITIVE(J) {BodyType::J, kind::J::name, J::nv == 1},
+#define DYN_PRIMITIVE(J) {BodyType::J, name_of(kind::J::type), J::nv == 1},
       DYN_PRIMITIVES(DYN_PRIMITIVE)
 #undef DYN_PRIMITIVE
   };

@@ -112,7 +112,6 @@ namespace kind {
 
 struct FreeFlyer : Kind<FreeFlyer> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_FREE_FLYER;
-  static constexpr const char* name = "free_flyer";
   static constexpr int nq = 7, nv = 6;
   static constexpr Elements elements(const JointGeometry&) {
     return chain(Element{BodyType::FreeFlyer, z_axis});

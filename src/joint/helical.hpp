@@ -38,7 +38,6 @@ namespace kind {
 
 struct Helical : Kind<Helical> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_HELICAL;
-  static constexpr const char* name = "helical";
   static constexpr int nq = 1, nv = 1;
   static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Helical, g.axis, g.pitch});

@@ -1,6 +1,5 @@
 // The joints that users name. Each kind K is one file: it derives from Kind<K> and gives, as static members,
 //   type           its dynJointType
-//   name           what messages and files call it
 //   nq, nv         sizes of its coordinates
 //   elements(g)    the chain of primitives that it is, in the joint's frame; algorithms see those only
 // kinds.hpp names them all.

@@ -10,7 +10,6 @@ namespace kind {
 
 struct Planar : Kind<Planar> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_PLANAR;
-  static constexpr const char* name = "planar";
   static constexpr int nq = 3, nv = 3;
   static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Prismatic, g.x}, Element{BodyType::Prismatic, g.y}, Element{BodyType::Revolute, g.axis});

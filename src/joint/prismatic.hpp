@@ -36,7 +36,6 @@ namespace kind {
 
 struct Prismatic : Kind<Prismatic> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_PRISMATIC;
-  static constexpr const char* name = "prismatic";
   static constexpr int nq = 1, nv = 1;
   static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Prismatic, g.axis});

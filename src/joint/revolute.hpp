@@ -56,7 +56,6 @@ namespace kind {
 
 struct Revolute : Kind<Revolute> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_REVOLUTE;
-  static constexpr const char* name = "revolute";
   static constexpr int nq = 1, nv = 1;
   static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Revolute, g.axis});

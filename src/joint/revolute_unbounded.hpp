@@ -70,7 +70,6 @@ namespace kind {
 
 struct RevoluteUnbounded : Kind<RevoluteUnbounded> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
-  static constexpr const char* name = "revolute_unbounded";
   static constexpr int nq = 2, nv = 1;
   static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::RevoluteUnbounded, g.axis});

@@ -91,7 +91,6 @@ namespace kind {
 
 struct Spherical : Kind<Spherical> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_SPHERICAL;
-  static constexpr const char* name = "spherical";
   static constexpr int nq = 4, nv = 3;
   static constexpr Elements elements(const JointGeometry&) {
     return chain(Element{BodyType::Spherical, z_axis});

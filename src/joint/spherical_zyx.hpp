@@ -9,7 +9,6 @@ namespace kind {
 
 struct SphericalZYX : Kind<SphericalZYX> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_SPHERICAL_ZYX;
-  static constexpr const char* name = "spherical_zyx";
   static constexpr int nq = 3, nv = 3;
   static constexpr Elements elements(const JointGeometry&) {
     return chain(Element{BodyType::Revolute, z_axis}, Element{BodyType::Revolute, y_axis}, Element{BodyType::Revolute, x_axis});

@@ -9,7 +9,6 @@ namespace kind {
 
 struct Universal : Kind<Universal> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_UNIVERSAL;
-  static constexpr const char* name = "universal";
   static constexpr int nq = 2, nv = 2;
   static constexpr bool needs_axis2 = true;
   static constexpr Elements elements(const JointGeometry& g) {

@@ -7,6 +7,7 @@
 #include "model/builder_surface.hpp"
 #include "save_mjcf.hpp"
 #include "shape_form.hpp"
+#include "table/names.hpp"
 
 namespace dyn::load {
 
@@ -27,7 +28,7 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   const std::string name = m.string(s.name), called = name.empty() ? (body.Attribute("name") ? body.Attribute("name") : "world") : name;
   const bool visual = s.role == DYN_SHAPE_ROLE_VISUAL;
   const std::optional<ShapeForm> form = shape_form(RobotFormat::Mjcf, s.type);
-  if (!form && shape::size_count(s.type) > 0) return losses.loss(std::string("shapes of type ") + shape_name(s.type) + " are left out", called);
+  if (!form && shape::size_count(s.type) > 0) return losses.loss(std::string("shapes of type ") + name_of(s.type) + " are left out", called);
   XmlElement& e = *body.InsertNewChildElement("geom");
   if (!name.empty()) {
     geom_names[k] = geoms.claim(name);

@@ -41,11 +41,6 @@ inline std::optional<ShapeForm> shape_form(RobotFormat format, std::string_view 
   return found;
 }
 
-inline const char* shape_name(dynShapeType type) {
-  const char* name = "mesh";
-  shape::visit_type(type, [&]<class S>() { name = S::name; });
-  return name;
-}
 // "box, sphere, capsule", for messages.
 inline std::string shape_names(RobotFormat format) {
   std::string names;

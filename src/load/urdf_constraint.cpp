@@ -22,12 +22,8 @@ namespace {
 dynConstraint of_type(const Element& e, const Reader& reader, const std::string& type) {
   if (dynConstraintType named; value_of(type, named) && named != DYN_CONSTRAINT_TYPE_NONE && named != DYN_CONSTRAINT_TYPE_LOOP)
     return default_constraint(named);
-  Constraint loop{};
-  if (value_of(type, loop.joint_type) && constraint::Loop::rows(loop) > 0) {
-    dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_LOOP);
-    c.joint_type = loop.joint_type;
-    return c;
-  }
+  dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_LOOP);
+  if (value_of(type, c.joint_type) && constraint::Loop::rows(c.joint_type) > 0) return c;
   std::string known;
   for (const ValueName& v : value_names<dynConstraintType>)
     if (v.value != DYN_CONSTRAINT_TYPE_NONE && v.value != DYN_CONSTRAINT_TYPE_LOOP) known += v.name + std::string(", ");

@@ -9,6 +9,7 @@
 #include "builder_surface.hpp"
 #include "shape/geometry.hpp"
 #include "table/enums.hpp"
+#include "table/names.hpp"
 
 namespace dyn {
 
@@ -28,12 +29,6 @@ int joint_nv(dynJointType type) {
   int n = 0;
   visit_kind(type, [&]<class K>() { n = K::nv; });
   return n;
-}
-
-const char* joint_type_name(dynJointType type) {
-  const char* name = type == DYN_JOINT_TYPE_FIXED ? "fixed" : type == DYN_JOINT_TYPE_COMPOSITE ? "composite" : "unknown";
-  visit_kind(type, [&]<class K>() { name = K::name; });
-  return name;
 }
 
 int primitive_nq(BodyType t) {
@@ -305,7 +300,7 @@ void Builder::Impl::add_joint(const JointSpec& s) {
     refuse(DYN_ERROR_INVALID, who + ": a rotor inertia needs a joint of one degree of freedom; use armature");
   if (!s.mimic.empty()) {
     if (nv != 1 || nq != 1)
-      refuse(DYN_ERROR_INVALID, who + ": only joints of one degree of freedom can mimic; this is " + joint_type_name(s.type));
+      refuse(DYN_ERROR_INVALID, who + ": only joints of one degree of freedom can mimic; this is " + name_of(s.type));
     if (!std::isfinite(s.mimic_ratio) || !std::isfinite(s.mimic_offset))
       refuse(DYN_ERROR_NONFINITE,
              who + ": mimic ratio " + number(s.mimic_ratio) + " and offset " + number(s.mimic_offset) + " must be finite");

@@ -87,7 +87,6 @@ int joint_nv(dynJointType type);
 // The same of a joint with its parts.
 int spec_nq(const JointSpec& spec);
 int spec_nv(const JointSpec& spec);
-const char* joint_type_name(dynJointType type);
 
 struct ModelDeleter {
   void operator()(Model* m) const;

@@ -104,9 +104,7 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
   if (s.type == DYN_CONSTRAINT_TYPE_FRICTION && s.force < 0)
     return refuse(DYN_ERROR_ARGUMENT, "force is %g: give 0 or more", s.force);
   if (s.type == DYN_CONSTRAINT_TYPE_LOOP) {
-    Constraint c{};
-    c.joint_type = s.joint_type;
-    if (constraint::Loop::rows(c) == 0)
+    if (constraint::Loop::rows(s.joint_type) == 0)
       return refuse(DYN_ERROR_ARGUMENT,
                     "joint_type is %d: a loop needs a simple joint with 1 to 5 degrees of freedom; for FIXED use the type WELD",
                     int(s.joint_type));

@@ -7,7 +7,6 @@ namespace dyn::shape {
 
 struct Box : Solid<Box> {
   static constexpr Type type = Type::Box;
-  static constexpr const char* name = "box";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_BOX;
   static constexpr std::array size_names = {"length along x", "length along y", "length along z"};
   static constexpr FileForm mjcf = {"box", {"size"}, {0.5, 0.5, 0.5}}, urdf = {"box", {"size"}};

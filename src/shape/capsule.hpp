@@ -7,7 +7,6 @@ namespace dyn::shape {
 
 struct Capsule : Solid<Capsule> {
   static constexpr Type type = Type::Capsule;
-  static constexpr const char* name = "capsule";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CAPSULE;
   static constexpr std::array size_names = {"radius", "length along z between the caps"};
   static constexpr FileForm mjcf = {"capsule", {"size"}, {1, 0.5}}, urdf = {"capsule", {"radius", "length"}, {1, 1}, false};

@@ -7,7 +7,6 @@ namespace dyn::shape {
 
 struct Cone : Solid<Cone> {
   static constexpr Type type = Type::Cone;
-  static constexpr const char* name = "cone";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CONE;
   static constexpr std::array size_names = {"radius", "length along z"};
   static void store(const double* size, Shape& out) { out.size = Vec::make(size[0], size[0], size[1] / 2); }

@@ -38,7 +38,6 @@ struct Hull {
 
 struct Convex : Solid<Convex> {
   static constexpr Type type = Type::Convex;
-  static constexpr const char* name = "convex";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CONVEX;
   static constexpr bool from_surface = true;
   const Hull& hull;

@@ -7,7 +7,6 @@ namespace dyn::shape {
 
 struct Cylinder : Solid<Cylinder> {
   static constexpr Type type = Type::Cylinder;
-  static constexpr const char* name = "cylinder";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CYLINDER;
   static constexpr std::array size_names = {"radius", "length along z"};
   static constexpr FileForm mjcf = {"cylinder", {"size"}, {1, 0.5}}, urdf = {"cylinder", {"radius", "length"}};

@@ -7,7 +7,6 @@ namespace dyn::shape {
 
 struct Ellipsoid : Solid<Ellipsoid> {
   static constexpr Type type = Type::Ellipsoid;
-  static constexpr const char* name = "ellipsoid";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_ELLIPSOID;
   static constexpr std::array size_names = {"semi-axis along x", "semi-axis along y", "semi-axis along z"};
   static constexpr FileForm mjcf = {"ellipsoid", {"size"}};

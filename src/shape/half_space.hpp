@@ -7,7 +7,6 @@ namespace dyn::shape {
 
 struct HalfSpace : Solid<HalfSpace> {
   static constexpr Type type = Type::HalfSpace;
-  static constexpr const char* name = "half_space";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_HALF_SPACE;
   double radius;
 

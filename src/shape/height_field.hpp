@@ -36,7 +36,6 @@ struct Grid {
 
 struct HeightField : Surface<HeightField> {
   static constexpr Type type = Type::HeightField;
-  static constexpr const char* name = "height_field";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_HEIGHT_FIELD;
   static constexpr bool from_surface = true;
   const Grid& grid;

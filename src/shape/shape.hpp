@@ -2,7 +2,7 @@
 // point, a capsule a segment; every shape may be rounded. Each shape is one file; list.hpp lists them.
 //
 // A shape S derives from Solid<S>, is constructed from Shape, and holds `radius`. In its own frame, for its core, it has
-//   type, name
+//   type
 //   id                        its dynShapeType
 //   size_names                names of the sizes that users give, which are lengths; default: none
 //   store(size, out)          writes those sizes into the stored Shape

@@ -7,7 +7,6 @@ namespace dyn::shape {
 
 struct Sphere : Solid<Sphere> {
   static constexpr Type type = Type::Sphere;
-  static constexpr const char* name = "sphere";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_SPHERE;
   static constexpr std::array size_names = {"radius"};
   static constexpr FileForm mjcf = {"sphere", {"size"}}, urdf = {"sphere", {"radius"}};

@@ -29,7 +29,6 @@ struct TriangleTree {
 
 struct Triangles : Surface<Triangles> {
   static constexpr Type type = Type::Triangles;
-  static constexpr const char* name = "triangles";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_TRIANGLES;
   static constexpr bool from_surface = true;
   const TriangleTree& tree;
