@@ -62,7 +62,7 @@ def load_here(row, peer, path, **options):
     except dyn.Error as error:
         row.update(result="refused" if peer else "refused by both", reason=str(error).splitlines()[0])
         return None, []
-    said = [e.message for e in m.report if e.level == dyn.ReportLevel.WARNING]
+    said = [e.message for e in m.report if e.level == dyn.ReportLevel.DROPPED]
     row["unsupported"] = "; ".join(said[:3])
     if peer is None:
         row["result"] = "loaded here alone"

@@ -76,7 +76,7 @@ def try_all(more):
         row = {"package": package, "format": kind, "file": file.name, "path": str(file.relative_to(folder)), "result": "loaded",
                "reason": "", "peer": ""}
         try:
-            said = [e for e in load(kind, file, folder).report if e.level == dyn.ReportLevel.WARNING]
+            said = [e for e in load(kind, file, folder).report if e.level == dyn.ReportLevel.DROPPED]
             if said:
                 row["result"], row["reason"] = "with a report", "; ".join(e.message for e in said[:3])
         except dyn.Error as e:

@@ -149,8 +149,9 @@ typedef enum dynFrameType {
 
 /* Severity of a report's line. */
 typedef enum dynReportLevel {
-  DYN_REPORT_LEVEL_INFO = 0,   /* Worth knowing: nothing is lost. */
-  DYN_REPORT_LEVEL_WARNING = 1 /* Something in the file is not used. */
+  DYN_REPORT_LEVEL_INFO = 0,    /* Worth knowing: nothing is lost. */
+  DYN_REPORT_LEVEL_WARNING = 1, /* Worth a look. The model is what the file states. */
+  DYN_REPORT_LEVEL_DROPPED = 2  /* Physics that the model lacks, or no robot has. An error with strict. */
 } dynReportLevel;
 
 /* A view of numbers. Element (i, j) is data[i * stride[0] + j * stride[1]]; strides count doubles. Vectors
@@ -189,7 +190,7 @@ typedef enum dynMeshUse {
 typedef struct dynLoadOptions {
   uint32_t struct_size;            /* set by dyn_load_options_init */
   dynBase base;
-  int32_t strict;                  /* non-zero: physics that would be dropped is an error */
+  int32_t strict;                  /* non-zero: lines of level DROPPED are an error */
   int32_t cos_sin; /* non-zero: continuous joints store (cos, sin): DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED */
   const char* const* package_dirs; /* package://NAME/... is DIR/NAME/... or DIR/...; may be NULL */
   size_t package_dirs_count;

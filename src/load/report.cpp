@@ -49,11 +49,11 @@ void Report::add(dynReportLevel level, int line, const std::string& message) {
 void Report::physics(int line, const std::string& message) {
   if (strict_) {
     if (physics_.size() < max_entries)
-      physics_.push_back({DYN_REPORT_LEVEL_WARNING, line, printable(message)});
+      physics_.push_back({DYN_REPORT_LEVEL_DROPPED, line, printable(message)});
     else
       ++unlisted_physics_;
   }
-  add(DYN_REPORT_LEVEL_WARNING, line, message);
+  add(DYN_REPORT_LEVEL_DROPPED, line, message);
 }
 
 void Report::count(const std::string& what, int line) {

@@ -26,7 +26,7 @@ class Report {
 
   void info(int line, const std::string& message) { add(DYN_REPORT_LEVEL_INFO, line, message); }
   void warning(int line, const std::string& message) { add(DYN_REPORT_LEVEL_WARNING, line, message); }
-  // Physics that the model does not represent, or that no robot can have: a warning; an error if strict.
+  // Physics that the model does not represent, or that no robot can have: of level DROPPED; an error if strict.
   void physics(int line, const std::string& message);
   // Counts repeated things: one info line for all, "12 x <gazebo>: not used ...", at the line of the first.
   void count(const std::string& what, int line);
@@ -43,7 +43,7 @@ class Report {
   std::string file_;
   bool strict_;
   std::vector<Entry> entries_, physics_;
-  size_t listed_[2] = {0, 0}, unlisted_ = 0, unlisted_physics_ = 0;
+  size_t listed_[3] = {0, 0, 0}, unlisted_ = 0, unlisted_physics_ = 0;
   std::map<std::string, Count> counts_;
 };
 

@@ -117,7 +117,7 @@ void Compiler::add_reports() {
     if (r.message != nothing_tested && !r.message.starts_with(overlap_report) && !r.message.starts_with(massless_report))
       a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   for (const std::string& message : known.massless)
-    a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(massless_report + message)});
+    a.reports.push_back({DYN_REPORT_LEVEL_DROPPED, 0, text.add(massless_report + message)});
   std::map<std::pair<Index, Index>, int> overlaps;  // by links
   for (const auto& [g, h] : known.overlapping) {
     const auto frame = [&](Index geom) { return a.shapes[std::size_t(a.geoms[std::size_t(geom)].shape)].frame; };

@@ -67,8 +67,7 @@ json info_json(const Robot& robot) {
     dynReportEntry e{};
     e.struct_size = sizeof e;
     check(dyn_model_report_entry(robot, i, &e));
-    out["report"].push_back(
-        {{"level", e.level == DYN_REPORT_LEVEL_WARNING ? "warning" : "info"}, {"message", e.message}, {"line", e.line}});
+    out["report"].push_back({{"level", name_of("dynReportLevel", e.level)}, {"message", e.message}, {"line", e.line}});
   }
   out["model_bytes"] = dyn_model_size(robot);
   out["data_bytes"] = dyn_data_size(robot, DYN_PART_ALL);

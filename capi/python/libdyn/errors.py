@@ -161,7 +161,7 @@ class CancelledError(Error):
 
 
 class LoadWarning(UserWarning):
-    """The file of a model says something that the model does not do: Model.report has every entry."""
+    """The file of a model has physics that the model lacks: Model.report has every line."""
 
 
 class ContactWarning(UserWarning):

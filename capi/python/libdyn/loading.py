@@ -44,17 +44,13 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
     return options
 
 
-NOTHING_TESTED = "no pair of the collision shapes is tested"
-"""Begins a line of the report by which nothing of the file is missing."""
-
-
 def _made(handle: Any, name: str) -> Model:
-    """The model of a handle; its warnings become one warning of Python."""
+    """The model of a handle; what it lacks of the file becomes one warning of Python."""
     model = Model(handle)
-    missing = [r for r in model.report if r.level is ReportLevel.WARNING and not r.message.startswith(NOTHING_TESTED)]
+    missing = [r for r in model.report if r.level is ReportLevel.DROPPED]
     if missing:
         first = (f"line {missing[0].line}: " if missing[0].line else "") + missing[0].message
-        more = f" (and {len(missing) - 1} more warnings in Model.report)" if len(missing) > 1 else ""
+        more = f" (and {len(missing) - 1} more in Model.report)" if len(missing) > 1 else ""
         warnings.warn(f"{name}: {first}{more}", LoadWarning, stacklevel=3)
     return model
 
@@ -89,7 +85,7 @@ def load(
     confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are errors
     srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
 
-    Warnings of the load report are shown once a model, as a dyn.LoadWarning. Model.report has all of them.
+    Physics of the file that the model lacks (ReportLevel.DROPPED) is shown once a model, as a dyn.LoadWarning. Model.report has all lines.
     """
     name = os.fsencode(path)
     if b"\0" in name:
