@@ -162,7 +162,9 @@ struct IkTask {
 
   static IkTask pose(int frame, const Placement& X) { return IkTask(DYN_IK_TASK_TYPE_POSE, frame, X.data(), 0, 12); }
   static IkTask position(int frame, const Vector3& x) { return IkTask(DYN_IK_TASK_TYPE_POSITION, frame, x.data(), 9, 3); }
-  static IkTask orientation(int frame, const std::array<double, 9>& R) { return IkTask(DYN_IK_TASK_TYPE_ORIENTATION, frame, R.data(), 0, 9); }
+  static IkTask orientation(int frame, const std::array<double, 9>& R) {
+    return IkTask(DYN_IK_TASK_TYPE_ORIENTATION, frame, R.data(), 0, 9);
+  }
   static IkTask com(const Vector3& x) { return IkTask(DYN_IK_TASK_TYPE_COM, 0, x.data(), 9, 3); }
   static IkTask posture(Vector q) {
     IkTask task(DYN_IK_TASK_TYPE_POSTURE, 0, nullptr, 0, 0);
@@ -225,7 +227,9 @@ class Model {
     dynSaveOptions options;
     dyn_save_options_init(&options);
     options.strict = strict, options.context = &lines;
-    options.report = [](void* to, dynReportLevel level, const char* message) { static_cast<decltype(lines)*>(to)->emplace_back(level, message); };
+    options.report = [](void* to, dynReportLevel level, const char* message) {
+      static_cast<decltype(lines)*>(to)->emplace_back(level, message);
+    };
     check(dyn_model_save(get(), path.c_str(), &options));
     return lines;
   }
@@ -243,7 +247,9 @@ class Model {
 
   int joint_id(const std::string& name) const { return id_(dyn_model_joint_id(get(), name.c_str())); }
   int frame_id(const std::string& name) const { return id_(dyn_model_frame_id(get(), name.c_str())); }
-  int frame_id(const std::string& name, dynFrameType type) const { return id_(dyn_model_frame_id_of_type(get(), name.c_str(), type)); }
+  int frame_id(const std::string& name, dynFrameType type) const {
+    return id_(dyn_model_frame_id_of_type(get(), name.c_str(), type));
+  }
   std::string joint_name(int joint) const { return name_(dyn_model_joint_name(get(), joint)); }
   std::string frame_name(int frame) const { return name_(dyn_model_frame_name(get(), frame)); }
   dynJointInfo joint_info(int joint) const { return info_<dynJointInfo>(dyn_model_joint_info, joint); }
@@ -278,7 +284,8 @@ class Model {
   }
   // Limits, armature, damping, friction, springs, gravity: lives as long as the model.
   View array(dynModelArray which) const {
-    const bool of_q = which == DYN_MODEL_ARRAY_LOWER_LIMIT || which == DYN_MODEL_ARRAY_UPPER_LIMIT || which == DYN_MODEL_ARRAY_SPRING_REFERENCE;
+    const bool of_q =
+        which == DYN_MODEL_ARRAY_LOWER_LIMIT || which == DYN_MODEL_ARRAY_UPPER_LIMIT || which == DYN_MODEL_ARRAY_SPRING_REFERENCE;
     const int n = which == DYN_MODEL_ARRAY_GRAVITY ? 3 : of_q ? nq_ : nv_;
     const double* p = dyn_model_array(get(), which);
     if (!p && n) throw Error(DYN_ERROR_ARGUMENT);
@@ -341,7 +348,8 @@ class Model {
     return q_([&](double* q) { return dyn_configuration_neutral(get(), q); });
   }
   Vector random(uint64_t seed, Input lower = none, Input upper = none) const {
-    return q_([&](double* q) { return dyn_configuration_random(get(), seed, lower.of(nq_, "lower"), upper.of(nq_, "upper"), q); });
+    return q_(
+        [&](double* q) { return dyn_configuration_random(get(), seed, lower.of(nq_, "lower"), upper.of(nq_, "upper"), q); });
   }
   Vector integrate(Input q, Input v) const {
     return q_([&](double* out) { return dyn_integrate(get(), q.of(nq_, "q"), v.of(nv_, "v"), out); });
@@ -600,7 +608,8 @@ class Data {
   }
   View centroidal_momentum_time_variation(Input q = held, Input v = held, Input a = held) {
     static const dynField id = dyn_field_id("dhg");
-    return result(id, dyn_centroidal_momentum_time_variation(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
+    return result(id,
+                  dyn_centroidal_momentum_time_variation(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
   }
   struct CentroidalDerivatives {
     View dh_dq, dhdot_dq, dhdot_dv, dhdot_da;
@@ -703,7 +712,8 @@ class Data {
     View dqdq, dvdv, dqdv, dadq;
   };
   SecondOrderProduct rnea_second_order_product(Input lambda, Input q = held, Input v = held, Input a = held, Input fext = none) {
-    check(dyn_rnea_second_order_product(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), lambda.of(nv(), "lambda"), nullptr));
+    check(dyn_rnea_second_order_product(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext),
+                                        lambda.of(nv(), "lambda"), nullptr));
     return {field("lambda_d2tau_dqdq"), field("lambda_d2tau_dvdv"), field("lambda_d2tau_dqdv"), field("lambda_d2tau_dadq")};
   }
   struct SecondOrderDerivatives {  // nv matrices nv x nv one after another, that of tau_1 first
@@ -712,7 +722,8 @@ class Data {
   SecondOrderDerivatives rnea_second_order_derivatives(Input q = held, Input v = held, Input a = held, Input fext = none) {
     const std::size_t n = static_cast<std::size_t>(nv());
     SecondOrderDerivatives x{Vector(n * n * n), Vector(n * n * n), Vector(n * n * n), Vector(n * n * n)};
-    const dynSecondOrderDerivatives out = {sizeof out, x.d2tau_dqdq.data(), x.d2tau_dvdv.data(), x.d2tau_dqdv.data(), x.d2tau_dadq.data()};
+    const dynSecondOrderDerivatives out = {sizeof out, x.d2tau_dqdq.data(), x.d2tau_dvdv.data(), x.d2tau_dqdv.data(),
+                                           x.d2tau_dadq.data()};
     check(dyn_rnea_second_order_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), &out));
     return x;
   }
@@ -753,7 +764,8 @@ class Data {
     for (const IkTask& task : tasks) list.push_back(task.of(nq(), nv()));
     IkSolution out{Vector(static_cast<std::size_t>(nq())), std::vector<std::array<double, 2>>(list.size()), {}};
     out.result.struct_size = sizeof out.result;
-    const dynIkOutput where = {sizeof where, out.q.data(), out.residuals.empty() ? nullptr : out.residuals.front().data(), &out.result};
+    const dynIkOutput where = {sizeof where, out.q.data(), out.residuals.empty() ? nullptr : out.residuals.front().data(),
+                               &out.result};
     check(dyn_ik(m(), get(), q.of(nq(), "q"), list.data(), static_cast<int>(list.size()), &options.value, &where));
     return out;
   }
@@ -782,7 +794,8 @@ class Data {
   ConstraintTerms constraint_terms(Input q = held, Input v = held) {
     const int n = constraint_rows().second;
     ConstraintTerms out{rows_(), rows_(), rows_(), Matrix(n, nv())};
-    check(dyn_constraint_terms(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), out.C.data(), out.J.data(), out.Jv.data(), out.drift.data()));
+    check(dyn_constraint_terms(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), out.C.data(), out.J.data(), out.Jv.data(),
+                               out.drift.data()));
     return out;
   }
   // x: ddq, tau, or the velocity after an impact; lambda: forces or impulses of the rows.
@@ -790,15 +803,19 @@ class Data {
     Vector x, lambda;
     dynConstraintResult result;
   };
-  Constrained constrained_dynamics(Input q = held, Input v = held, Input tau = held, Input fext = none, const ConstraintOptions& options = {}) {
+  Constrained constrained_dynamics(Input q = held, Input v = held, Input tau = held, Input fext = none,
+                                   const ConstraintOptions& options = {}) {
     return constrained_([&](Constrained& out) {
       const dynConstrainedOutput where = {sizeof where, out.x.data(), nullptr, out.lambda.data(), &out.result};
-      return dyn_constrained_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), &options.value, &where);
+      return dyn_constrained_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext),
+                                      &options.value, &where);
     });
   }
   // actuated: one number for each degree of freedom, 0: not; empty: all but a floating base.
-  Constrained constrained_inverse_dynamics(Input q = held, Input v = held, Input a = held, Input fext = none, const std::vector<int32_t>& actuated = {}) {
-    if (!actuated.empty() && actuated.size() != static_cast<std::size_t>(nv())) throw Error(DYN_ERROR_SIZE, "actuated must have nv numbers.");
+  Constrained constrained_inverse_dynamics(Input q = held, Input v = held, Input a = held, Input fext = none,
+                                           const std::vector<int32_t>& actuated = {}) {
+    if (!actuated.empty() && actuated.size() != static_cast<std::size_t>(nv()))
+      throw Error(DYN_ERROR_SIZE, "actuated must have nv numbers.");
     return constrained_([&](Constrained& out) {
       const dynConstrainedOutput where = {sizeof where, nullptr, out.x.data(), out.lambda.data(), &out.result};
       return dyn_constrained_inverse_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext),
@@ -807,7 +824,8 @@ class Data {
   }
   Constrained constraint_impulse(Input q = held, Input v = held, const ConstraintOptions& options = {}) {
     return constrained_([&](Constrained& out) {
-      return dyn_constraint_impulse(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), &options.value, out.x.data(), out.lambda.data(), &out.result);
+      return dyn_constraint_impulse(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), &options.value, out.x.data(), out.lambda.data(),
+                                    &out.result);
     });
   }
   struct Projection {
@@ -847,7 +865,8 @@ class Data {
   };
   ConstrainedDerivatives constrained_dynamics_derivatives(Input q = held, Input v = held, Input tau = held, Input fext = none) {
     return derivatives_(true, [&](const dynConstraintDerivatives* out) {
-      return dyn_constrained_dynamics_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), nullptr, out);
+      return dyn_constrained_dynamics_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext),
+                                                  nullptr, out);
     });
   }
   ConstrainedDerivatives constraint_impulse_derivatives(Input q = held, Input v = held) {
@@ -913,8 +932,10 @@ class Data {
   };
   SmoothDistances smooth_distances(double smoothing, Input q = held) {
     const int n = model_.npairs();
-    SmoothDistances out{Vector(static_cast<std::size_t>(n)), Matrix(n, static_cast<int>(nv())), std::vector<int>(static_cast<std::size_t>(n))};
-    check(dyn_smooth_distances(m(), get(), q.of(nq(), "q"), smoothing, out.distances.data(), out.gradients.data(), out.points.data()));
+    SmoothDistances out{Vector(static_cast<std::size_t>(n)), Matrix(n, static_cast<int>(nv())),
+                        std::vector<int>(static_cast<std::size_t>(n))};
+    check(dyn_smooth_distances(m(), get(), q.of(nq(), "q"), smoothing, out.distances.data(), out.gradients.data(),
+                               out.points.data()));
     return out;
   }
   // First hits of rays. origins and directions are 3 x n.
@@ -923,13 +944,16 @@ class Data {
     std::vector<int> shapes;  // -1: nothing
     Matrix normals;           // 3 x n
   };
-  Rays rays(Input origins, Input directions, int n, Input q = held, double max_t = std::numeric_limits<double>::infinity(), uint32_t mask = 0xffffffffu) {
+  Rays rays(Input origins, Input directions, int n, Input q = held, double max_t = std::numeric_limits<double>::infinity(),
+            uint32_t mask = 0xffffffffu) {
     Rays out{Vector(static_cast<std::size_t>(n)), std::vector<int>(static_cast<std::size_t>(n)), Matrix(3, n)};
     const dynRays rays = {sizeof rays, n, mask, origins.of(3 * n, "origins"), directions.of(3 * n, "directions"), max_t};
     check(dyn_rays(m(), get(), q.of(nq(), "q"), &rays, out.t.data(), out.shapes.data(), out.normals.data()));
     return out;
   }
-  void set_shape_masks(int shape, uint32_t contype, uint32_t conaffinity) { check(dyn_data_set_shape_masks(m(), get(), shape, contype, conaffinity)); }
+  void set_shape_masks(int shape, uint32_t contype, uint32_t conaffinity) {
+    check(dyn_data_set_shape_masks(m(), get(), shape, contype, conaffinity));
+  }
   std::pair<uint32_t, uint32_t> shape_masks(int shape) {
     std::pair<uint32_t, uint32_t> out;
     check(dyn_data_shape_masks(m(), get(), shape, &out.first, &out.second));
@@ -945,7 +969,8 @@ class Data {
   }
   // actuators, and forces from outside
   void set_control(const Vector& u) { check(dyn_data_set_control(m(), get(), Input(u).of(dyn_model_nu(m()), "u"))); }
-  void apply_wrench(int frame, const Vector& wrench, dynReference reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED, Input point = none) {
+  void apply_wrench(int frame, const Vector& wrench, dynReference reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED,
+                    Input point = none) {
     check(dyn_data_apply_wrench(m(), get(), frame, point.of(3, "point"), Input(wrench).of(6, "wrench"), reference));
   }
   void clear_wrenches() { check(dyn_data_clear_wrenches(m(), get())); }
@@ -986,8 +1011,12 @@ class Data {
     check(dyn_data_save_state(m(), get(), out.data(), out.size()));
     return out;
   }
-  void restore_state(const std::vector<unsigned char>& state) { check(dyn_data_restore_state(m(), get(), state.data(), state.size())); }
-  void set_shape_material(int shape, const dynMaterial& material) { check(dyn_data_set_shape_material(m(), get(), shape, &material)); }
+  void restore_state(const std::vector<unsigned char>& state) {
+    check(dyn_data_restore_state(m(), get(), state.data(), state.size()));
+  }
+  void set_shape_material(int shape, const dynMaterial& material) {
+    check(dyn_data_set_shape_material(m(), get(), shape, &material));
+  }
   dynMaterial shape_material(int shape) {
     dynMaterial out;
     check(dyn_data_shape_material(m(), get(), shape, &out));
@@ -1008,8 +1037,14 @@ class Data {
     const int n = nv(), rows = constraint_rows().second;
     ConstrainedDerivatives out{Matrix(n, n), Matrix(n, n), Matrix(n, n), Matrix(rows, n), Matrix(rows, n), Matrix(rows, n), {}};
     out.result.struct_size = sizeof out.result;
-    const dynConstraintDerivatives where = {sizeof where, out.ddq_dq.data(), out.ddq_dv.data(), by_tau ? out.ddq_dtau.data() : nullptr,
-                                            out.lambda_dq.data(), out.lambda_dv.data(), by_tau ? out.lambda_dtau.data() : nullptr, &out.result};
+    const dynConstraintDerivatives where = {sizeof where,
+                                            out.ddq_dq.data(),
+                                            out.ddq_dv.data(),
+                                            by_tau ? out.ddq_dtau.data() : nullptr,
+                                            out.lambda_dq.data(),
+                                            out.lambda_dv.data(),
+                                            by_tau ? out.lambda_dtau.data() : nullptr,
+                                            &out.result};
     check(f(&where));
     return out;
   }
@@ -1083,8 +1118,10 @@ class BatchArrays {
     x.q = q_.of(n * m.nq(), "q"), x.v = v_.of(n * m.nv(), "v"), x.a = a_.of(n * m.nv(), "a"), x.tau = tau_.of(n * m.nv(), "tau");
     x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext"), x.q1 = q1_.of(n * m.nq(), "q1");
     for (int k = 0; k < info.outputs; ++k)
-      if (x.out[k]) Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k] * info.pages[k], info.output[k]);
-    if (x.status && status_size_ != static_cast<std::size_t>(n)) throw Error(DYN_ERROR_SIZE, "status must have one element for each state.");
+      if (x.out[k])
+        Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k] * info.pages[k], info.output[k]);
+    if (x.status && status_size_ != static_cast<std::size_t>(n))
+      throw Error(DYN_ERROR_SIZE, "status must have one element for each state.");
     return x;
   }
 
@@ -1204,8 +1241,8 @@ inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radiu
   for (std::size_t k = 0; k < 3; ++k) g.size[k] = size[k];
   return g;
 }
-inline dynDistance geometry_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0,
-                                  dynDistanceMethod method = DYN_DISTANCE_METHOD_GJK) {
+inline dynDistance geometry_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b,
+                                     double tolerance = 0, dynDistanceMethod method = DYN_DISTANCE_METHOD_GJK) {
   dynDistance out{};
   out.struct_size = sizeof out;
   dynDistanceOptions options;
@@ -1215,8 +1252,8 @@ inline dynDistance geometry_distance(const dynGeometry& a, const Placement& X_a,
   return out;
 }
 
-inline std::vector<dynContact> geometry_contacts(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double margin = 0,
-                                              double tolerance = 0) {
+inline std::vector<dynContact> geometry_contacts(const dynGeometry& a, const Placement& X_a, const dynGeometry& b,
+                                                 const Placement& X_b, double margin = 0, double tolerance = 0) {
   std::vector<dynContact> out(DYN_MAX_CONTACTS_PER_PAIR);
   int count = 0;
   const dynGeometryPair pair = {sizeof pair, &a, &b, X_a.data(), X_b.data(), nullptr, nullptr};
@@ -1236,8 +1273,9 @@ inline dynClosestPoint geometry_closest_point(const dynGeometry& shape, const Pl
   check(dyn_geometry_closest_point(&shape, X.data(), point.data(), &out));
   return out;
 }
-inline dynImpact geometry_sweep(const dynGeometry& a, const Placement& X_a, const std::array<double, 6>& motion_a, const dynGeometry& b, const Placement& X_b,
-                             const std::array<double, 6>& motion_b, double duration, double margin = 0) {
+inline dynImpact geometry_sweep(const dynGeometry& a, const Placement& X_a, const std::array<double, 6>& motion_a,
+                                const dynGeometry& b, const Placement& X_b, const std::array<double, 6>& motion_b,
+                                double duration, double margin = 0) {
   dynImpact out{};
   out.struct_size = sizeof out;
   const dynGeometryPair pair = {sizeof pair, &a, &b, X_a.data(), X_b.data(), motion_a.data(), motion_b.data()};
@@ -1255,7 +1293,8 @@ class ContactSolver {
   }
   dynContactSolver* get() const noexcept { return solver_.get(); }
   // lambda: in with options->warm_start, out; velocity may be null.
-  dynContactReport solve(const dynContactProblem& problem, double* lambda, double* velocity = nullptr, const dynContactOptions* options = nullptr) {
+  dynContactReport solve(const dynContactProblem& problem, double* lambda, double* velocity = nullptr,
+                         const dynContactOptions* options = nullptr) {
     dynContactReport report{};
     report.struct_size = sizeof report;
     check(dyn_contact_solver_solve(get(), &problem, options, lambda, velocity, &report));
@@ -1311,7 +1350,8 @@ inline Qp contact_problem_qp(const dynContactProblem& problem, int facets = 8, b
   q.H_rows.resize(static_cast<std::size_t>(q.sizes.H_nonzeros)), q.H.resize(q.H_rows.size());
   q.A_rows.resize(static_cast<std::size_t>(q.sizes.A_nonzeros)), q.A.resize(q.A_rows.size());
   dynQp fill = q.sizes;
-  fill.H_columns = q.H_columns.data(), fill.H_rows = q.H_rows.data(), fill.A_columns = q.A_columns.data(), fill.A_rows = q.A_rows.data();
+  fill.H_columns = q.H_columns.data(), fill.H_rows = q.H_rows.data(), fill.A_columns = q.A_columns.data(),
+  fill.A_rows = q.A_rows.data();
   fill.H = q.H.data(), fill.g = q.g.data(), fill.A = q.A.data(), fill.lower = q.lower.data(), fill.upper = q.upper.data();
   check(dyn_contact_problem_qp(&problem, facets, inscribed, &fill));
   return q;
@@ -1331,7 +1371,9 @@ class BroadPhase {
     check(dyn_broad_phase_insert(get(), lower.data(), upper.data(), &id));
     return id;
   }
-  void update(int id, const Vector3& lower, const Vector3& upper) { check(dyn_broad_phase_update(get(), id, lower.data(), upper.data())); }
+  void update(int id, const Vector3& lower, const Vector3& upper) {
+    check(dyn_broad_phase_update(get(), id, lower.data(), upper.data()));
+  }
   void remove(int id) { check(dyn_broad_phase_remove(get(), id)); }
   std::vector<std::array<int, 2>> pairs() {
     int64_t count = 0;
@@ -1341,10 +1383,13 @@ class BroadPhase {
     return out;
   }
   std::vector<int> query(const Vector3& lower, const Vector3& upper) {
-    return ids_([&](int* out, int* count) { return dyn_broad_phase_query(get(), lower.data(), upper.data(), out, capacity_, count); });
+    return ids_(
+        [&](int* out, int* count) { return dyn_broad_phase_query(get(), lower.data(), upper.data(), out, capacity_, count); });
   }
   std::vector<int> ray(const Vector3& origin, const Vector3& direction, double max_t = std::numeric_limits<double>::infinity()) {
-    return ids_([&](int* out, int* count) { return dyn_broad_phase_ray(get(), origin.data(), direction.data(), max_t, out, capacity_, count); });
+    return ids_([&](int* out, int* count) {
+      return dyn_broad_phase_ray(get(), origin.data(), direction.data(), max_t, out, capacity_, count);
+    });
   }
 
  private:
@@ -1390,16 +1435,16 @@ class Builder {
   // Inertia about the centre of mass, both in the link's frame; placement: none is the identity.
   Builder& add_body(const std::string& name, const std::string& parent, double mass, const Vector3& com,
                 const std::array<double, 9>& inertia, Input placement = none) {
-    return ok(
-        dyn_builder_add_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(), inertia.data()));
+    return ok(dyn_builder_add_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(),
+                                   inertia.data()));
   }
   Builder& add_frame(const std::string& name, const std::string& parent, Input placement = none,
                  dynFrameType type = DYN_FRAME_TYPE_OP_FRAME) {
     return ok(dyn_builder_add_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
   }
   Builder& add_shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
-                 dynShapeRole role = DYN_SHAPE_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "", double radius = 0,
-                 uint32_t contype = 1, uint32_t conaffinity = 1, const dynMesh* surface = nullptr) {
+                     dynShapeRole role = DYN_SHAPE_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "",
+                     double radius = 0, uint32_t contype = 1, uint32_t conaffinity = 1, const dynMesh* surface = nullptr) {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
     s.radius = radius, s.contype = contype, s.conaffinity = conaffinity, s.surface = surface;
@@ -1441,7 +1486,8 @@ class Builder {
     return ok(dyn_builder_attach(get(), model.get(), prefix.c_str(), nullptr));
   }
   // first, second: names of frames or joints; second "": the universe.
-  Builder& add_constraint(const std::string& name, const dynConstraint& c, const std::string& first, const std::string& second = "") {
+  Builder& add_constraint(const std::string& name, const dynConstraint& c, const std::string& first,
+                          const std::string& second = "") {
     return ok(dyn_builder_add_constraint(get(), name.c_str(), &c, first.c_str(), above(second)));
   }
   Builder& set_constraint_slots(int slots) { return ok(dyn_builder_set_constraint_slots(get(), slots)); }
@@ -1521,14 +1567,18 @@ class Mesh {
   // Three numbers a vertex, three indices a triangle; without triangles: points for hull().
   static Mesh from_arrays(Input vertices, int64_t count, const std::vector<int32_t>& triangles = {}) {
     const double* x = vertices.of(3 * count, "vertices");
-    if (triangles.size() % 3) throw Error(DYN_ERROR_SIZE, "triangles has " + std::to_string(triangles.size()) + " indices, but needs three for each triangle.");
+    if (triangles.size() % 3)
+      throw Error(DYN_ERROR_SIZE,
+                  "triangles has " + std::to_string(triangles.size()) + " indices, but needs three for each triangle.");
     return make_([&](dynMesh** out) {
-      return dyn_mesh_from_arrays(x, static_cast<std::size_t>(count), triangles.empty() ? nullptr : triangles.data(), triangles.size() / 3, out);
+      return dyn_mesh_from_arrays(x, static_cast<std::size_t>(count), triangles.empty() ? nullptr : triangles.data(),
+                                  triangles.size() / 3, out);
     });
   }
   // Heights of columns x rows points, row after row.
   static Mesh height_field(Input heights, int columns, int rows, double step_x, double step_y, double bottom) {
-    const dynHeightField field = {sizeof field, columns, rows, heights.of(std::int64_t(columns) * rows, "heights"), step_x, step_y, bottom};
+    const dynHeightField field = {sizeof field, columns, rows,  heights.of(std::int64_t(columns) * rows, "heights"),
+                                  step_x,       step_y,  bottom};
     return make_([&](dynMesh** out) { return dyn_mesh_from_height_field(&field, out); });
   }
   // The surface of a shape of a model.

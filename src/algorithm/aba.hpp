@@ -46,7 +46,8 @@ struct ArticulatedBody {
 };
 
 // ddq = M^-1 (tau - C v - g + J^T fext) for a model without mimic joints. Returns 0, or the body whose joint has an
-// articulated inertia that is not positive: ddq is then not written. Of part of the trees it is that of each by itself, to the last bit.
+// articulated inertia that is not positive: ddq is then not written. Of part of the trees it is that of each by itself, to the
+// last bit.
 template <class T, class Part = WholeModel>
 Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq, const Part& part = {}) {
   using State = ArticulatedState<T>;
@@ -77,46 +78,55 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
   // articulated inertias IA and bias forces pA, leaves to root
   Index singular = 0;
   using Up = ArticulatedBody<T>;
-  backward_chains(m, Up{ArticulatedInertia<T>::zero(), Force<T>::zero()}, [&]<class J>(Index i, Index dof, bool last, Up& up) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    ArticulatedInertia<T> IA = up.IA + ArticulatedInertia<T>::rigid(d.Y[i]);
-    if (last) IA = IA + d.IA[i];
-    Force<T> pA = up.pA + d.f[i];
-    for (int k = J::nv - 1; k >= 0; --k) {
-      const Index at = dof + k;
-      const Motion<T> s = J::column(b, d.R[i], k);
-      const Force<T> U = times_column<J>(IA, s);
-      const T D = dot_column<J>(s, U) + d.armature[at];
-      if (!(D > T(0)) && !singular) singular = i;
-      const T Dinv = T(1) / D, u = tau[at] - dot_column<J>(s, pA);
-      IA = IA.minus_outer(U, Dinv);
-      pA = pA + U * (u * Dinv);
-      d.U[at] = U;
-      d.Dinv[at] = Dinv;
-      d.ux[at] = u;
-    }
-    up = {IA.shifted(d.r[i]), shift(pA + IA * d.c[i], d.r[i])};
-  }, [&](Index parent, const Up& up) DYN_INLINE_LAMBDA {
-    if (parent) d.IA[parent] = d.IA[parent] + up.IA, d.f[parent] = d.f[parent] + up.pA;
-  }, part);
+  backward_chains(
+      m, Up{ArticulatedInertia<T>::zero(), Force<T>::zero()},
+      [&]<class J>(Index i, Index dof, bool last, Up& up) DYN_INLINE_LAMBDA {
+        const Body& b = m.bodies()[i];
+        ArticulatedInertia<T> IA = up.IA + ArticulatedInertia<T>::rigid(d.Y[i]);
+        if (last) IA = IA + d.IA[i];
+        Force<T> pA = up.pA + d.f[i];
+        for (int k = J::nv - 1; k >= 0; --k) {
+          const Index at = dof + k;
+          const Motion<T> s = J::column(b, d.R[i], k);
+          const Force<T> U = times_column<J>(IA, s);
+          const T D = dot_column<J>(s, U) + d.armature[at];
+          if (!(D > T(0)) && !singular) singular = i;
+          const T Dinv = T(1) / D, u = tau[at] - dot_column<J>(s, pA);
+          IA = IA.minus_outer(U, Dinv);
+          pA = pA + U * (u * Dinv);
+          d.U[at] = U;
+          d.Dinv[at] = Dinv;
+          d.ux[at] = u;
+        }
+        up = {IA.shifted(d.r[i]), shift(pA + IA * d.c[i], d.r[i])};
+      },
+      [&](Index parent, const Up& up) DYN_INLINE_LAMBDA {
+        if (parent) d.IA[parent] = d.IA[parent] + up.IA, d.f[parent] = d.f[parent] + up.pA;
+      },
+      part);
   if (singular) return singular;
 
   // accelerations, root to leaves
   d.acc_rnea[0] = -load3(d.world_gravity);
   d.alpha_rnea[0] = Vec3<T>::zero();
   struct Acceleration : Motion<T> {
-    DYN_INLINE void enter(const Data<T>& d, Index parent) { this->linear = d.acc_rnea[parent], this->angular = d.alpha_rnea[parent]; }
+    DYN_INLINE void enter(const Data<T>& d, Index parent) {
+      this->linear = d.acc_rnea[parent], this->angular = d.alpha_rnea[parent];
+    }
     DYN_INLINE void leave(Data<T>& d, Index i) const { d.acc_rnea[i] = this->linear, d.alpha_rnea[i] = this->angular; }
   };
-  forward_chains(m, d, Acceleration{{d.acc_rnea[0], d.alpha_rnea[0]}}, [&]<class J>(Index i, Index dof, Acceleration& state) DYN_INLINE_LAMBDA {
-    Motion<T> a = shift(static_cast<const Motion<T>&>(state), d.r[i]) + d.c[i];
-    for (int k = 0; k < J::nv; ++k) {
-      const Index at = dof + k;
-      ddq[at] = (d.ux[at] - dot(a, d.U[at])) * d.Dinv[at];
-      a = a + J::column(m.bodies()[i], d.R[i], k) * ddq[at];
-    }
-    state = {a};
-  }, part);
+  forward_chains(
+      m, d, Acceleration{{d.acc_rnea[0], d.alpha_rnea[0]}},
+      [&]<class J>(Index i, Index dof, Acceleration& state) DYN_INLINE_LAMBDA {
+        Motion<T> a = shift(static_cast<const Motion<T>&>(state), d.r[i]) + d.c[i];
+        for (int k = 0; k < J::nv; ++k) {
+          const Index at = dof + k;
+          ddq[at] = (d.ux[at] - dot(a, d.U[at])) * d.Dinv[at];
+          a = a + J::column(m.bodies()[i], d.R[i], k) * ddq[at];
+        }
+        state = {a};
+      },
+      part);
   return 0;
 }
 

@@ -27,7 +27,8 @@ Index minverse(const Model& m, Data<T>& d) {
     invert(m, d);
     return 0;
   }
-  if (const Index failed = aba(m, d, d.zero, d.zero, static_cast<const T*>(nullptr), d.discarded)) return m.bodies()[failed].joint;
+  if (const Index failed = aba(m, d, d.zero, d.zero, static_cast<const T*>(nullptr), d.discarded))
+    return m.bodies()[failed].joint;
   articulated_columns(m, d);
   articulated_inverse(m, d);
   return 0;

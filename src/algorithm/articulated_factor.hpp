@@ -1,11 +1,13 @@
-// Articulated inertias alone, without bias forces: the factor of M^-1 (articulated_solve.hpp) that depends on q only (Featherstone 2008, Table 7.1).
+// Articulated inertias alone, without bias forces: the factor of M^-1 (articulated_solve.hpp) that depends on q only
+// (Featherstone 2008, Table 7.1).
 #pragma once
 
 #include "algorithm/aba.hpp"
 
 namespace dyn {
 
-// d.S, d.U_root, d.Dinv for a model without mimic joints. Returns 0, or the body whose joint has an articulated inertia that is not positive.
+// d.S, d.U_root, d.Dinv for a model without mimic joints. Returns 0, or the body whose joint has an articulated inertia that is
+// not positive.
 template <class T>
 Index articulated_factor(const Model& m, Data<T>& d) {
   struct State : RelativePose<T> {

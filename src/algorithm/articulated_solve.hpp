@@ -1,6 +1,6 @@
 // x = M^-1 b by the articulated inertias that forward dynamics left (U, D; aba.hpp): O(n) for a right-hand side, two times eight
-// of them side by side, the two to hide each other's latency (the recursions of Carpentier 2018, "Analytical inverse of the joint space inertia matrix", at the tree's root, where
-// they need no change of frame). For models without mimic joints.
+// of them side by side, the two to hide each other's latency (the recursions of Carpentier 2018, "Analytical inverse of the joint
+// space inertia matrix", at the tree's root, where they need no change of frame). For models without mimic joints.
 #pragma once
 
 #include "algorithm/aba.hpp"
@@ -38,7 +38,9 @@ struct SixEights {
   static DYN_INLINE SixEights load(const T* p) {
     return {P::load(p), P::load(p + 8), P::load(p + 16), P::load(p + 24), P::load(p + 32), P::load(p + 40)};
   }
-  DYN_INLINE void store(T* p) const { x.store(p), y.store(p + 8), z.store(p + 16), u.store(p + 24), v.store(p + 32), w.store(p + 40); }
+  DYN_INLINE void store(T* p) const {
+    x.store(p), y.store(p + 8), z.store(p + 16), u.store(p + 24), v.store(p + 32), w.store(p + 40);
+  }
   static DYN_INLINE SixEights zero() {
     const P o = P::load(zeros);
     return {o, o, o, o, o, o};

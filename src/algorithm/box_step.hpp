@@ -1,6 +1,6 @@
 // Damped least squares in a box: the d that minimises |r + J d|^2 + lambda |d|^2 subject to lower <= d <= upper.
-// A strictly convex program, whose optimality conditions are a linear complementarity problem: block principal pivoting (Judice and
-// Pires 1994; the exchange rule of Kim and Park 2011), which ends after finitely many exchanges at the exact solution.
+// A strictly convex program, whose optimality conditions are a linear complementarity problem: block principal pivoting (Judice
+// and Pires 1994; the exchange rule of Kim and Park 2011), which ends after finitely many exchanges at the exact solution.
 #pragma once
 
 #include "algorithm/least_squares.hpp"

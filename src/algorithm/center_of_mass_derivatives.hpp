@@ -1,5 +1,6 @@
-// Derivatives of the velocity of the centre of mass on the tangent space: by v it is Jcom. A step of q along the column S of a body
-// turns the momentum P of what the body carries (mass m, first moment h), and carries it on through the motion of the parent p:
+// Derivatives of the velocity of the centre of mass on the tangent space: by v it is Jcom. A step of q along the column S of a
+// body turns the momentum P of what the body carries (mass m, first moment h), and carries it on through the motion of the parent
+// p:
 //   m_all dvcom/dq = w_S x P + m dV_linear + dV_angular x h,   dV = V_p x S,   at the body's origin
 #pragma once
 

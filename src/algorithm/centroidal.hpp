@@ -35,8 +35,8 @@ DYN_INLINE T inverse_mass(const Model& m) {
   return m.total_mass > 0 ? T(1) / T(m.total_mass) : T(0);
 }
 
-// Where a pass writes its n-th 6 x nv matrix: followers of a mimic have columns of their own, which reduce_columns adds to those of
-// their leaders.
+// Where a pass writes its n-th 6 x nv matrix: followers of a mimic have columns of their own, which reduce_columns adds to those
+// of their leaders.
 template <class T>
 DYN_INLINE T* columns(const Model& m, const Data<T>& d, int n, T* matrix) {
   return m.has_mimic ? d.columnsx + n * 6 * std::ptrdiff_t(m.n.nvx) : matrix;
@@ -66,20 +66,21 @@ void centroidal_map(const Model& m, Data<T>& d) {
   const T* v = d.expand(m, d.v, d.vx);
   const Body* bodies = m.bodies();
   const Motions<T> x = own_motions(d);
-  const Sums<T> sums = place_forward(m, d, Sums<T>(d), [&]<class J>(Index i, Index, const SE3<T>& X, Sums<T>& s) DYN_INLINE_LAMBDA {
-    const Body& b = bodies[i];
-    const Vec3<T> r = s.place(d, i, X);
-    const Vec3<T> arm = s.lead(d, i, b.parent, r);
-    const Inertia<T> Y = world_inertia(b, s.R);
-    store(Y, d.Yc[i]);
-    s.mc += arm * Y.m + Y.h;
-    if constexpr (rate) {
-      move_body<1, J>(b, i, x, s.R, r, v, v);
-      const Inertia<T> dY = dyn::rate(Y, x.omega[i]);
-      store(dY, d.dYc[i]);
-      s.linear += x.vel[i] * Y.m + dY.h;
-    }
-  });
+  const Sums<T> sums =
+      place_forward(m, d, Sums<T>(d), [&]<class J>(Index i, Index, const SE3<T>& X, Sums<T>& s) DYN_INLINE_LAMBDA {
+        const Body& b = bodies[i];
+        const Vec3<T> r = s.place(d, i, X);
+        const Vec3<T> arm = s.lead(d, i, b.parent, r);
+        const Inertia<T> Y = world_inertia(b, s.R);
+        store(Y, d.Yc[i]);
+        s.mc += arm * Y.m + Y.h;
+        if constexpr (rate) {
+          move_body<1, J>(b, i, x, s.R, r, v, v);
+          const Inertia<T> dY = dyn::rate(Y, x.omega[i]);
+          store(dY, d.dYc[i]);
+          s.linear += x.vel[i] * Y.m + dY.h;
+        }
+      });
   const Vec3<T> c = sums.mc * inverse_mass<T>(m), vc = sums.linear * inverse_mass<T>(m);
 
   T *Ag = columns(m, d, 0, d.Ag), *dAg = columns(m, d, 1, d.dAg);
@@ -89,41 +90,42 @@ void centroidal_map(const Model& m, Data<T>& d) {
     bool chain;
   };
   d.Yc[0] = Inertia<T>::zero();
-  const Composite all = backward(m, Composite{d.Yc[0], d.Yc[0], Force<T>::zero(), false}, [&]<class J>(Index i, Composite& up) DYN_INLINE_LAMBDA {
-    const Body& b = bodies[i];
-    const Mat3<T>& R = d.R[i];
-    const Vec3<T> to_com = d.arm[i] - c;
-    Inertia<T> Y = d.Yc[i], dY;
-    Vec3<T> speed;
-    if (up.chain) Y = Y + up.Y;
-    if constexpr (rate) {
-      dY = d.dYc[i];
-      if (up.chain) dY = dY + up.dY;
-      speed = x.vel[i] - vc;
-    }
-    for (int k = 0; k < J::nv; ++k) {
-      const Motion<T> s = J::column(b, R, k);
-      const Force<T> F = momentum<J>(Y, s, k), Fg = shift(F, to_com);
-      store6(Fg, Ag + 6 * (b.idx_v + k));
-      up.h = up.h + Fg * v[b.idx_v + k];
-      if constexpr (rate) {
-        Motion<T> ds = s;
-        if constexpr (J::translates) ds.linear = cross(x.omega[i], s.linear);
-        if constexpr (J::rotates) ds.angular = cross(x.omega[i], s.angular);
-        Force<T> dF = shift(momentum<J>(Y, ds, k) + momentum<J>(dY, s, k), to_com);
-        dF.angular += cross(speed, F.linear);
-        store6(dF, dAg + 6 * (b.idx_v + k));
-      }
-    }
-    up.chain = b.parent == i - 1 && b.parent != 0;
-    up.Y = Y.shifted(b.parent ? d.r[i] : to_com);
-    if (!up.chain) store(d.Yc[b.parent] + up.Y, d.Yc[b.parent]);
-    if constexpr (rate)
-      if (b.parent) {
-        up.dY = shifted_rate(Y, dY, d.r[i], x.vel[i] - x.vel[b.parent]);
-        if (!up.chain) store(d.dYc[b.parent] + up.dY, d.dYc[b.parent]);
-      }
-  });
+  const Composite all =
+      backward(m, Composite{d.Yc[0], d.Yc[0], Force<T>::zero(), false}, [&]<class J>(Index i, Composite& up) DYN_INLINE_LAMBDA {
+        const Body& b = bodies[i];
+        const Mat3<T>& R = d.R[i];
+        const Vec3<T> to_com = d.arm[i] - c;
+        Inertia<T> Y = d.Yc[i], dY;
+        Vec3<T> speed;
+        if (up.chain) Y = Y + up.Y;
+        if constexpr (rate) {
+          dY = d.dYc[i];
+          if (up.chain) dY = dY + up.dY;
+          speed = x.vel[i] - vc;
+        }
+        for (int k = 0; k < J::nv; ++k) {
+          const Motion<T> s = J::column(b, R, k);
+          const Force<T> F = momentum<J>(Y, s, k), Fg = shift(F, to_com);
+          store6(Fg, Ag + 6 * (b.idx_v + k));
+          up.h = up.h + Fg * v[b.idx_v + k];
+          if constexpr (rate) {
+            Motion<T> ds = s;
+            if constexpr (J::translates) ds.linear = cross(x.omega[i], s.linear);
+            if constexpr (J::rotates) ds.angular = cross(x.omega[i], s.angular);
+            Force<T> dF = shift(momentum<J>(Y, ds, k) + momentum<J>(dY, s, k), to_com);
+            dF.angular += cross(speed, F.linear);
+            store6(dF, dAg + 6 * (b.idx_v + k));
+          }
+        }
+        up.chain = b.parent == i - 1 && b.parent != 0;
+        up.Y = Y.shifted(b.parent ? d.r[i] : to_com);
+        if (!up.chain) store(d.Yc[b.parent] + up.Y, d.Yc[b.parent]);
+        if constexpr (rate)
+          if (b.parent) {
+            up.dY = shifted_rate(Y, dY, d.r[i], x.vel[i] - x.vel[b.parent]);
+            if (!up.chain) store(d.dYc[b.parent] + up.dY, d.dYc[b.parent]);
+          }
+      });
   reduce_columns(m, Ag, d.Ag);
   if (rate) reduce_columns(m, dAg, d.dAg);
   store6(all.h, d.hg);
@@ -140,22 +142,24 @@ template <bool rate, class T>
 void centroidal_momentum(const Model& m, Data<T>& d) {
   const T *v = d.expand(m, d.v, d.vx), *a = rate ? d.expand(m, d.a, d.ax) : nullptr;
   const Motions<T> x = own_motions(d);
-  const Sums<T> sums = place_forward(m, d, Sums<T>(d), [&]<class J>(Index i, Index, const SE3<T>& X, Sums<T>& s) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    const Vec3<T> r = s.place(d, i, X);
-    move_body<rate ? 2 : 1, J>(b, i, x, s.R, r, v, a);
-    const Vec3<T> arm = s.lead(d, i, b.parent, r);
-    const Mat3<T> Rt = transpose(s.R), I = cast<T>(b.I);
-    const Vec3<T> h = s.R * cast<T>(b.h), w = x.omega[i], u = x.vel[i], wB = Rt * w, nB = I * wB, wh = cross(w, h), f = u * T(b.m) + wh;
-    s.mc += arm * T(b.m) + h;
-    s.linear += f;
-    s.angular += s.R * nB + cross(h, u) + cross(arm, f);
-    if constexpr (rate) {
-      const Vec3<T> dw = x.alpha[i], du = x.acc[i], df = du * T(b.m) + cross(dw, h) + cross(w, wh);
-      s.force += df;
-      s.moment += s.R * (I * (Rt * dw) + cross(wB, nB)) + cross(h, du) + cross(arm, df);
-    }
-  });
+  const Sums<T> sums =
+      place_forward(m, d, Sums<T>(d), [&]<class J>(Index i, Index, const SE3<T>& X, Sums<T>& s) DYN_INLINE_LAMBDA {
+        const Body& b = m.bodies()[i];
+        const Vec3<T> r = s.place(d, i, X);
+        move_body<rate ? 2 : 1, J>(b, i, x, s.R, r, v, a);
+        const Vec3<T> arm = s.lead(d, i, b.parent, r);
+        const Mat3<T> Rt = transpose(s.R), I = cast<T>(b.I);
+        const Vec3<T> h = s.R * cast<T>(b.h), w = x.omega[i], u = x.vel[i], wB = Rt * w, nB = I * wB, wh = cross(w, h),
+                      f = u * T(b.m) + wh;
+        s.mc += arm * T(b.m) + h;
+        s.linear += f;
+        s.angular += s.R * nB + cross(h, u) + cross(arm, f);
+        if constexpr (rate) {
+          const Vec3<T> dw = x.alpha[i], du = x.acc[i], df = du * T(b.m) + cross(dw, h) + cross(w, wh);
+          s.force += df;
+          s.moment += s.R * (I * (Rt * dw) + cross(wB, nB)) + cross(h, du) + cross(arm, df);
+        }
+      });
   const Vec3<T> c = sums.mc * inverse_mass<T>(m);
   store6(shift(Force<T>{sums.linear, sums.angular}, -c), d.hg);
   if (rate) store6(shift(Force<T>{sums.force, sums.moment}, -c), d.dhg);

@@ -1,6 +1,7 @@
-// Derivatives of the centroidal momentum and of its rate on the tangent space (Carpentier, Mansard 2018, "Analytical derivatives of
-// rigid body dynamics algorithms"; Singh, Russell, Wensing 2022). A step of q along the column S of body i carries everything
-// beyond rigidly with S, but for what the parent p adds to its motion. With the composite body's inertia Y, momentum h and force f,
+// Derivatives of the centroidal momentum and of its rate on the tangent space (Carpentier, Mansard 2018, "Analytical derivatives
+// of rigid body dynamics algorithms"; Singh, Russell, Wensing 2022). A step of q along the column S of body i carries everything
+// beyond rigidly with S, but for what the parent p adds to its motion. With the composite body's inertia Y, momentum h and force
+// f,
 //   dV = V_p x S                        dA = A_p x S + V_p x dV
 //   dh/dq = S x* h + Y dV               dh'/dq = S x* f + Y dA + B dV              dh'/dv = Y (V_i x S + dV) + B S
 // B x = sum of V x* Y x - Y (V x x) + x x* h. All at the body's origin, then passed on to the centre of mass.
@@ -16,21 +17,22 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
   const T *v = d.expand(m, d.v, d.vx), *a = d.expand(m, d.a, d.ax);
   const Body* bodies = m.bodies();
   const Motions<T> x = own_motions(d);
-  const Sums<T> sums = place_forward(m, d, Sums<T>(d), [&]<class J>(Index i, Index, const SE3<T>& X, Sums<T>& s) DYN_INLINE_LAMBDA {
-    const Body& b = bodies[i];
-    const Vec3<T> r = s.place(d, i, X);
-    move_body<2, J>(b, i, x, s.R, r, v, a);
-    const Vec3<T> arm = s.lead(d, i, b.parent, r);
-    const Inertia<T> Y = world_inertia(b, s.R);
-    const Vec3<T> w = x.omega[i], u = x.vel[i], dw = x.alpha[i], du = x.acc[i], wh = cross(w, Y.h), Iw = Y.I * w;
-    const Vec3<T> P = u * Y.m + wh, f = du * Y.m + cross(dw, Y.h) + cross(w, wh);
-    const CompositeMotion<T> C = {
-        Y, turning(w, Y.I) + parallel_axis(u, Y.h), {P, Iw + cross(Y.h, u)}, {f, Y.I * dw + cross(w, Iw) + cross(Y.h, du)}};
-    store(C, d.CM[i]);
-    s.mc += arm * Y.m + Y.h;
-    s.linear += P;
-    s.force += f;
-  });
+  const Sums<T> sums =
+      place_forward(m, d, Sums<T>(d), [&]<class J>(Index i, Index, const SE3<T>& X, Sums<T>& s) DYN_INLINE_LAMBDA {
+        const Body& b = bodies[i];
+        const Vec3<T> r = s.place(d, i, X);
+        move_body<2, J>(b, i, x, s.R, r, v, a);
+        const Vec3<T> arm = s.lead(d, i, b.parent, r);
+        const Inertia<T> Y = world_inertia(b, s.R);
+        const Vec3<T> w = x.omega[i], u = x.vel[i], dw = x.alpha[i], du = x.acc[i], wh = cross(w, Y.h), Iw = Y.I * w;
+        const Vec3<T> P = u * Y.m + wh, f = du * Y.m + cross(dw, Y.h) + cross(w, wh);
+        const CompositeMotion<T> C = {
+            Y, turning(w, Y.I) + parallel_axis(u, Y.h), {P, Iw + cross(Y.h, u)}, {f, Y.I * dw + cross(w, Iw) + cross(Y.h, du)}};
+        store(C, d.CM[i]);
+        s.mc += arm * Y.m + Y.h;
+        s.linear += P;
+        s.force += f;
+      });
   const T inverse = inverse_mass<T>(m);
   const Vec3<T> c = sums.mc * inverse, vc = sums.linear * inverse, ac = sums.force * inverse;
 

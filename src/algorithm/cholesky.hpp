@@ -27,10 +27,11 @@ DYN_INLINE void for_each_run(const Model& m, Index i, F&& f) {
   }
 }
 
-// x = from less what the elimination of the count rows below takes from it, some packs of a row: theirs, from rows on, times their
-// entries at coefficient, divided by D. The last row that was eliminated comes last, because its D is the last to be known.
+// x = from less what the elimination of the count rows below takes from it, some packs of a row: theirs, from rows on, times
+// their entries at coefficient, divided by D. The last row that was eliminated comes last, because its D is the last to be known.
 template <int packs, class T>
-DYN_INLINE void eliminate_rows(const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
+DYN_INLINE void eliminate_rows(const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv,
+                               std::ptrdiff_t count) {
   using P = Simd<T, block_lanes>;
   P sum[packs];
 #pragma GCC unroll 4
@@ -46,8 +47,8 @@ DYN_INLINE void eliminate_rows(const T* from, T* x, const T* rows, const T* coef
   for (int p = 0; p < packs; ++p) sum[p].store(x + block_lanes * p);
 }
 template <class T>
-DYN_INLINE void eliminate_rows(std::ptrdiff_t entries, const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv,
-                               std::ptrdiff_t count) {
+DYN_INLINE void eliminate_rows(std::ptrdiff_t entries, const T* from, T* x, const T* rows, const T* coefficient,
+                               std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
   switch (std::size_t(entries - 1) / block_lanes) {
     case 0: return eliminate_rows<1>(from, x, rows, coefficient, room, Dinv, count);
     case 1: return eliminate_rows<2>(from, x, rows, coefficient, room, Dinv, count);
@@ -123,7 +124,8 @@ Index factorize(const Model& m, Data<T>& d) {
     const T* below = row;
     row -= room;
     if (count)
-      for (std::ptrdiff_t c = 0; c <= depth; c += 4 * block_lanes) eliminate_rows(depth + 1 - c, row + c, row + c, below + c, below + depth, room, Dinv, count);
+      for (std::ptrdiff_t c = 0; c <= depth; c += 4 * block_lanes)
+        eliminate_rows(depth + 1 - c, row + c, row + c, below + c, below + depth, room, Dinv, count);
     if (!(row[depth] > T(0))) return Index(i) + 1;
     *--Dinv = T(1) / row[depth];
   }
@@ -185,7 +187,8 @@ bool solve(const Model& m, const Data<T>& d, const T* b, T* x, T* before) {
     visit_group(g->count, [=, &d]<int count>() DYN_INLINE_LAMBDA { solve_upwards<count>(d, room, *g, b, x, before); });
   P sum = P::zero();  // 0 times what is not finite is not a number
   for (const DofGroup* g = groups; g != end; ++g)
-    sum = sum + T(0) * visit_group(g->count, [=, &m, &d]<int count>() DYN_INLINE_LAMBDA { return solve_downwards<count>(m, d, room, *g, x); });
+    sum = sum + T(0) * visit_group(g->count, [=, &m, &d]<int count>()
+                                                 DYN_INLINE_LAMBDA { return solve_downwards<count>(m, d, room, *g, x); });
   return (sum[0] + sum[1]) + (sum[2] + sum[3]) == T(0);
 }
 

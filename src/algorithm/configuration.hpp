@@ -131,7 +131,8 @@ void integrate_jacobians(const Model& m, const T* q, const T* v, T* dq, T* dv) {
       m, [&](Index, Index iv, Index n) { detail::put_diagonal(m, iv, n, T(1), dq), detail::put_diagonal(m, iv, n, T(1), dv); },
       [&]<class J>(const Body& b) {
         T room[36];
-        J::integrate_jacobians(q + b.user_q, v + b.user_v, detail::diagonal_block(m, b.user_v, dq, room), detail::diagonal_block(m, b.user_v, dv, room));
+        J::integrate_jacobians(q + b.user_q, v + b.user_v, detail::diagonal_block(m, b.user_v, dq, room),
+                               detail::diagonal_block(m, b.user_v, dv, room));
       });
 }
 template <class T>
@@ -141,7 +142,8 @@ void difference_jacobians(const Model& m, const T* q0, const T* q1, T* d0, T* d1
       m, [&](Index, Index iv, Index n) { detail::put_diagonal(m, iv, n, T(-1), d0), detail::put_diagonal(m, iv, n, T(1), d1); },
       [&]<class J>(const Body& b) {
         T room[36];
-        J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, detail::diagonal_block(m, b.user_v, d0, room), detail::diagonal_block(m, b.user_v, d1, room));
+        J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, detail::diagonal_block(m, b.user_v, d0, room),
+                                detail::diagonal_block(m, b.user_v, d1, room));
       });
 }
 

@@ -1,6 +1,6 @@
-// Coriolis matrix C with C v + g = nle and dM/dt = C + C^T (Echeandia and Wensing 2021, "Numerical methods to compute the Coriolis
-// matrix and Christoffel symbols for rigid-body systems", algorithm 1), at the origin of each tree's root in world axes. With S' = v x S,
-// and Ic, B summed over the subtree of i (MomentRates), for j supporting i:
+// Coriolis matrix C with C v + g = nle and dM/dt = C + C^T (Echeandia and Wensing 2021, "Numerical methods to compute the
+// Coriolis matrix and Christoffel symbols for rigid-body systems", algorithm 1), at the origin of each tree's root in world axes.
+// With S' = v x S, and Ic, B summed over the subtree of i (MomentRates), for j supporting i:
 //   C_ji = S_j . (Ic S'_i + B S_i)        C_ij = S'_j . (Ic S_i) + S_j . (B^T S_i)
 #pragma once
 
@@ -70,9 +70,12 @@ void coriolis_matrix(const Model& m, Data<T>& d) {
   for_each_tile<T>(
       m, [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA { return Rows{Six<T>::transposed(d.S + i0), Six<T>::transposed(d.dS + i0)}; },
       [&](const Rows& rows, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
-        C.store_pair(Tile<T>::of(j0, mask, [&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fv[j]); }),
-                     Tile<T>::of(j0, mask, [&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.dS.dot(d.F[j]) + rows.S.dot_angular(d.Q[j]); }).transposed(),
-                     i0, j0);
+        C.store_pair(
+            Tile<T>::of(j0, mask, [&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fv[j]); }),
+            Tile<T>::of(j0, mask,
+                        [&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.dS.dot(d.F[j]) + rows.S.dot_angular(d.Q[j]); })
+                .transposed(),
+            i0, j0);
       });
   if (m.has_mimic) contract(m, d.dvx, d.coriolis);
   d.mark_fresh(Stage::Coriolis);

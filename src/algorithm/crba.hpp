@@ -1,6 +1,6 @@
-// Joint-space inertia by the composite-rigid-body algorithm (Featherstone 2008, Table 6.2): M_ij = S_i . Ic_j S_j for i supporting
-// j. The columns S_i and the forces F_j = Ic_j S_j are referred to the origin of the tree's root (so that distance from the
-// world's origin costs no digits), which leaves one product of two 6-vectors for an entry.
+// Joint-space inertia by the composite-rigid-body algorithm (Featherstone 2008, Table 6.2): M_ij = S_i . Ic_j S_j for i
+// supporting j. The columns S_i and the forces F_j = Ic_j S_j are referred to the origin of the tree's root (so that distance
+// from the world's origin costs no digits), which leaves one product of two 6-vectors for an entry.
 #pragma once
 
 #include "algorithm/kinematics.hpp"
@@ -15,8 +15,8 @@ void add_armature(const Model& m, Data<T>& d) {
   for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += d.armature[k];
 }
 
-// M = G^T X G (tiles.hpp) of the M of mimic joints, whose entries of degrees of freedom that the elimination tree does not relate are zero for good: trees
-// that nothing couples cost nothing together.
+// M = G^T X G (tiles.hpp) of the M of mimic joints, whose entries of degrees of freedom that the elimination tree does not relate
+// are zero for good: trees that nothing couples cost nothing together.
 template <class T>
 void contract_related(const Model& m, const T* X, T* M) {
   const std::ptrdiff_t n = m.n.nv, nx = m.n.nvx;
@@ -39,13 +39,15 @@ void contract_related(const Model& m, const T* X, T* M) {
 // d.M, full and symmetric.
 template <class T>
 void crba(const Model& m, Data<T>& d) {
-  place_forward(m, d, RelativePose<T>(d), [&]<class J>(Index i, Index dof, const SE3<T>& X, RelativePose<T>& s) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    s.place(d, i, X, b.parent == 0);
-    d.Ic[i] = world_inertia(b, s.R);
+  place_forward(m, d, RelativePose<T>(d),
+                [&]<class J>(Index i, Index dof, const SE3<T>& X, RelativePose<T>& s) DYN_INLINE_LAMBDA {
+                  const Body& b = m.bodies()[i];
+                  s.place(d, i, X, b.parent == 0);
+                  d.Ic[i] = world_inertia(b, s.R);
 #pragma GCC unroll 6
-    for (int k = 0; k < J::nv; ++k) d.S[dof + k] = s.template column<J>(b, k);
-  }).done(d);
+                  for (int k = 0; k < J::nv; ++k) d.S[dof + k] = s.template column<J>(b, k);
+                })
+      .done(d);
 
   backward_chains(m, Inertia<T>::zero(), [&]<class J>(Index i, Index dof, bool, Inertia<T>& up) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];

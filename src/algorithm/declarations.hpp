@@ -31,7 +31,8 @@ template <class T> void static_torque_derivatives(const Model&, Data<T>&, const 
 template <class T> void center_of_mass_velocity_derivatives(const Model&, Data<T>&);
 // second_order.hpp, second_order_tensors.hpp
 template <class X>
-struct SecondOrder {  // nv x nv each, any may be nullptr: rows by the first variable, columns by the second, that of the outer derivative
+struct SecondOrder {
+  // nv x nv each, any may be nullptr: rows by the first variable, columns by the second, that of the outer derivative
   X dqdq, dvdv, dqdv, dadq;
 };
 template <class T> void second_order_columns(const Model&, Data<T>&, const T* v, const T* a, const T* fext);
@@ -40,7 +41,9 @@ template <class T> void second_order_product(const Model&, Data<T>&, const T* la
 template <class T> void second_order_derivatives(const Model&, Data<T>&, const SecondOrder<T*>& out);
 // frame_derivatives.hpp
 template <class T> void frame_velocity_derivatives(const Model&, const Data<T>&, Index frame, dynReference, T* dv_dq, T* dv_dv);
-template <class T> void frame_acceleration_derivatives(const Model&, const Data<T>&, Index frame, dynReference, bool classical, T* da_dq, T* da_dv, T* da_da);
+template <class T>
+void frame_acceleration_derivatives(const Model&, const Data<T>&, Index frame, dynReference, bool classical, T* da_dq, T* da_dv,
+                                    T* da_da);
 template <class T> void frame_kinematic_hessian(const Model&, Data<T>&, Index frame, dynReference, T* H);
 // jacobian.hpp
 template <class T> void joint_jacobians(const Model&, Data<T>&);
@@ -49,7 +52,8 @@ template <class T> void frame_jacobian(const Model&, const Data<T>&, Index frame
 template <class T> void frame_jacobian_time_variation(const Model&, const Data<T>&, Index frame, dynReference, T* dJ);
 template <class T> void frame_placement(const Model&, const Data<T>&, Index frame, T* X);
 template <class T> void frame_velocity(const Model&, const Data<T>&, Index frame, dynReference, T* velocity);
-template <class T> void frame_acceleration(const Model&, const Data<T>&, Index frame, dynReference, bool classical, T* acceleration);
+template <class T>
+void frame_acceleration(const Model&, const Data<T>&, Index frame, dynReference, bool classical, T* acceleration);
 // center_of_mass.hpp, energy.hpp
 template <class T> void center_of_mass(const Model&, Data<T>&, int level);
 template <class T> void center_of_mass_jacobian(const Model&, const Data<T>&, Index body, T* Jcom);

@@ -1,5 +1,5 @@
-// What joints do beside their rotors, r(q, v) in M a + nle + r = tau, in the user's coordinates: the sum of the laws of src/effect that are
-// switched on. d holds their coefficients.
+// What joints do beside their rotors, r(q, v) in M a + nle + r = tau, in the user's coordinates: the sum of the laws of
+// src/effect that are switched on. d holds their coefficients.
 #pragma once
 
 #include "algorithm/configuration.hpp"
@@ -21,8 +21,8 @@ DYN_INLINE void for_each_velocity_law(const Data<T>& d, F&& f) {
   });
 }
 
-// f.template operator()<E, J>(body, c, e) for each law of the configuration that acts, at each body that has it: c its coefficients there, e the
-// displacement.
+// f.template operator()<E, J>(body, c, e) for each law of the configuration that acts, at each body that has it: c its
+// coefficients there, e the displacement.
 template <class T, class F>
 void for_each_configuration_law(const Model& m, const Data<T>& d, F&& f) {
   for_each_effect([&]<class E>() {
@@ -45,7 +45,8 @@ void add_resistance(const Model& m, const Data<T>& d, const T* v, T* tau) {
   for_each_velocity_law(d, [&]<class E>(const T* c) {
     for (Index k = 0; k < m.n.nv; ++k) tau[k] += E::force(c[k], v[k]);
   });
-  for_each_configuration_law(m, d, [&]<class E, class J>(const Body& b, const T* c, const T* e) { E::template add_force<J>(c, e, tau + b.user_v); });
+  for_each_configuration_law(
+      m, d, [&]<class E, class J>(const Body& b, const T* c, const T* e) { E::template add_force<J>(c, e, tau + b.user_v); });
 }
 
 // dq += dr/dq, nv x nv
@@ -89,7 +90,8 @@ void add_resistance_second_order(const Model& m, const Data<T>& d, const T* v, L
 template <class T>
 T spring_energy(const Model& m, const Data<T>& d) {
   T twice = T(0);
-  for_each_configuration_law(m, d, [&]<class E, class J>(const Body&, const T* c, const T* e) { twice += E::template twice_energy<J>(c, e); });
+  for_each_configuration_law(
+      m, d, [&]<class E, class J>(const Body&, const T* c, const T* e) { twice += E::template twice_energy<J>(c, e); });
   return T(0.5) * twice;
 }
 

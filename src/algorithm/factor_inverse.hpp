@@ -34,8 +34,8 @@ void invert_factor(const Model& m, Data<T>& d) {
   }
 }
 
-// Columns j0 .. j0 + 3 of M^-1 from row i0 on, as many as a pack has, as far as they are on or above the tiles on the diagonal; and
-// what mirrors them. Not inline: the addresses are quicker to compute than to carry along.
+// Columns j0 .. j0 + 3 of M^-1 from row i0 on, as many as a pack has, as far as they are on or above the tiles on the diagonal;
+// and what mirrors them. Not inline: the addresses are quicker to compute than to carry along.
 template <class T>
 __attribute__((noinline)) void invert_tiles(const Model& m, const Data<T>& d, std::ptrdiff_t i0, std::ptrdiff_t j0) {
   using P = Simd<T, block_lanes>;
@@ -49,7 +49,9 @@ __attribute__((noinline)) void invert_tiles(const Model& m, const Data<T>& d, st
       a = a + y * x[j0], b = b + y * x[j0 + 1], c = c + y * x[j0 + 2], e = e + y * x[j0 + 3];
     }
   };
-  for_each_run(m, Index(j0), [&](Index first, Index last, Index) DYN_INLINE_LAMBDA { add(first, std::min<std::ptrdiff_t>(last, i0 + block_lanes)); });
+  for_each_run(m, Index(j0), [&](Index first, Index last, Index) DYN_INLINE_LAMBDA {
+    add(first, std::min<std::ptrdiff_t>(last, i0 + block_lanes));
+  });
   if (j0 < i0 + block_lanes) add(j0 + 1, std::min<std::ptrdiff_t>(j0 + 4, m.n.nv));
   auto store = [&]<int first>() DYN_INLINE_LAMBDA {
     const Tile<T> t{slice4<first>(a), slice4<first>(b), slice4<first>(c), slice4<first>(e)};

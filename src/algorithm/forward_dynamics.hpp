@@ -15,8 +15,8 @@ inline Index joint_of(const Model& m, Index dof) {
   return 1;
 }
 
-// ddq for the user's v and tau; q is d.q. Returns 0 or the joint at which M is not positive (ddq is then undefined). Part: of some of the trees,
-// where no joint follows another.
+// ddq for the user's v and tau; q is d.q. Returns 0 or the joint at which M is not positive (ddq is then undefined). Part: of
+// some of the trees, where no joint follows another.
 template <class T, class Part>
 Index forward_dynamics(const Model& m, Data<T>& d, const Part& part, const T* v, const T* tau, const T* fext, T* ddq) {
   if (!m.has_mimic) {

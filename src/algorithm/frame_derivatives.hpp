@@ -61,8 +61,8 @@ void frame_velocity_derivatives(const Model& m, const Data<T>& d, Index frame, d
 
 // The same of the spatial acceleration, or of the classical one, which has w x v more.
 template <class T>
-void frame_acceleration_derivatives(const Model& m, const Data<T>& d, Index frame, dynReference reference, bool classical, T* da_dq, T* da_dv,
-                                    T* da_da) {
+void frame_acceleration_derivatives(const Model& m, const Data<T>& d, Index frame, dynReference reference, bool classical,
+                                    T* da_dq, T* da_dv, T* da_da) {
   const FramePose<T> F = frame_pose(m, d, frame);
   const Motion<T> V = frame_velocity(F, d), A = spatial_acceleration_at(d, F.body, F.p), v = express(F, reference, V);
   for (T* X : {da_dq, da_dv, da_da}) clear_columns(m, X);
@@ -84,8 +84,8 @@ void frame_acceleration_derivatives(const Model& m, const Data<T>& d, Index fram
   });
 }
 
-// H, 6 x nv x nv, fully written: page k is the derivative of the frame's Jacobian along q (+) e_k t. A step along S_k turns S_j when
-// k supports j; it moves the frame, to which LOCAL and LOCAL_WORLD_ALIGNED refer S_j, in any case.
+// H, 6 x nv x nv, fully written: page k is the derivative of the frame's Jacobian along q (+) e_k t. A step along S_k turns S_j
+// when k supports j; it moves the frame, to which LOCAL and LOCAL_WORLD_ALIGNED refer S_j, in any case.
 template <class T>
 void frame_kinematic_hessian(const Model& m, Data<T>& d, Index frame, dynReference reference, T* H) {
   const FramePose<T> F = frame_pose(m, d, frame);

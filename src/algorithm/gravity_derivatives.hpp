@@ -1,5 +1,6 @@
-// Derivatives of the forces that hold a robot at rest on the tangent space, tau_i = S_i . (Y_i a_0 - fext_i) with a_0 = -g, Y and fext
-// summed over the subtree of i, at the origin of each tree's root in world axes. For j supporting i (those of weight are a gradient):
+// Derivatives of the forces that hold a robot at rest on the tangent space, tau_i = S_i . (Y_i a_0 - fext_i) with a_0 = -g, Y and
+// fext summed over the subtree of i, at the origin of each tree's root in world axes. For j supporting i (those of weight are a
+// gradient):
 //   dtau_i/dq_j = (a_0 x S_j) . Y_i S_i                dtau_j/dq_i = dtau_i/dq_j - S_j . (S_i x* fext_i)
 #pragma once
 
@@ -12,17 +13,19 @@ namespace dyn {
 template <class T>
 void gravity_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
   const Motion<T> a0 = SpatialState<T>(d).a;
-  place_forward(m, d, RelativePose<T>(d), [&]<class J>(Index i, Index dof, const SE3<T>& X, RelativePose<T>& s) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    s.place(d, i, X, b.parent == 0);
-    for (int k = 0; k < J::nv; ++k) {
-      const Motion<T> S = s.template column<J>(b, k);
-      d.S[dof + k] = S;
-      d.ddS[dof + k] = cross(a0, S);
-    }
-    Composite<T>& c = d.composite[i];
-    c.Y.m = T(b.m), c.Y.h = s.R * cast<T>(b.h) + s.rel * T(b.m), c.f = Force<T>::zero();
-  }).done(d);
+  place_forward(m, d, RelativePose<T>(d),
+                [&]<class J>(Index i, Index dof, const SE3<T>& X, RelativePose<T>& s) DYN_INLINE_LAMBDA {
+                  const Body& b = m.bodies()[i];
+                  s.place(d, i, X, b.parent == 0);
+                  for (int k = 0; k < J::nv; ++k) {
+                    const Motion<T> S = s.template column<J>(b, k);
+                    d.S[dof + k] = S;
+                    d.ddS[dof + k] = cross(a0, S);
+                  }
+                  Composite<T>& c = d.composite[i];
+                  c.Y.m = T(b.m), c.Y.h = s.R * cast<T>(b.h) + s.rel * T(b.m), c.f = Force<T>::zero();
+                })
+      .done(d);
   if (fext) subtract_external_at_root(m, d, fext);
 
   backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
@@ -45,7 +48,8 @@ void gravity_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
   for_each_tile<T>(
       m, [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA { return Rows{Six<T>::transposed(d.S + i0), Six<T>::transposed(d.ddS + i0)}; },
       [&](const Rows& rows, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
-        const Tile<T> below = Tile<T>::of(j0, mask, [&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.weight.dot_linear(d.F[j].linear); });
+        const Tile<T> below =
+            Tile<T>::of(j0, mask, [&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.weight.dot_linear(d.F[j].linear); });
         const Tile<T> above = fext ? Tile<T>::of(j0, mask, [&](std::ptrdiff_t j) DYN_INLINE_LAMBDA {
           return rows.weight.dot_linear(d.F[j].linear) + rows.S.dot(d.Fq[j]);
         }) : below;

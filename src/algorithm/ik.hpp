@@ -1,7 +1,7 @@
 // Inverse kinematics by Levenberg-Marquardt on the manifold, in the box of the joint limits.
-// Damping in proportion to the squared error (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt
-// method", IEEE T-RO 27(5)), times a factor that follows the gain ratio (Nielsen 1999; Madsen, Nielsen, Tingleff 2004, 3.2). Each
-// step is the exact minimiser of the damped model within the limits. Random restarts from a seed.
+// Damping in proportion to the squared error (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the
+// Levenberg-Marquardt method", IEEE T-RO 27(5)), times a factor that follows the gain ratio (Nielsen 1999; Madsen, Nielsen,
+// Tingleff 2004, 3.2). Each step is the exact minimiser of the damped model within the limits. Random restarts from a seed.
 #pragma once
 
 #include "algorithm/box_step.hpp"
@@ -12,8 +12,10 @@ namespace dyn {
 template <class T>
 class IkSolver : IkRestarts<T> {
   using P = IkProblem<T>;
-  using P::m, P::d, P::tasks, P::o, P::random, P::x, P::best, P::start, P::lower, P::upper, P::step, P::z, P::work, P::low, P::high, P::g;
-  using P::state, P::coordinate, P::rows, P::iterations, P::met, P::copy, P::clamp, P::place, P::cost, P::linearise, P::set_box, P::move;
+  using P::m, P::d, P::tasks, P::o, P::random, P::x, P::best, P::start, P::lower, P::upper, P::step, P::z, P::work, P::low,
+      P::high, P::g;
+  using P::state, P::coordinate, P::rows, P::iterations, P::met, P::copy, P::clamp, P::place, P::cost, P::linearise, P::set_box,
+      P::move;
 
  public:
   using IkRestarts<T>::IkRestarts;

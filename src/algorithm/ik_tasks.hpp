@@ -1,6 +1,6 @@
 // Errors of the tasks of inverse kinematics, and their exact derivatives along the step.
-// A step d moves q as dyn_integrate does, but for the position of a free flyer, to which the linear part is added in the axes of its
-// joint's frame: limits of that position are then bounds on the step.
+// A step d moves q as dyn_integrate does, but for the position of a free flyer, to which the linear part is added in the axes of
+// its joint's frame: limits of that position are then bounds on the step.
 #pragma once
 
 #include "algorithm/least_squares.hpp"
@@ -37,9 +37,12 @@ struct IkRows {
   int begin, end;
 };
 inline IkRows rows_of(dynIkTaskType type) {
-  return {type == DYN_IK_TASK_TYPE_ORIENTATION ? 3 : 0, type == DYN_IK_TASK_TYPE_POSE || type == DYN_IK_TASK_TYPE_ORIENTATION ? 6 : 3};
+  return {type == DYN_IK_TASK_TYPE_ORIENTATION ? 3 : 0,
+          type == DYN_IK_TASK_TYPE_POSE || type == DYN_IK_TASK_TYPE_ORIENTATION ? 6 : 3};
 }
-inline Index row_count(const Model& m, dynIkTaskType type) { return type == DYN_IK_TASK_TYPE_POSTURE ? m.n.nv : rows_of(type).end - rows_of(type).begin; }
+inline Index row_count(const Model& m, dynIkTaskType type) {
+  return type == DYN_IK_TASK_TYPE_POSTURE ? m.n.nv : rows_of(type).end - rows_of(type).begin;
+}
 
 struct IkResidual {
   double linear = 0, angular = 0;

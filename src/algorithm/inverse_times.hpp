@@ -7,7 +7,8 @@ namespace dyn {
 
 // Columns j .. j + width - 1, rows i .. i + lanes - 1, of both products.
 template <int lanes, int width, class T>
-DYN_INLINE void minus_inverse_times(const Model& m, const T* Minv, const T* B, const T* C, T* minus_MinvB, T* minus_MinvC, std::ptrdiff_t i, std::ptrdiff_t j) {
+DYN_INLINE void minus_inverse_times(const Model& m, const T* Minv, const T* B, const T* C, T* minus_MinvB, T* minus_MinvC,
+                                    std::ptrdiff_t i, std::ptrdiff_t j) {
   using P = Simd<T, lanes>;
   const std::ptrdiff_t n = m.n.nv;
   P b[width], c[width];

@@ -1,5 +1,6 @@
 // Forward kinematics: placements, velocities, accelerations of all bodies, root to leaves.
-// In world axes at each body's origin: omega the angular velocity, vel the velocity of the origin, alpha and acc their derivatives.
+// In world axes at each body's origin: omega the angular velocity, vel the velocity of the origin, alpha and acc their
+// derivatives.
 //   omega = omega_p + omega_J                       vel = vel_p + omega_p x r + vel_J
 //   alpha = alpha_p + alpha_J + omega_p x omega_J   acc = acc_p + alpha_p x r + omega_p x (omega_p x r + 2 vel_J) + acc_J
 // with J the motion relative to the joint frame, which rotates with the parent.
@@ -17,7 +18,8 @@ struct Motions {
 
 // Velocity (from level 1 on) and acceleration (level 2) of body i, which R and r place.
 template <int level, class J, class T>
-DYN_INLINE void move_body(const Body& b, Index i, const Motions<T>& d, const Mat3<T>& R, const Vec3<T>& r, const T* v, const T* a) {
+DYN_INLINE void move_body(const Body& b, Index i, const Motions<T>& d, const Mat3<T>& R, const Vec3<T>& r, const T* v,
+                          const T* a) {
   if constexpr (level >= 1) {
     const Index p = b.parent;
     const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
@@ -43,7 +45,9 @@ struct KinematicState : Pose<T> {
   Vec3<T> omega, vel, alpha, acc;
   Vec3<T> velocities, accelerations;  // sums of sizes
 
-  explicit DYN_INLINE KinematicState(const Data<T>& d) : Pose<T>(d) { omega = vel = alpha = acc = velocities = accelerations = Vec3<T>::zero(); }
+  explicit DYN_INLINE KinematicState(const Data<T>& d) : Pose<T>(d) {
+    omega = vel = alpha = acc = velocities = accelerations = Vec3<T>::zero();
+  }
   DYN_INLINE void enter(const Data<T>& d, Index parent) {
     Pose<T>::enter(d, parent);
     if constexpr (level >= 1) omega = d.omega[parent], vel = d.vel[parent];

@@ -51,7 +51,9 @@ inline Quaternion<double> unpack(const double* wxyz) { return {load3(wxyz + 1), 
 
 // The rates of a vector whose components are given in axes that turn: u = R v, du/dt = R (a + w x v).
 inline Vec3<double> rate(const Vec3<double>& w, const Vec3<double>& v, const Vec3<double>& a) { return a + cross(w, v); }
-inline Vec3<double> rate_inverse(const Vec3<double>& w, const Vec3<double>& v, const Vec3<double>& du) { return du - cross(w, v); }
+inline Vec3<double> rate_inverse(const Vec3<double>& w, const Vec3<double>& v, const Vec3<double>& du) {
+  return du - cross(w, v);
+}
 
 // --------------------------------------------------------------------------------------------- free flyers
 
@@ -116,7 +118,9 @@ inline void free_from_peer(Form form, const Ends& ends, const Coordinates& y, Co
 // --------------------------------------------------------------------------------------------- planar, spherical
 
 // The components of u in axes turned by the angle of (c, s), and back.
-inline Vec3<double> turned(double c, double s, const Vec3<double>& u) { return Vec3<double>::make(c * u[0] + s * u[1], c * u[1] - s * u[0], u[2]); }
+inline Vec3<double> turned(double c, double s, const Vec3<double>& u) {
+  return Vec3<double>::make(c * u[0] + s * u[1], c * u[1] - s * u[0], u[2]);
+}
 
 inline void planar_to_peer(const Coordinates& x, Coordinates& y) {
   const double c = math::cos(x.q[2]), s = math::sin(x.q[2]);

@@ -96,8 +96,9 @@ DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f, c
   }
 }
 
-// Leaves to root along chains: f(body, its first degree of freedom, whether it ends the chain, carry), where the carry is what the body receives from the
-// next one of the chain, zero at a leaf, and becomes what it passes on; add(parent, carry) where the parent is not the next.
+// Leaves to root along chains: f(body, its first degree of freedom, whether it ends the chain, carry), where the carry is what
+// the body receives from the next one of the chain, zero at a leaf, and becomes what it passes on; add(parent, carry) where the
+// parent is not the next.
 template <class Carry, class F, class Add, class Part = WholeModel>
 DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& add, const Part& part = {}) {
   const JointRun* joint_runs = part.joint_runs(m);
@@ -106,7 +107,8 @@ DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& 
     const JointRun& run = joint_runs[k];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
-      for (Index i = run.last - 1 - run.first; i >= 0; --i) f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, run.first + i == run.last - 1, here);
+      for (Index i = run.last - 1 - run.first; i >= 0; --i)
+        f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, run.first + i == run.last - 1, here);
       carry = here;
     });
     if (run.parent != run.first - 1) add(run.parent, carry), carry = zero;

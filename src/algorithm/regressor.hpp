@@ -1,5 +1,6 @@
-// Regressors: forces, energies and the centre of mass are linear in the inertial parameters pi of the joints' bodies (Atkeson, An,
-// Hollerbach 1986, "Estimation of inertial parameters of manipulator loads and links"; parameters: spatial/inertial_parameters.hpp).
+// Regressors: forces, energies and the centre of mass are linear in the inertial parameters pi of the joints' bodies (Atkeson,
+// An, Hollerbach 1986, "Estimation of inertial parameters of manipulator loads and links"; parameters:
+// spatial/inertial_parameters.hpp).
 #pragma once
 
 #include "algorithm/jacobian.hpp"
@@ -45,8 +46,8 @@ inline FramePose<T> joint_pose(const Model& m, const Data<T>& d, Index joint) {
   return {j.last_body, d.R[j.last_body] * cast<T>(j.C), d.p[j.last_body], Vec3<T>::zero()};
 }
 
-// Placements, with level 1 velocities in d.omega_centroidal and d.vel_centroidal; and f(body, first parameter, axes E of the joint's frame) for each joint's
-// body on the way.
+// Placements, with level 1 velocities in d.omega_centroidal and d.vel_centroidal; and f(body, first parameter, axes E of the
+// joint's frame) for each joint's body on the way.
 template <int level, class T, class F>
 DYN_INLINE void forward_joints(const Model& m, Data<T>& d, F&& f) {
   const T* v = level >= 1 ? d.expand(m, d.v, d.vx) : nullptr;
@@ -79,7 +80,8 @@ void kinetic_energy_regressor(const Model& m, Data<T>& d) {
   forward_joints<1>(m, d, [&](Index i, std::ptrdiff_t first, const Mat3<T>& E) DYN_INLINE_LAMBDA {
     const Mat3<T> Et = transpose(E);
     const Vec3<T> u = Et * d.vel_centroidal[i], w = Et * d.omega_centroidal[i];
-    store_parameters<T>({T(0.5) * dot(u, u), cross(u, w), {hadamard(w, w) * T(0.5), hadamard(w, yzx(w))}}, d.kinetic_energy_regressor + first);
+    store_parameters<T>({T(0.5) * dot(u, u), cross(u, w), {hadamard(w, w) * T(0.5), hadamard(w, yzx(w))}},
+                        d.kinetic_energy_regressor + first);
   });
   d.mark_fresh(Stage::KineticRegressor);
 }

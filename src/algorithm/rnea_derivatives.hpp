@@ -104,16 +104,23 @@ void torque_derivatives(const Model& m, Data<T>& d, const T* v, const T* a) {
   for_each_tile<T>(
       m,
       [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA {
-        return Rows{Six<T>::transposed(d.S + i0), Six<T>::transposed(d.dS + i0), Six<T>::transposed(d.ddS + i0), Six<T>::transposed(d.W + i0)};
+        return Rows{Six<T>::transposed(d.S + i0), Six<T>::transposed(d.dS + i0), Six<T>::transposed(d.ddS + i0),
+                    Six<T>::transposed(d.W + i0)};
       },
       [&](const Rows& rows, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
         auto tile = [&](auto&& entry) DYN_INLINE_LAMBDA { return Tile<T>::of(j0, mask, entry); };
         const Tile<T> inertia = tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.F[j]); });
         M.store_pair(inertia, inertia.transposed(), i0, j0);
         dq.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fq[j]); }),
-                      tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.ddS.dot(d.F[j]) + rows.dS.dot_angular(d.Q[j]); }).transposed(), i0, j0);
+                      tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA {
+                        return rows.ddS.dot(d.F[j]) + rows.dS.dot_angular(d.Q[j]);
+                      }).transposed(),
+                      i0, j0);
         dv.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fv[j]); }),
-                      tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.W.dot(d.F[j]) + rows.S.dot_angular(d.Q[j]); }).transposed(), i0, j0);
+                      tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA {
+                        return rows.W.dot(d.F[j]) + rows.S.dot_angular(d.Q[j]);
+                      }).transposed(),
+                      i0, j0);
       });
 
   // columns of one joint: what turns the force turns them as well

@@ -1,7 +1,9 @@
-// Second derivatives of inverse dynamics on the tangent space, contracted with a vector lambda, in O(n depth). lambda . tau is the
-// power of the bodies' forces f at the velocities l that lambda gives them. With mu = l_p x S, L the composite of Y that moves with l,
-// B(v) and B(l) the Coriolis maps of the two motions (2 B of Singh, Russell, Wensing 2022), Q = the sum of 2 B(v)^T l, P that of Y l,
-//   d(lambda . tau)/dq_j = mu_j . f + psi''_j . P + psi'_j . Q      /dv_j = W_j . P + S_j . Q      /da_j = S_j . P,   W = psi' + S'
+// Second derivatives of inverse dynamics on the tangent space, contracted with a vector lambda, in O(n depth). lambda . tau is
+// the power of the bodies' forces f at the velocities l that lambda gives them. With mu = l_p x S, L the composite of Y that
+// moves with l, B(v) and B(l) the Coriolis maps of the two motions (2 B of Singh, Russell, Wensing 2022), Q = the sum of 2 B(v)^T
+// l, P that of Y l,
+//   d(lambda . tau)/dq_j = mu_j . f + psi''_j . P + psi'_j . Q      /dv_j = W_j . P + S_j . Q      /da_j = S_j . P,   W = psi' +
+//   S'
 // A step of q along S_k, k supporting j, turns all of this, which changes no product, and besides changes
 //   mu_j by mu_k x S_j     psi'_j by psi'_k x S_j     psi''_j by psi''_k x S_j + 2 psi'_k x psi'_j
 //   f by Y psi''_k + 2 B(v) psi'_k     P by Y mu_k     Q by 2 B(v)^T mu_k - 2 B(l)^T psi'_k
@@ -9,7 +11,8 @@
 //   G_j = S_j x* P + Y mu_j     E_j = S_j x* Q + 2 B(v)^T mu_j - 2 B(l)^T psi'_j     H_j = -2 B(l)^T S_j
 // so that, with k supporting j and the columns of one joint apart,
 //   dq_j dq_k = dq_k dq_j = mu_k . Fq_j + psi''_k . G_j + psi'_k . E_j            dv_j dv_k = dv_k dv_j = S_k . H_j
-//   dq_j dv_k = W_k . G_j + S_k . E_j     dq_k dv_j = mu_k . Fv_j + psi'_k . H_j     da_j dq_k = mu_k . F_j     da_k dq_j = S_k . G_j
+//   dq_j dv_k = W_k . G_j + S_k . E_j     dq_k dv_j = mu_k . Fv_j + psi'_k . H_j     da_j dq_k = mu_k . F_j     da_k dq_j = S_k .
+//   G_j
 #pragma once
 
 #include "algorithm/effects.hpp"
@@ -18,7 +21,8 @@
 
 namespace dyn {
 
-// What does not depend on lambda: columns, also as rows of tiles, composites, F, Fq, Fv. fext 6 x njoints in joint frames, or nullptr.
+// What does not depend on lambda: columns, also as rows of tiles, composites, F, Fq, Fv. fext 6 x njoints in joint frames, or
+// nullptr.
 template <class T>
 void second_order_columns(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
   derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
@@ -88,8 +92,8 @@ void contract_composites(const Model& m, Data<T>& d, const T* lambda) {
 
 // One tile of each matrix; rows whose mu is zero are spared its products.
 template <bool moves, class T, class Mask>
-DYN_INLINE void second_order_tile(const Data<T>& d, const SecondOrder<TiledMatrix<T>>& out, const SecondOrderRows<T>& rows, const Six<T>& mu,
-                                  std::ptrdiff_t i0, std::ptrdiff_t j0, Mask&& mask) {
+DYN_INLINE void second_order_tile(const Data<T>& d, const SecondOrder<TiledMatrix<T>>& out, const SecondOrderRows<T>& rows,
+                                  const Six<T>& mu, std::ptrdiff_t i0, std::ptrdiff_t j0, Mask&& mask) {
   using P = Simd<T, 4>;
   const Six<T> S = Six<T>::load(rows.S), dS = Six<T>::load(rows.dS);
   auto tile = [&](auto&& entry) DYN_INLINE_LAMBDA { return Tile<T>::of(j0, mask, entry); };
@@ -99,7 +103,8 @@ DYN_INLINE void second_order_tile(const Data<T>& d, const SecondOrder<TiledMatri
   };
   if (out.dqdq.p) {
     const Six<T> ddS = Six<T>::load(rows.ddS);
-    const Tile<T> t = tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(ddS.dot(d.G[j]) + dS.dot_angular(d.E[j]), d.Fq[j]); });
+    const Tile<T> t =
+        tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(ddS.dot(d.G[j]) + dS.dot_angular(d.E[j]), d.Fq[j]); });
     out.dqdq.store_pair(t, t.transposed(), i0, j0);
   }
   if (out.dvdv.p) {
@@ -108,8 +113,9 @@ DYN_INLINE void second_order_tile(const Data<T>& d, const SecondOrder<TiledMatri
   }
   if (out.dqdv.p) {
     const Six<T> W = Six<T>::load(rows.W);
-    out.dqdv.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(dS.dot_angular(d.H[j]), d.Fv[j]); }),
-                        tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return W.dot(d.G[j]) + S.dot_angular(d.E[j]); }).transposed(), i0, j0);
+    out.dqdv.store_pair(
+        tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(dS.dot_angular(d.H[j]), d.Fv[j]); }),
+        tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return W.dot(d.G[j]) + S.dot_angular(d.E[j]); }).transposed(), i0, j0);
   }
   if (out.dadq.p)
     out.dadq.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return S.dot(d.G[j]); }),
@@ -146,7 +152,8 @@ void second_order_tiles(const Model& m, const Data<T>& d, Tiles&& for_tiles, con
       const Force<T> turned = cross(d.S[c], d.P[i]);
       for (std::ptrdiff_t r = first; r < c; ++r) {
         const T by_turning = dot(d.S[r], turned);
-        if (p.dqdq) p.dqdq[r + n * c] = dot(d.ddS[c], d.G[r]) + (rooted ? T(0) : dot(d.mu_S[c], d.Fq[r]) + dot(d.dS[c].angular, d.E[r]));
+        if (p.dqdq)
+          p.dqdq[r + n * c] = dot(d.ddS[c], d.G[r]) + (rooted ? T(0) : dot(d.mu_S[c], d.Fq[r]) + dot(d.dS[c].angular, d.E[r]));
         if (p.dvdv) p.dvdv[r + n * c] -= by_turning, p.dvdv[c + n * r] -= by_turning;
         if (p.dqdv) p.dqdv[c + n * r] = rooted ? T(0) : dot(d.mu_S[c], d.Fv[r]) + dot(d.dS[c].angular, d.H[r]);
         if (p.dadq) p.dadq[r + n * c] = rooted ? T(0) : dot(d.mu_S[c], d.F[r]);

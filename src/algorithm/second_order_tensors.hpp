@@ -1,5 +1,5 @@
-// The second derivatives of each torque: the product with the unit vector e_i. Bodies beyond joint i then move as one, with S_i, so that
-// L, P, Q come from the composites at once; what carries the joint meets those of its body; all others meet nothing.
+// The second derivatives of each torque: the product with the unit vector e_i. Bodies beyond joint i then move as one, with S_i,
+// so that L, P, Q come from the composites at once; what carries the joint meets those of its body; all others meet nothing.
 #pragma once
 
 #include "algorithm/second_order.hpp"
@@ -41,7 +41,8 @@ void add_unit(const Model& m, Data<T>& d, Index i, Index k, T ratio) {
 template <class T>
 void unit_composites(const Model& m, Data<T>& d, Index u) {
   const Index n = m.n.nvx;
-  std::fill_n(d.mu_S, n, Motion<T>::zero()), std::fill_n(d.G, n, Force<T>::zero()), std::fill_n(d.P, m.n.bodies, Force<T>::zero());
+  std::fill_n(d.mu_S, n, Motion<T>::zero()), std::fill_n(d.G, n, Force<T>::zero()),
+      std::fill_n(d.P, m.n.bodies, Force<T>::zero());
   std::fill_n(d.E, n, Vec3<T>::zero()), std::fill_n(d.H, n, Vec3<T>::zero()), std::fill_n(d.active, n, Index(0));
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
@@ -75,8 +76,10 @@ void second_order_derivatives(const Model& m, Data<T>& d, const SecondOrder<T*>&
   for (Index i = 0; i < m.n.nv; ++i) {
     unit_composites(m, d, i);
     const std::ptrdiff_t first = link_tiles(m, d);
-    const SecondOrder<T*> of_i{cleared(out.dqdq, d.dqx, i), cleared(out.dvdv, d.dvx, i), cleared(out.dqdv, d.Mx, i), cleared(out.dadq, d.d2x, i)};
-    second_order_matrices(m, d, [&](auto&& begin, auto&& f) DYN_INLINE_LAMBDA { for_each_tile_among<T>(m, d.next_tile, first, begin, f); }, of_i);
+    const SecondOrder<T*> of_i{cleared(out.dqdq, d.dqx, i), cleared(out.dvdv, d.dvx, i), cleared(out.dqdv, d.Mx, i),
+                               cleared(out.dadq, d.d2x, i)};
+    second_order_matrices(
+        m, d, [&](auto&& begin, auto&& f) DYN_INLINE_LAMBDA { for_each_tile_among<T>(m, d.next_tile, first, begin, f); }, of_i);
     add_resistance_second_order(m, d, d.v, [&](Index k) { return T(k == i); }, of_i.dqdq, of_i.dvdv);
   }
 }
@@ -86,7 +89,8 @@ template <class T>
 T second_order_size(const Model& m, const Data<T>& d) {
   Vec3<T> sum = Vec3<T>::zero();
   auto add = [&](const auto& x) DYN_INLINE_LAMBDA { sum += sizes(x.linear) + sizes(x.angular); };
-  for (Index k = 0; k < m.n.nvx; ++k) add(d.S[k]), add(d.dS[k]), add(d.ddS[k]), add(d.W[k]), add(d.F[k]), add(d.Fq[k]), add(d.Fv[k]);
+  for (Index k = 0; k < m.n.nvx; ++k)
+    add(d.S[k]), add(d.dS[k]), add(d.ddS[k]), add(d.W[k]), add(d.F[k]), add(d.Fq[k]), add(d.Fv[k]);
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Composite<T>& c = d.composite[i];
     for (const Mat3<T>* A : {&c.Y.P, &c.rates.V}) sum += sizes(A->x) + sizes(A->y) + sizes(A->z);

@@ -1,7 +1,7 @@
 // Matrices over pairs of degrees of freedom with the tree's sparsity, in tiles of 4 x 4: an entry is non-zero only where one
 // of the two supports the other, i.e. for j in [i, end of i's subtree) or the reverse. Four rows i lie side by side in the lanes
-// of six packs; a column j is a 6-vector whose components every lane shares. So a tile costs products alone: no shift from body to
-// body, no sum across lanes.
+// of six packs; a column j is a 6-vector whose components every lane shares. So a tile costs products alone: no shift from body
+// to body, no sum across lanes.
 #pragma once
 
 #include "base/simd_memory.hpp"
@@ -32,7 +32,9 @@ struct Six {
     transpose4(quad(s[0].angular), quad(s[1].angular), quad(s[2].angular), quad(s[3].angular), a.u, a.v, a.w, rest);
     return a;
   }
-  DYN_INLINE void store(T* p) const { x.store(p), y.store(p + 4), z.store(p + 8), u.store(p + 12), v.store(p + 16), w.store(p + 20); }
+  DYN_INLINE void store(T* p) const {
+    x.store(p), y.store(p + 4), z.store(p + 8), u.store(p + 12), v.store(p + 16), w.store(p + 20);
+  }
   static DYN_INLINE Six load(const T* p) {
     return {P::load(p), P::load(p + 4), P::load(p + 8), P::load(p + 12), P::load(p + 16), P::load(p + 20)};
   }
@@ -97,10 +99,11 @@ struct TiledMatrix {
   }
 };
 
-// f(rows, i0, j0, mask) for the tiles of the rows i0 .. i0 + 3 among the columns j0 .. columns_end that are not zero. next(j0) is the
-// first column of the next tile.
+// f(rows, i0, j0, mask) for the tiles of the rows i0 .. i0 + 3 among the columns j0 .. columns_end that are not zero. next(j0) is
+// the first column of the next tile.
 template <class T, class Begin, class F, class Next>
-DYN_INLINE void for_each_tile_of_rows(const Model& m, std::ptrdiff_t i0, std::ptrdiff_t j0, std::ptrdiff_t columns_end, Begin&& begin, F&& f, Next&& next) {
+DYN_INLINE void for_each_tile_of_rows(const Model& m, std::ptrdiff_t i0, std::ptrdiff_t j0, std::ptrdiff_t columns_end,
+                                      Begin&& begin, F&& f, Next&& next) {
   using P = Simd<T, 4>;
   const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(m.band_end()[i0 / 4], columns_end);
   const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(m.band_full()[i0 / 4], columns_end);
@@ -120,7 +123,8 @@ DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
   for (std::ptrdiff_t panel = 0; panel < m.n.nvx; panel += 128) {
     const std::ptrdiff_t panel_end = std::min<std::ptrdiff_t>(panel + 128, m.n.nvx);
     for (std::ptrdiff_t i0 = 0; i0 < panel_end; i0 += 4)
-      for_each_tile_of_rows<T>(m, i0, std::max(i0, panel), panel_end, begin, f, [](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return j0 + 4; });
+      for_each_tile_of_rows<T>(m, i0, std::max(i0, panel), panel_end, begin, f,
+                               [](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return j0 + 4; });
   }
 }
 
@@ -129,7 +133,8 @@ DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
 template <class T, class Begin, class F>
 DYN_INLINE void for_each_tile_among(const Model& m, const Index* next, std::ptrdiff_t first, Begin&& begin, F&& f) {
   auto following = [&](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return std::ptrdiff_t(next[j0 / 4]); };
-  for (std::ptrdiff_t i0 = first; i0 < m.n.nvx; i0 = following(i0)) for_each_tile_of_rows<T>(m, i0, i0, m.n.nvx, begin, f, following);
+  for (std::ptrdiff_t i0 = first; i0 < m.n.nvx; i0 = following(i0))
+    for_each_tile_of_rows<T>(m, i0, i0, m.n.nvx, begin, f, following);
 }
 
 // f(body, first, nv) for the bodies of more than one degree of freedom.

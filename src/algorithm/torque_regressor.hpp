@@ -1,5 +1,5 @@
-// The joint torque regressor Y, nv x 10 (njoints - 1): tau = Y pi + armature a. Row k of the ten columns of a body is S_k . F, F its
-// body's 6 x 10 regressor, for the degrees of freedom k that carry it. All at the root of each tree, in axes of the world.
+// The joint torque regressor Y, nv x 10 (njoints - 1): tau = Y pi + armature a. Row k of the ten columns of a body is S_k . F, F
+// its body's 6 x 10 regressor, for the degrees of freedom k that carry it. All at the root of each tree, in axes of the world.
 #pragma once
 
 #include "algorithm/regressor.hpp"
@@ -10,7 +10,8 @@ namespace dyn {
 // What W degrees of freedom S, given by components, feel of a force.
 template <class T, int W>
 DYN_INLINE Simd<T, W> power(const Simd<T, W>* S, const Force<T>& F) {
-  return (S[0] * F.linear[0] + S[1] * F.linear[1] + S[2] * F.linear[2]) + (S[3] * F.angular[0] + S[4] * F.angular[1] + S[5] * F.angular[2]);
+  return (S[0] * F.linear[0] + S[1] * F.linear[1] + S[2] * F.linear[2]) +
+         (S[3] * F.angular[0] + S[4] * F.angular[1] + S[5] * F.angular[2]);
 }
 template <class T, int W>
 DYN_INLINE Simd<T, W> power(const Simd<T, W>* S, const Vec3<T>& moment) {
@@ -43,7 +44,8 @@ DYN_INLINE void torque_block(const T* Sx, std::ptrdiff_t room, Index n, const Fo
 }
 
 // The rows of body i and of what carries it; others are zero for good. From the leaf to the root: the degrees of freedom of a
-// chain of bodies are consecutive. A block may reach before the first of them: those rows are zero, or the next chain writes them.
+// chain of bodies are consecutive. A block may reach before the first of them: those rows are zero, or the next chain writes
+// them.
 template <class T>
 void torque_rows(const Model& m, const Data<T>& d, Index i, const Force<T>* F, T* columns) {
   const std::ptrdiff_t nv = m.n.nv, room = padded_regressor(m);
@@ -52,7 +54,8 @@ void torque_rows(const Model& m, const Data<T>& d, Index i, const Force<T>* F, T
     auto block = [&]<int W>(Index stop) DYN_INLINE_LAMBDA {
       const Index at = stop - W;
       T* rows = columns + at;
-      torque_block<W>(d.Sx + at, room, first - at, F, [&](int c, const Simd<T, W>& y) DYN_INLINE_LAMBDA { y.store(rows + c * nv); });
+      torque_block<W>(d.Sx + at, room, first - at, F,
+                      [&](int c, const Simd<T, W>& y) DYN_INLINE_LAMBDA { y.store(rows + c * nv); });
     };
     Index stop = end;
     for (; stop - first > 4 && stop >= 8; stop -= 8) block.template operator()<8>(stop);
@@ -82,7 +85,8 @@ void torque_rows_mimic(const Model& m, const Data<T>& d, Index i, const Force<T>
       });
 }
 
-// d.regressor. Returns the sum of the squares of all that its elements are sums of products of: where that is small, no element overflows.
+// d.regressor. Returns the sum of the squares of all that its elements are sums of products of: where that is small, no element
+// overflows.
 template <class T>
 T joint_torque_regressor(const Model& m, Data<T>& d) {
   const Vec3<T> g = load3(d.world_gravity);

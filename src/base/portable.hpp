@@ -1,7 +1,7 @@
-// Elementary functions made of additions, multiplications, divisions and roots alone, which IEEE 754 rounds in one way: the same bits on every
-// machine and compiler, where those of the C library differ between its versions, and between processors under one version. Builds with
-// DYN_REPRODUCIBLE take these, and boards without an operating system do (DYN_PORTABLE: they are smaller); others those of the C library: by the
-// names of dyn::math.
+// Elementary functions made of additions, multiplications, divisions and roots alone, which IEEE 754 rounds in one way: the same
+// bits on every machine and compiler, where those of the C library differ between its versions, and between processors under one
+// version. Builds with DYN_REPRODUCIBLE take these, and boards without an operating system do (DYN_PORTABLE: they are smaller);
+// others those of the C library: by the names of dyn::math.
 #pragma once
 
 #include <cmath>

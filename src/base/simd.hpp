@@ -1,5 +1,6 @@
-// Simd<T, N>: N numbers side by side, called lanes. An operation acts on each lane by itself. It takes one instruction where the machine has it.
-// Only simd*.hpp know how lanes are stored: as one vector of the compiler, in several registers, or as plain numbers.
+// Simd<T, N>: N numbers side by side, called lanes. An operation acts on each lane by itself. It takes one instruction where the
+// machine has it. Only simd*.hpp know how lanes are stored: as one vector of the compiler, in several registers, or as plain
+// numbers.
 #pragma once
 
 #include <cmath>
@@ -31,7 +32,8 @@ namespace detail {
 
 // Types of which the compiler has vectors. Without SIMD (three lanes in types.hpp) all lanes are plain numbers.
 template <class T>
-inline constexpr bool has_vectors = DYN_LANES == 4 && (std::is_same_v<T, double> || std::is_same_v<T, float> || std::is_integral_v<T>);
+inline constexpr bool has_vectors =
+    DYN_LANES == 4 && (std::is_same_v<T, double> || std::is_same_v<T, float> || std::is_integral_v<T>);
 // Lanes of a register. The compiler splits four doubles by itself. GCC keeps wider vectors than a register in memory.
 template <class T>
 inline constexpr int part_lanes = has_vectors<T> ? 8 * register_lanes / int(sizeof(T)) : 1;
@@ -107,8 +109,10 @@ struct Simd {
     for (int k = 0; k < parts; ++k) c.x[k] = f(a.x[k], b.x[k]);
     return c;
   }
-#define DYN_UNARY(op) \
-  friend DYN_INLINE Simd operator op(const Simd& a) { return each(a, a, [](const Part& u, const Part&) DYN_INLINE_LAMBDA { return op u; }); }
+#define DYN_UNARY(op)                                                                     \
+  friend DYN_INLINE Simd operator op(const Simd& a) {                                     \
+    return each(a, a, [](const Part& u, const Part&) DYN_INLINE_LAMBDA { return op u; }); \
+  }
 #define DYN_BINARY(op)                                                                                           \
   friend DYN_INLINE Simd operator op(const Simd& a, const Simd& b) {                                             \
     return each(a, b, [](const Part& u, const Part& v) DYN_INLINE_LAMBDA { return u op v; });                    \

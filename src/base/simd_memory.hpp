@@ -8,7 +8,9 @@ namespace dyn {
 #if defined(__AVX__) && DYN_LANES == 4
 namespace detail {
 // A mask of the first count lanes.
-DYN_INLINE Simd<long long, 4>::Vector first_lanes(int count) { return reinterpret<long long>(Simd<std::int64_t, 4>(0, 1, 2, 3) < count).x; }
+DYN_INLINE Simd<long long, 4>::Vector first_lanes(int count) {
+  return reinterpret<long long>(Simd<std::int64_t, 4>(0, 1, 2, 3) < count).x;
+}
 }  // namespace detail
 #endif
 

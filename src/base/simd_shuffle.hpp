@@ -36,10 +36,12 @@ DYN_INLINE Simd<T, 4> slice4(const Simd<T, N>& a) {
 }
 // Rows of a 4 x 4 matrix from its columns.
 template <class T>
-DYN_INLINE void transpose4(const Simd<T, 4>& a, const Simd<T, 4>& b, const Simd<T, 4>& c, const Simd<T, 4>& d, Simd<T, 4>& x, Simd<T, 4>& y, Simd<T, 4>& z,
-                           Simd<T, 4>& w) {
-  const Simd<T, 4> ab0 = shuffle<0, 4, 2, 6>(a, b), ab1 = shuffle<1, 5, 3, 7>(a, b), cd0 = shuffle<0, 4, 2, 6>(c, d), cd1 = shuffle<1, 5, 3, 7>(c, d);
-  x = shuffle<0, 1, 4, 5>(ab0, cd0), y = shuffle<0, 1, 4, 5>(ab1, cd1), z = shuffle<2, 3, 6, 7>(ab0, cd0), w = shuffle<2, 3, 6, 7>(ab1, cd1);
+DYN_INLINE void transpose4(const Simd<T, 4>& a, const Simd<T, 4>& b, const Simd<T, 4>& c, const Simd<T, 4>& d, Simd<T, 4>& x,
+                           Simd<T, 4>& y, Simd<T, 4>& z, Simd<T, 4>& w) {
+  const Simd<T, 4> ab0 = shuffle<0, 4, 2, 6>(a, b), ab1 = shuffle<1, 5, 3, 7>(a, b), cd0 = shuffle<0, 4, 2, 6>(c, d),
+                   cd1 = shuffle<1, 5, 3, 7>(c, d);
+  x = shuffle<0, 1, 4, 5>(ab0, cd0), y = shuffle<0, 1, 4, 5>(ab1, cd1), z = shuffle<2, 3, 6, 7>(ab0, cd0),
+  w = shuffle<2, 3, 6, 7>(ab1, cd1);
 }
 
 }  // namespace dyn

@@ -9,7 +9,8 @@ namespace dyn {
 
 // b = factor a^T, a rows x columns: b[k + ldb * c] = factor a[c + lda * k]
 template <class T>
-inline void transpose(const T* a, std::ptrdiff_t lda, std::ptrdiff_t rows, std::ptrdiff_t columns, T factor, T* b, std::ptrdiff_t ldb) {
+inline void transpose(const T* a, std::ptrdiff_t lda, std::ptrdiff_t rows, std::ptrdiff_t columns, T factor, T* b,
+                      std::ptrdiff_t ldb) {
   using P = Simd<T, 4>;
   auto one_by_one = [&](std::ptrdiff_t c0, std::ptrdiff_t c1, std::ptrdiff_t k0, std::ptrdiff_t k1) {
     for (std::ptrdiff_t c = c0; c < c1; ++c)
@@ -22,7 +23,8 @@ inline void transpose(const T* a, std::ptrdiff_t lda, std::ptrdiff_t rows, std::
       const T* from = a + c + lda * k;
       T* to = b + k + ldb * c;
       P x, y, z, w;
-      transpose4(P::load(from) * factor, P::load(from + lda) * factor, P::load(from + 2 * lda) * factor, P::load(from + 3 * lda) * factor, x, y, z, w);
+      transpose4(P::load(from) * factor, P::load(from + lda) * factor, P::load(from + 2 * lda) * factor,
+                 P::load(from + 3 * lda) * factor, x, y, z, w);
       x.store(to), y.store(to + ldb), z.store(to + 2 * ldb), w.store(to + 3 * ldb);
     }
     one_by_one(c, rows, k, k + 4);

@@ -15,8 +15,8 @@ using Index = std::int32_t;
 #define DYN_SIMD 0
 #endif
 
-// Lanes of a double 3-vector: 4 (one AVX register, two of SSE or NEON) or 3 (no SIMD, as on a Cortex-M). With DYN_REPRODUCIBLE 4 everywhere:
-// sums are then formed in one order.
+// Lanes of a double 3-vector: 4 (one AVX register, two of SSE or NEON) or 3 (no SIMD, as on a Cortex-M). With DYN_REPRODUCIBLE 4
+// everywhere: sums are then formed in one order.
 #ifndef DYN_LANES
 #if DYN_SIMD || DYN_REPRODUCIBLE
 #define DYN_LANES 4

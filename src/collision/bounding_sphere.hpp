@@ -25,8 +25,10 @@ inline double distance_lower_bound(const Geom& a, const Pose& A, const Geom& b, 
   double distance = shape::norm(A.p - B.p) - a.bounding_radius - b.bounding_radius;
   // a wall fills little of its bounding sphere: use the box itself
   constexpr double large = 4;
-  if (a.shape.type == shape::Type::Box && a.bounding_radius > large * b.bounding_radius) distance = std::max(distance, box_distance(a, A, B.p) - b.bounding_radius);
-  if (b.shape.type == shape::Type::Box && b.bounding_radius > large * a.bounding_radius) distance = std::max(distance, box_distance(b, B, A.p) - a.bounding_radius);
+  if (a.shape.type == shape::Type::Box && a.bounding_radius > large * b.bounding_radius)
+    distance = std::max(distance, box_distance(a, A, B.p) - b.bounding_radius);
+  if (b.shape.type == shape::Type::Box && b.bounding_radius > large * a.bounding_radius)
+    distance = std::max(distance, box_distance(b, B, A.p) - a.bounding_radius);
   return distance;
 }
 

@@ -1,5 +1,5 @@
-// Pairs of convex shapes without a closed form. distance.cpp lists them in its table. Each pair instantiates GJK, EPA and Newton's
-// method, so the instances are spread over convex_*.cpp.
+// Pairs of convex shapes without a closed form. distance.cpp lists them in its table. Each pair instantiates GJK, EPA and
+// Newton's method, so the instances are spread over convex_*.cpp.
 #pragma once
 
 #include "collision/analytic/capsule_end.hpp"
@@ -48,10 +48,13 @@ Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
 
 // F(A, B) of pairs, by the file that instantiates them. Pairs that no list names are instantiated in distance.cpp.
 #define DYN_CONVEX_STRAIGHT(F) \
-  F(Capsule, Cylinder) F(Capsule, Cone) F(Capsule, Ellipsoid) F(Capsule, Convex) F(Box, Cylinder) F(Box, Cone) F(Box, Ellipsoid) F(Box, Convex)
+  F(Capsule, Cylinder)         \
+  F(Capsule, Cone) F(Capsule, Ellipsoid) F(Capsule, Convex) F(Box, Cylinder) F(Box, Cone) F(Box, Ellipsoid) F(Box, Convex)
 #define DYN_CONVEX_CYLINDER(F) F(Cylinder, Cylinder) F(Cylinder, Cone) F(Cylinder, Ellipsoid) F(Cylinder, Convex)
-#define DYN_CONVEX_OTHER(F) F(Cone, Cone) F(Cone, Ellipsoid) F(Cone, Convex) F(Ellipsoid, Ellipsoid) F(Ellipsoid, Convex) F(Convex, Convex)
-#define DYN_CONVEX_INSTANCE(A, B) template Result convex<A, B>(const Shape&, const Pose&, const Shape&, const Pose&, Workspace&, const Options&);
+#define DYN_CONVEX_OTHER(F) \
+  F(Cone, Cone) F(Cone, Ellipsoid) F(Cone, Convex) F(Ellipsoid, Ellipsoid) F(Ellipsoid, Convex) F(Convex, Convex)
+#define DYN_CONVEX_INSTANCE(A, B) \
+  template Result convex<A, B>(const Shape&, const Pose&, const Shape&, const Pose&, Workspace&, const Options&);
 #define DYN_CONVEX_ELSEWHERE(A, B) extern DYN_CONVEX_INSTANCE(A, B)
 DYN_CONVEX_STRAIGHT(DYN_CONVEX_ELSEWHERE)
 DYN_CONVEX_CYLINDER(DYN_CONVEX_ELSEWHERE)

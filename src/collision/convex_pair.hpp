@@ -32,8 +32,8 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
     // separated: the witness points give an upper bound, the supporting plane a lower one
     const Vec n = g.v * (-1 / g.norm);
     if constexpr (D::curved)
-      refined = (on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) && p.distance > -enough &&
-                shape::norm(p.b - p.a) - p.distance <= enough;
+      refined = (on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) &&
+                p.distance > -enough && shape::norm(p.b - p.a) - p.distance <= enough;
     // a result off its normal may improve when GJK has come closer
     return refined && p.unique;
   };
@@ -47,9 +47,16 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
   if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, p.unique};
   // on a curved pair a gap g leaves the normal uncertain by sqrt(g)
   auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
-  if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
+  if (g.apart)
+    return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
   const EpaResult e = epa(d, g.simplex, workspace, options);
-  return {e.normal, e.a, e.b, -e.upper, e.residual, g.iterations + e.iterations, e.unique && (e.refined || certain(e.residual, d.small))};
+  return {e.normal,
+          e.a,
+          e.b,
+          -e.upper,
+          e.residual,
+          g.iterations + e.iterations,
+          e.unique && (e.refined || certain(e.residual, d.small))};
 }
 
 // From cores to rounded shapes, in the frame of A.

@@ -45,7 +45,8 @@ inline void pieces_around(const D& d, const Vec& n, Vertex* best, double* weight
       for (int k = j + 1; k < around; ++k) {
         const double area = dot(n, cross(p[j].w - p[i].w, p[k].w - p[i].w));
         if (std::abs(area) <= 1e-6 * d.small * d.small) continue;
-        const double w[3] = {dot(n, cross(p[j].w, p[k].w)) / area, dot(n, cross(p[k].w, p[i].w)) / area, dot(n, cross(p[i].w, p[j].w)) / area};
+        const double w[3] = {dot(n, cross(p[j].w, p[k].w)) / area, dot(n, cross(p[k].w, p[i].w)) / area,
+                             dot(n, cross(p[i].w, p[j].w)) / area};
         const double least = std::min({w[0], w[1], w[2]});
         if (least <= surest) continue;
         surest = least;

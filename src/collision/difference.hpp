@@ -1,5 +1,5 @@
-// Minkowski difference D = A - B of two convex cores, in the frame of A. The cores overlap where D contains the origin. The nearest
-// point of D to the origin is the shortest vector between them.
+// Minkowski difference D = A - B of two convex cores, in the frame of A. The cores overlap where D contains the origin. The
+// nearest point of D to the origin is the shortest vector between them.
 #pragma once
 
 #include "base/portable.hpp"
@@ -36,7 +36,8 @@ struct Difference {
     return q;
   }
   // Derivative of the support point, as a weighted sum over several pieces.
-  DYN_INLINE shape::CurvatureRadii curvature_radii(const Vertex* p, const double* weight, int count, const Vec& n, const Vec& u, const Vec& v) const {
+  DYN_INLINE shape::CurvatureRadii curvature_radii(const Vertex* p, const double* weight, int count, const Vec& n, const Vec& u,
+                                                   const Vec& v) const {
     shape::CurvatureRadii sum = {0, 0, 0};
     auto add = [&](const shape::CurvatureRadii& k, double w) { sum = {sum.uu + k.uu * w, sum.uv + k.uv * w, sum.vv + k.vv * w}; };
     if constexpr (A::curved)

@@ -1,6 +1,6 @@
-// Expanding polytope algorithm (van den Bergen, Game Developers Conference 2001). Finds the boundary point of D = A - B nearest to
-// the origin, for overlapping cores. The nearest face of a polytope inside D bounds the depth from below. The support point above
-// that face bounds it from above. Face distances are signed, so touching shapes need no special case.
+// Expanding polytope algorithm (van den Bergen, Game Developers Conference 2001). Finds the boundary point of D = A - B nearest
+// to the origin, for overlapping cores. The nearest face of a polytope inside D bounds the depth from below. The support point
+// above that face bounds it from above. Face distances are signed, so touching shapes need no special case.
 #pragma once
 
 #include "collision/descent.hpp"
@@ -24,7 +24,12 @@ template <class D>
 class Epa {
  public:
   Epa(const D& d, EpaWorkspace& w, const Options& o)
-      : d_(d), w_(w), o_(o), rounding_(d.rounding()), wanted_(std::min(o.tolerance, 1e-6) * d.small + rounding_), tie_(1e-7 * d.small) {}
+      : d_(d),
+        w_(w),
+        o_(o),
+        rounding_(d.rounding()),
+        wanted_(std::min(o.tolerance, 1e-6) * d.small + rounding_),
+        tie_(1e-7 * d.small) {}
 
   // s: simplex near the origin.
   EpaResult run(const Simplex& s) {
@@ -73,7 +78,9 @@ class Epa {
         stuck_ = !grow(nearest, p);
     }
     if constexpr (D::curved)
-      if (Refined p; !refined() && r.upper - lower_bound() > o_.accepted * d_.small && pattern_search_refine(d_, r.normal, wanted_, p)) record(p);
+      if (Refined p;
+          !refined() && r.upper - lower_bound() > o_.accepted * d_.small && pattern_search_refine(d_, r.normal, wanted_, p))
+        record(p);
     if (refined()) {
       r.normal = refined_.normal, r.a = refined_.a, r.b = refined_.b, r.upper = refined_upper_, r.residual = refined_.residual;
       r.unique = refined_.unique, r.refined = true;
@@ -188,7 +195,9 @@ class Epa {
     if (vertices_ == EpaWorkspace::max_vertices) return false;
     auto sees = [&](Index f) { return dot(w_.face[f].normal, p.w) - w_.face[f].offset > -rounding_; };
     Index depth = 0, visible = 0, horizon = 0;
-    auto remove = [&](Index f) { w_.offset[f] = w_.face[f].offset = shape::infinity, w_.visible[visible++] = f, w_.stack[depth++] = f; };
+    auto remove = [&](Index f) {
+      w_.offset[f] = w_.face[f].offset = shape::infinity, w_.visible[visible++] = f, w_.stack[depth++] = f;
+    };
     const Index top = vertices_++;
     w_.vertex[top] = p;
     for (Index v = 0; v < top; ++v) w_.from[v] = -1;

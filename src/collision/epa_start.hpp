@@ -5,8 +5,8 @@
 
 namespace dyn::collision::detail {
 
-// Four vertices p that span a volume: those of s, completed by support points at least `least` apart. Returns false if D is flat; n is
-// then its normal.
+// Four vertices p that span a volume: those of s, completed by support points at least `least` apart. Returns false if D is flat;
+// n is then its normal.
 template <class D>
 inline bool spanning_vertices(const D& d, const Simplex& s, double least, Vertex* p, Vec& n) {
   int size = 0;

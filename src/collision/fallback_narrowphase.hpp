@@ -13,7 +13,7 @@ struct FallbackResult {
 };
 
 // Returns false if no overlap was found.
-using FallbackMethod = bool (*)(const shape::Shape& a, const shape::Pose& X_WA, const shape::Shape& b, const shape::Pose& X_WB, double tolerance,
-                              FallbackResult& out);
+using FallbackMethod = bool (*)(const shape::Shape& a, const shape::Pose& X_WA, const shape::Shape& b, const shape::Pose& X_WB,
+                                double tolerance, FallbackResult& out);
 
 }  // namespace dyn::collision

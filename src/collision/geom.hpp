@@ -20,7 +20,9 @@ struct Geom {
 struct Masks {
   std::uint32_t contype, conaffinity;
 };
-inline bool masks_allow(const Masks& a, const Masks& b) { return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0; }
+inline bool masks_allow(const Masks& a, const Masks& b) {
+  return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0;
+}
 
 using shape::geometry_of;
 using shape::size_count;
@@ -31,7 +33,8 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
   const ShapeRecord& s = m.shapes()[m.geoms()[geom].shape];
   const FrameRecord& f = m.frames()[s.frame];
   Geom g;
-  if (!geometry_of(s.type, s.size, s.radius, g.shape)) g.shape = {shape::Type::Sphere, 0, shape::Vec::zero(), nullptr};  // the name of a mesh: a point, in no tested pair
+  if (!geometry_of(s.type, s.size, s.radius, g.shape))
+    g.shape = {shape::Type::Sphere, 0, shape::Vec::zero(), nullptr};  // the name of a mesh: a point, in no tested pair
   if (g.shape.type == shape::Type::Convex) g.shape.hull = d.hulls + s.surface;
   if (g.shape.type == shape::Type::Triangles) g.shape.triangles = d.trees + s.surface;
   if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;
@@ -45,7 +48,8 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
 template <class D>
 void set_up(const Model& m, D& d) {
   auto place = [&]<class T>(T* to, const Stored<T>* from, Index count) {
-    for (Index k = 0; k < count; ++k) to[k] = view(from[k].header, m.surface_numbers() + from[k].numbers, m.surface_indices() + from[k].indices);
+    for (Index k = 0; k < count; ++k)
+      to[k] = view(from[k].header, m.surface_numbers() + from[k].numbers, m.surface_indices() + from[k].indices);
   };
   place(d.hulls, m.hulls(), m.n.hulls), place(d.trees, m.trees(), m.n.trees), place(d.grids, m.grids(), m.n.grids);
   for (Index k = 0; k < m.n.geoms; ++k) {

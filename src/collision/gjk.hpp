@@ -1,6 +1,6 @@
-// Distance of two separated convex cores by the iteration of Gilbert, Johnson, Keerthi (IEEE J. Robotics Automation 4(2), 1988). v
-// is the nearest point of a simplex of D = A - B to the origin. |v| bounds the distance from above. The support point w along -v
-// bounds it from below by v.w / |v|.
+// Distance of two separated convex cores by the iteration of Gilbert, Johnson, Keerthi (IEEE J. Robotics Automation 4(2), 1988).
+// v is the nearest point of a simplex of D = A - B to the origin. |v| bounds the distance from above. The support point w along
+// -v bounds it from below by v.w / |v|.
 #pragma once
 
 #include "collision/simplex.hpp"

@@ -1,8 +1,8 @@
 // Derivative of the distance by the motion of the shapes. By the envelope theorem (Danskin 1967) only the motion of the witness
 // points along the normal counts:
 //   d(distance) = n.(v_B + w_B x (p_b - o_B)) - n.(v_A + w_A x (p_a - o_A))
-// o are the origins of the shapes' frames, v and w their linear and angular velocities in world axes. It holds apart, touching and
-// penetrating where Result::unique is true. Elsewhere the distance has a kink, and this is a one-sided slope.
+// o are the origins of the shapes' frames, v and w their linear and angular velocities in world axes. It holds apart, touching
+// and penetrating where Result::unique is true. Elsewhere the distance has a kink, and this is a one-sided slope.
 #pragma once
 
 #include "collision/result.hpp"

@@ -23,10 +23,10 @@ struct Manifold {
 
 // Points at a distance of at most margin (m). Of more than eight, keeps the deepest and those that span the largest area. Two
 // half-spaces have none. Never allocates.
-void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin, Workspace& workspace,
-              Manifold& out, const Options& options = Options());
+void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin,
+              Workspace& workspace, Manifold& out, const Options& options = Options());
 // The same with a known distance.
-void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& distance, double margin,
-              Manifold& out);
+void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& distance,
+              double margin, Manifold& out);
 
 }  // namespace dyn::collision

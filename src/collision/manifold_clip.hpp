@@ -34,8 +34,8 @@ struct ContactPlane {
   ContactPlane(const Vec& normal, const Vec& origin) : n(normal), u(shape::across(normal)), v(cross(normal, u)), origin(origin) {}
 };
 
-// Corners of a feature of the shape at X. towards: +1 if the other shape lies along n, -1 if against n. A face seen edge-on becomes
-// its edge, a line seen end-on its end.
+// Corners of a feature of the shape at X. towards: +1 if the other shape lies along n, -1 if against n. A face seen edge-on
+// becomes its edge, a line seen end-on its end.
 inline PlanarFeature project(const shape::Feature& f, const Pose& X, const ContactPlane& plane, double towards) {
   constexpr double steep = 0.05;  // cosine to n
   PlanarFeature out;
@@ -84,7 +84,8 @@ inline std::uint32_t part_of(const PlanarFeature& f, double x, double y, double 
     if (shape::length2(f.p[k].x - x, f.p[k].y - y) <= eps) return name(f.p[k].id, f.p[k].id);
   for (int k = 0; k < f.count && f.count > 1; ++k) {
     const Corner &a = f.p[k], &b = f.p[(k + 1) % f.count];
-    const double ex = b.x - a.x, ey = b.y - a.y, rx = x - a.x, ry = y - a.y, length = shape::length2(ex, ey), along = ex * rx + ey * ry;
+    const double ex = b.x - a.x, ey = b.y - a.y, rx = x - a.x, ry = y - a.y, length = shape::length2(ex, ey),
+                 along = ex * rx + ey * ry;
     if (std::abs(ex * ry - ey * rx) <= eps * length && along >= 0 && along <= length * length) return name(a.id, b.id);
   }
   return 0xffffffff;
@@ -139,7 +140,8 @@ void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps,
 // Two lines on surfaces with these radii of curvature: the ends of one over the surface of the other.
 void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps, Overlap& out);
 // Feature of a convex shape that faces the other one. towards: +1 if the other lies along the plane's normal, -1 if against.
-PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band, shape::Feature& feature);
+PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band,
+                                shape::Feature& feature);
 // Any two features, faces counter-clockwise. A single point has no overlap.
 void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps, Overlap& out);
 // All corners over a plane at that height. swapped: they are B's.

@@ -1,11 +1,11 @@
 // Newton refinement of the separating normal. GJK and EPA know support points alone and converge slowly on curved boundaries.
 //
-// The signed distance is max f(n), f(n) = -h(n), over unit normals n; h is the support function of D = A - B. At the maximum one to
-// three smooth pieces i of D's boundary hold the plane. Their support points s_i(n) have equal height, and their weighted sum is
-// parallel to n:
+// The signed distance is max f(n), f(n) = -h(n), over unit normals n; h is the support function of D = A - B. At the maximum one
+// to three smooth pieces i of D's boundary hold the plane. Their support points s_i(n) have equal height, and their weighted sum
+// is parallel to n:
 //   n.(s_i - s_1) = 0,    P sum_i m_i s_i(n) = 0,    sum_i m_i = 1,    P the projection across n.
-// With H_i = ds_i/dn (curvature, H_i n = 0), y = sum m_i s_i, f = -n.s_1, e_i = P (s_i - s_1), the Newton step (d, dm) with d.n = 0
-// is
+// With H_i = ds_i/dn (curvature, H_i n = 0), y = sum m_i s_i, f = -n.s_1, e_i = P (s_i - s_1), the Newton step (d, dm) with d.n =
+// 0 is
 //   (sum m_i H_i + f) d + sum_i dm_i e_i = -P y,    e_i.d = -n.(s_i - s_1).
 #pragma once
 
@@ -74,14 +74,16 @@ struct Pieces {
     const double a = H.uu + f, b = H.uv, c = H.vv + f, gu = -dot(u, y), gv = -dot(v, y);
     double du, dv;
     if (size == 1) {
-      const double mean = (a + c) / 2, least = mean - std::sqrt((a - c) * (a - c) / 4 + b * b), shift = positive_curvature(least, mean) - least;
+      const double mean = (a + c) / 2, least = mean - std::sqrt((a - c) * (a - c) / 4 + b * b),
+                   shift = positive_curvature(least, mean) - least;
       const double as = a + shift, cs = c + shift, det = as * cs - b * b;
       du = (cs * gu - b * gv) / det, dv = (as * gv - b * gu) / det;
     } else if (size == 2) {
       const Vec e = s[1].w - s[0].w;
       const double eu = dot(u, e), ev = dot(v, e), ee = eu * eu + ev * ev;
       // along e from the heights, across e from the gradient
-      const double along = -dot(n, e) / ee, across = (a * ev * ev - 2 * b * eu * ev + c * eu * eu) / ee, curved = positive_curvature(across, across);
+      const double along = -dot(n, e) / ee, across = (a * ev * ev - 2 * b * eu * ev + c * eu * eu) / ee,
+                   curved = positive_curvature(across, across);
       const double ru = gu - along * (a * eu + b * ev), rv = gv - along * (b * eu + c * ev);
       const double side = (rv * eu - ru * ev) / ee / curved;
       du = along * eu - side * ev, dv = along * ev + side * eu;
@@ -197,7 +199,8 @@ inline bool on_face(const D& d, const Vec& n, Refined& out) {
 
 // From support points near the solution, their weights, and a normal. Returns false if no solution was found.
 template <class D>
-[[gnu::noinline]] inline bool newton_refine(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Refined& out) {
+[[gnu::noinline]] inline bool newton_refine(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal,
+                                            double wanted, Refined& out) {
   detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, 0, true, false};
   for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
   p.evaluate(normal);

@@ -11,7 +11,9 @@ namespace dyn::collision {
 // Index of the listed pair of two shapes, a < b, or -1.
 inline Index listed_pair(const Model& m, Index a, Index b) {
   const PairRecord* const end = m.pairs() + m.n.pairs;
-  const PairRecord* const p = std::lower_bound(m.pairs(), end, std::pair{a, b}, [](const PairRecord& x, const std::pair<Index, Index>& y) { return x.a != y.first ? x.a < y.first : x.b < y.second; });
+  const PairRecord* const p = std::lower_bound(
+      m.pairs(), end, std::pair{a, b},
+      [](const PairRecord& x, const std::pair<Index, Index>& y) { return x.a != y.first ? x.a < y.first : x.b < y.second; });
   return p != end && p->a == a && p->b == b ? Index(p - m.pairs()) : -1;
 }
 
@@ -23,7 +25,8 @@ inline Index fixed_link(const FrameRecord* frames, Index frame) {
 
 // A body and its parent touch at their joint, so they are not tested. Joints without mass between them count as one. A free flyer
 // has no parent. A joint on the world has the link that holds it as parent, where `held`.
-inline bool parent_and_child(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index parent, Index child, bool held) {
+inline bool parent_and_child(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index parent, Index child,
+                             bool held) {
   for (Index k = frames[child].joint; k != 0 && joints[k].type != DYN_JOINT_TYPE_FREE_FLYER; k = joints[k].parent) {
     const Index carrier = joints[k].parent;
     if (carrier == frames[parent].joint) return carrier != 0 || (held && parent != 0 && parent == fixed_link(frames, child));
@@ -31,12 +34,15 @@ inline bool parent_and_child(const JointRecord* joints, const Body* bodies, cons
   }
   return false;
 }
-inline PairFilter filter_of(const ShapeRecord& a, const ShapeRecord& b) { return PairFilter(std::min<std::uint32_t>(a.filter, b.filter)); }
-inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, const ShapeRecord& a, const ShapeRecord& b) {
+inline PairFilter filter_of(const ShapeRecord& a, const ShapeRecord& b) {
+  return PairFilter(std::min<std::uint32_t>(a.filter, b.filter));
+}
+inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, const ShapeRecord& a,
+                     const ShapeRecord& b) {
   const PairFilter filter = filter_of(a, b);
   const bool held = filter < PairFilter::Mujoco;
-  return filter != PairFilter::SameBody &&
-         (parent_and_child(joints, bodies, frames, a.frame, b.frame, held) || parent_and_child(joints, bodies, frames, b.frame, a.frame, held));
+  return filter != PairFilter::SameBody && (parent_and_child(joints, bodies, frames, a.frame, b.frame, held) ||
+                                            parent_and_child(joints, bodies, frames, b.frame, a.frame, held));
 }
 
 inline bool has_geometry(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH; }
@@ -46,13 +52,16 @@ inline bool is_tested(const Model& m, const Data<double>& d, Index a, Index b, I
   if (pair = listed_pair(m, a, b); pair >= 0) return d.pair_states[pair] == DYN_PAIR_REASON_TESTED;
   if (lists_pairs(m)) return false;
   const auto shape = [&](Index geom) -> const ShapeRecord& { return m.shapes()[m.geoms()[geom].shape]; };
-  return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_allow(d.geom_masks[a], d.geom_masks[b]) &&
-         !adjacent(m.joints(), m.bodies(), m.frames(), shape(a), shape(b)) && has_geometry(m, a) && has_geometry(m, b);
+  return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint &&
+         masks_allow(d.geom_masks[a], d.geom_masks[b]) && !adjacent(m.joints(), m.bodies(), m.frames(), shape(a), shape(b)) &&
+         has_geometry(m, a) && has_geometry(m, b);
 }
 
 // Whether steps search pairs by boxes. Measured: boxes are cheaper from this many listed pairs a shape.
 inline constexpr Index search_pairs_per_shape = 16;
-inline bool uses_pair_search(const Model& m) { return !lists_pairs(m) || m.n.pairs > search_pairs_per_shape * std::ptrdiff_t(m.n.geoms); }
+inline bool uses_pair_search(const Model& m) {
+  return !lists_pairs(m) || m.n.pairs > search_pairs_per_shape * std::ptrdiff_t(m.n.geoms);
+}
 
 // Sphere in which a shape was isolated. While the shape stays inside, no query is needed.
 struct IsolatedSphere {
@@ -68,7 +77,7 @@ struct PairSearch {
   Index* active;                                     // ids in `moving`, ascending
   IsolatedSphere* isolated;                                      // by id
   Index active_count;
-  IdPair* found;                                     // pairs of moving shapes; from first_other on pairs with others; both ascending
+  IdPair* found;  // pairs of moving shapes; from first_other on pairs with others; both ascending
   std::ptrdiff_t first_other, found_count, capacity;
 
   static PairSearch* of(const Data<double>& d) { return reinterpret_cast<PairSearch*>(d.pair_search); }
@@ -88,8 +97,8 @@ struct PairSearch {
     if (const double left = a.radius - more; left > 0 && dot(way, way) <= left * left) return true;
     return move(d, g, X, id, more);
   }
-  // f(a, b), a < b, of pairs with overlapping boxes. Returns whether they came in ascending order, which fails when they exceed the
-  // capacity.
+  // f(a, b), a < b, of pairs with overlapping boxes. Returns whether they came in ascending order, which fails when they exceed
+  // the capacity.
   template <class F>
   bool for_each(const Data<double>& d, F&& f) {
     const auto ordered = [&](Index a, Index b) { f(std::min(a, b), std::max(a, b)); };
@@ -110,7 +119,9 @@ struct PairSearch {
 
  private:
   bool move(const Data<double>& d, const Geom& g, const Pose& X, Index id, double more);
-  Index id_of(Index geom) const { return Index(std::lower_bound(moving_geoms, moving_geoms + moving_count, geom) - moving_geoms); }
+  Index id_of(Index geom) const {
+    return Index(std::lower_bound(moving_geoms, moving_geoms + moving_count, geom) - moving_geoms);
+  }
   bool collect(const Data<double>& d);
   // Moving shapes against fixed, sleeping and unbounded ones.
   template <class F>

@@ -16,7 +16,8 @@ void distances(const Model& m, Data<double>& d);
 Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Index capacity);
 
 // Adds weight times the derivative of the gap along the normal by q (tangent space).
-void add_gradient(const Model& m, const Data<double>& d, Index pair, const Result& r, double weight, double* out, std::ptrdiff_t stride);
+void add_gradient(const Model& m, const Data<double>& d, Index pair, const Result& r, double weight, double* out,
+                  std::ptrdiff_t stride);
 
 // Derivative of a pair's distance by q on the tangent space (gradient.hpp), nv numbers `stride` apart; zero where it has none.
 // Common ancestors of both bodies move the witness points alike and add nothing.

@@ -16,8 +16,8 @@ enum class Status : Index {
   Failed,       // the residual exceeds `accepted`; the best result is given
 };
 
-// Normal and points are in the world. The distance is negative when overlapping: -distance is the length of the shortest separating
-// translation of B, along the normal. point_b - point_a = distance normal.
+// Normal and points are in the world. The distance is negative when overlapping: -distance is the length of the shortest
+// separating translation of B, along the normal. point_b - point_a = distance normal.
 struct Result {
   Status status;
   bool from_fallback;  // found by the fallback method

@@ -1,6 +1,6 @@
-// Depth of a convex shape that penetrates a surface from the side of its centre. The shortest way out of a single triangle may lead
-// sideways, past an edge behind which the surface continues. Example: a box corner over a vertex of a floor. The way out is then
-// through the face above the lowest point.
+// Depth of a convex shape that penetrates a surface from the side of its centre. The shortest way out of a single triangle may
+// lead sideways, past an edge behind which the surface continues. Example: a box corner over a vertex of a floor. The way out is
+// then through the face above the lowest point.
 #pragma once
 
 #include "surface_bounds.hpp"

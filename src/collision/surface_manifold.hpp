@@ -16,6 +16,7 @@ struct ContactSearch {
 
 // Corners of the overlaps of all facing triangles: their convex hull along the normal and the deepest point. The hull merges
 // coplanar triangles. At least one shape is a surface.
-void surface_overlap(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const ContactSearch& s, Overlap& out);
+void surface_overlap(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const ContactSearch& s,
+                     Overlap& out);
 
 }  // namespace dyn::collision

@@ -1,7 +1,7 @@
 // Time of impact by conservative advancement. Let d be the gap of two convex shapes, n the normal, mu a bound of their approach
 // speed along n. No point can pass the plane before d / mu, so time advances by that. It is never overestimated, however thin a
-// wall is. Sources: Mirtich, PhD thesis, Berkeley 1996, 2.3; bound on rotation: Zhang, Lee, Kim, Symp. Solid and Physical Modeling
-// 2006.
+// wall is. Sources: Mirtich, PhD thesis, Berkeley 1996, 2.3; bound on rotation: Zhang, Lee, Kim, Symp. Solid and Physical
+// Modeling 2006.
 #pragma once
 
 #include "collision/distance.hpp"
@@ -32,6 +32,7 @@ struct SweepOptions {
 };
 
 // Searches [0, duration]. A half-space must not turn.
-Impact sweep(const Moving& a, const Moving& b, double duration, Workspace& workspace, const SweepOptions& options = SweepOptions());
+Impact sweep(const Moving& a, const Moving& b, double duration, Workspace& workspace,
+             const SweepOptions& options = SweepOptions());
 
 }  // namespace dyn::collision

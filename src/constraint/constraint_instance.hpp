@@ -11,7 +11,9 @@ inline std::ptrdiff_t padded_kkt(std::ptrdiff_t n) { return (n + row_lanes - 1) 
 inline std::ptrdiff_t padded_rows(std::ptrdiff_t rows) { return (rows + row_lanes - 1) / row_lanes * row_lanes + row_lanes; }
 
 // Angle limit of a ball joint: one row on the three degrees of freedom from v1 on, with factors c.axis.
-inline bool of_ball(const Constraint& c) { return c.type == DYN_CONSTRAINT_TYPE_LIMIT && c.joint_type == DYN_JOINT_TYPE_SPHERICAL; }
+inline bool of_ball(const Constraint& c) {
+  return c.type == DYN_CONSTRAINT_TYPE_LIMIT && c.joint_type == DYN_JOINT_TYPE_SPHERICAL;
+}
 
 template <class T>
 struct ConstraintInstance {

@@ -35,7 +35,9 @@ DYN_INLINE void visit_joint_constraint(dynConstraintType type, F&& f) {
 
 inline bool between_joints(dynConstraintType type) { return type >= DYN_CONSTRAINT_TYPE_COUPLING; }
 // Constraints whose force has bounds.
-inline bool one_sided(dynConstraintType type) { return type == DYN_CONSTRAINT_TYPE_LIMIT || type == DYN_CONSTRAINT_TYPE_FRICTION; }
+inline bool one_sided(dynConstraintType type) {
+  return type == DYN_CONSTRAINT_TYPE_LIMIT || type == DYN_CONSTRAINT_TYPE_FRICTION;
+}
 
 inline int constraint_rows(const Constraint& c) {
   int rows = 0;

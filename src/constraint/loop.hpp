@@ -2,7 +2,8 @@
 // a is the axis, n1 and n2 are unit vectors perpendicular to it:
 //   position    all: C = r        across a: C = n . r        along a (planar): C = a . r
 //   orientation all: C = log3 R        of the axis: C = n . (a x R a), dC/dt = n . w where R a = a
-//   universal   C = a . (R b - b), b the second axis in B: with b' = R b, dC/dt = (b' x a) . w, d2C/dt2 = (b' x a) . dw + ((w x b') x a) . w
+//   universal   C = a . (R b - b), b the second axis in B: with b' = R b, dC/dt = (b' x a) . w, d2C/dt2 = (b' x a) . dw + ((w x
+//   b') x a) . w
 //   helical     C = a . r - h phi, phi the angle of R about a, to the nearest turn: dC/dt = a . v - h a . w
 #pragma once
 
@@ -16,9 +17,18 @@ struct Loop {
   // 0: such a joint closes no loop.
   static int rows(dynJointType type) {
     switch (type) {
-      case DYN_JOINT_TYPE_REVOLUTE: case DYN_JOINT_TYPE_CONTINUOUS: case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED: case DYN_JOINT_TYPE_PRISMATIC: case DYN_JOINT_TYPE_HELICAL: return 5;
+      case DYN_JOINT_TYPE_REVOLUTE:
+      case DYN_JOINT_TYPE_CONTINUOUS:
+      case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED:
+      case DYN_JOINT_TYPE_PRISMATIC:
+      case DYN_JOINT_TYPE_HELICAL:
+        return 5;
       case DYN_JOINT_TYPE_CYLINDRICAL: case DYN_JOINT_TYPE_UNIVERSAL: return 4;
-      case DYN_JOINT_TYPE_SPHERICAL: case DYN_JOINT_TYPE_SPHERICAL_ZYX: case DYN_JOINT_TYPE_PLANAR: case DYN_JOINT_TYPE_TRANSLATION: return 3;
+      case DYN_JOINT_TYPE_SPHERICAL:
+      case DYN_JOINT_TYPE_SPHERICAL_ZYX:
+      case DYN_JOINT_TYPE_PLANAR:
+      case DYN_JOINT_TYPE_TRANSLATION:
+        return 3;
       default: return 0;
     }
   }
@@ -34,14 +44,18 @@ struct Loop {
     auto across = [&] { out(i++, n1, o, dot(n1, X.r), T(0)), out(i++, n2, o, dot(n2, X.r), T(0)); };
     auto axis = [&] {
       const Vec3<T> leaning = X.R * a;
-      for (const Vec3<T>& n : {n1, n2}) out(i++, o, n, dot(n, cross(a, leaning)), T(0), [&](auto& by) { by.error_turn = cross(leaning, cross(n, a)); });
+      for (const Vec3<T>& n : {n1, n2})
+        out(i++, o, n, dot(n, cross(a, leaning)), T(0), [&](auto& by) { by.error_turn = cross(leaning, cross(n, a)); });
     };
     auto orientation = [&] {
       const Vec3<T> turn = log3(X.R);
       for (int k = 0; k < 3; ++k) out(i++, o, unit3<T>(k), turn[k], T(0), [&](auto& by) { set_turn(turn, k, by); });
     };
     switch (c.joint_type) {
-      case DYN_JOINT_TYPE_REVOLUTE: case DYN_JOINT_TYPE_CONTINUOUS: case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED: return point(), axis();
+      case DYN_JOINT_TYPE_REVOLUTE:
+      case DYN_JOINT_TYPE_CONTINUOUS:
+      case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED:
+        return point(), axis();
       case DYN_JOINT_TYPE_PRISMATIC: return across(), orientation();
       case DYN_JOINT_TYPE_CYLINDRICAL: return across(), axis();
       case DYN_JOINT_TYPE_HELICAL: {

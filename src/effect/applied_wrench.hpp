@@ -24,7 +24,8 @@ struct AppliedWrench {
   DYN_INLINE Force<T> at(const Mat3<T>& R, const Vec3<T>& p) const {
     const Mat3<T> B = R * arm;
     const Vec3<T> moment = Vec3<T>::make(B(1, 2) - B(2, 1), B(2, 0) - B(0, 2), B(0, 1) - B(1, 0));
-    return {R * local.linear + aligned.linear + world.linear, R * local.angular + aligned.angular + moment + world.angular - cross(p, world.linear)};
+    return {R * local.linear + aligned.linear + world.linear,
+            R * local.angular + aligned.angular + moment + world.angular - cross(p, world.linear)};
   }
 };
 

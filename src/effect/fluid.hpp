@@ -1,5 +1,5 @@
-// Drag of a medium (dyn_builder_set_medium) on the box of equal inertia of each link. With v, w relative to the medium, in the box's axes, half sizes
-// r, a, b about axis i, and their mean s:
+// Drag of a medium (dyn_builder_set_medium) on the box of equal inertia of each link. With v, w relative to the medium, in the
+// box's axes, half sizes r, a, b about axis i, and their mean s:
 //   force_i  = -(2 density a b |v_i| + 6 pi viscosity s) v_i
 //   moment_i = -(density r (a^4 + b^4) |w_i| / 2 + 8 pi viscosity s^3) w_i
 #pragma once
@@ -30,7 +30,9 @@ struct Fluid : Listed<Fluid> {
       const double r = box.half[i], a = box.half[(i + 1) % 3], b = box.half[(i + 2) % 3];
       const T vi = v[i], wi = w[i];
       force[i] = -(T(2 * m.density * a * b) * abs(vi) + T(6 * pi * m.viscosity * mean)) * vi;
-      moment[i] = -(T(0.5 * m.density * r * (a * a * a * a + b * b * b * b)) * abs(wi) + T(8 * pi * m.viscosity * mean * mean * mean)) * wi;
+      moment[i] =
+          -(T(0.5 * m.density * r * (a * a * a * a + b * b * b * b)) * abs(wi) + T(8 * pi * m.viscosity * mean * mean * mean)) *
+          wi;
     }
     return {load3(force), load3(moment)};
   }

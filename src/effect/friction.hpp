@@ -11,7 +11,8 @@ struct Friction : Coefficient<Friction> {
   static constexpr std::uint32_t bit = DYN_EFFECT_FRICTION;
   static constexpr const char* name = "a friction";
   static constexpr dynModelArray array = DYN_MODEL_ARRAY_FRICTION;
-  static constexpr const char *quantity = "dry friction", *absent = "no joint has dry friction", *mjcf = "frictionloss", *urdf = "friction";
+  static constexpr const char *quantity = "dry friction", *absent = "no joint has dry friction", *mjcf = "frictionloss",
+                              *urdf = "friction";
   static constexpr Implicit implicit = Implicit::Always;
   static constexpr double rate = 1 / DYN_FRICTION_VELOCITY;
   DYN_EFFECT_COEFFICIENT(friction)

@@ -13,7 +13,8 @@
 
 namespace dyn {
 
-#define DYN_EFFECTS(X) X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(Sleeping)
+#define DYN_EFFECTS(X) \
+  X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(Sleeping)
 
 // f.template operator()<E>() for every effect.
 template <class F>
@@ -40,7 +41,8 @@ constexpr std::uint32_t effect_bits(F&& has) {
 }
 static_assert(effect_bits([]<class E>() { return true; }) == DYN_EFFECT_ALL, "each DYN_EFFECT_... is one file of src/effect");
 
-inline constexpr std::uint32_t resisting_effects = effect_bits([]<class E>() { return effect::OfVelocity<E> || effect::OfConfiguration<E>; });
+inline constexpr std::uint32_t resisting_effects =
+    effect_bits([]<class E>() { return effect::OfVelocity<E> || effect::OfConfiguration<E>; });
 inline constexpr std::uint32_t link_effects = effect_bits([]<class E>() { return effect::OnLinks<E>; });
 inline constexpr std::uint32_t fast_link_effects = effect_bits([]<class E>() {
   if constexpr (effect::OnLinks<E>) return E::needs_velocity;
@@ -48,7 +50,9 @@ inline constexpr std::uint32_t fast_link_effects = effect_bits([]<class E>() {
 });
 // Those that Euler steps take at their end.
 constexpr std::uint32_t implicit_effects(bool implicit_fast) {
-  return effect_bits([=]<class E>() { return E::implicit == effect::Implicit::Always || (implicit_fast && E::implicit == effect::Implicit::ImplicitFast); });
+  return effect_bits([=]<class E>() {
+    return E::implicit == effect::Implicit::Always || (implicit_fast && E::implicit == effect::Implicit::ImplicitFast);
+  });
 }
 
 // Those that a model has.

@@ -1,4 +1,5 @@
-// Sleeping: steps leave out trees at rest (simulation/sleep.hpp), in models where something can come to rest. No effect of the model itself.
+// Sleeping: steps leave out trees at rest (simulation/sleep.hpp), in models where something can come to rest. No effect of the
+// model itself.
 #pragma once
 
 #include "effect/effect.hpp"

@@ -23,7 +23,8 @@ constexpr KindText describe_kind() {
   constexpr struct {
     Axis axis;
     const char* name;
-  } axes[] = {{marks.axis, " axis"}, {marks.axis2, " axis2"}, {marks.x, " axis_x"}, {marks.y, " axis_y"}, {x_axis, " x"}, {y_axis, " y"}, {z_axis, " z"}};
+  } axes[] = {{marks.axis, " axis"}, {marks.axis2, " axis2"}, {marks.x, " axis_x"}, {marks.y, " axis_y"},
+              {x_axis, " x"},        {y_axis, " y"},          {z_axis, " z"}};
   constexpr struct {
     BodyType type;
     const char* name;

@@ -10,8 +10,8 @@
 
 namespace dyn {
 
-// Large blocks ask for large pages: matrices whose columns lie a page apart would spend much of their time on translating addresses.
-// Null when there is no memory; std::free gives it back.
+// Large blocks ask for large pages: matrices whose columns lie a page apart would spend much of their time on translating
+// addresses. Null when there is no memory; std::free gives it back.
 inline void* allocate_block(std::size_t bytes) {
   constexpr std::size_t large_page = std::size_t(1) << 21;
   const bool large = bytes >= 2 * large_page;

@@ -1,5 +1,5 @@
-// Whether a block that came from elsewhere is a model: parts of Checker in block_check*.cpp. Each returns whether nothing was wrong, and what comes
-// after may rely on it. What the builder derives (builder_finish.cpp) is derived once more, without memory.
+// Whether a block that came from elsewhere is a model: parts of Checker in block_check*.cpp. Each returns whether nothing was
+// wrong, and what comes after may rely on it. What the builder derives (builder_finish.cpp) is derived once more, without memory.
 #pragma once
 
 #include <cmath>

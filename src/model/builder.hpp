@@ -115,7 +115,8 @@ class Builder {
   void colour(std::uint32_t of_last_shape);
   void configuration(const std::string& name, const std::vector<double>& q);
   // The same by joints, each with its own coordinates; the others are neutral.
-  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints, const ConfigurationState& state = {});
+  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints,
+                               const ConfigurationState& state = {});
   // Where new data begins: the name of a configuration.
   void initial_configuration(const std::string& name);
   // dt and integrator of new data, and the effects that the model states (DYN_EFFECT_AS_STATED).

@@ -1,4 +1,5 @@
-// A model on its way from a builder into one block: its arrays, and the stages that fill them (builder_finish.cpp gives their order).
+// A model on its way from a builder into one block: its arrays, and the stages that fill them (builder_finish.cpp gives their
+// order).
 #pragma once
 
 #include <unordered_map>
@@ -72,7 +73,9 @@ struct Compiler {
   void settle_configurations();
   void fill_elimination_tree();
   template <class T>
-  T* array(Model::Field field) { return reinterpret_cast<T*>(reinterpret_cast<char*>(model.get()) + 8 * std::size_t(model->offset[std::size_t(field)])); }
+  T* array(Model::Field field) {
+    return reinterpret_cast<T*>(reinterpret_cast<char*>(model.get()) + 8 * std::size_t(model->offset[std::size_t(field)]));
+  }
 
   ModelPtr compile();
   std::vector<std::string> massless = {};

@@ -139,7 +139,8 @@ std::vector<double> neutral_of(const JointEntry& joint);
 int own_nq(const JointEntry& joint);  // 0 for a follower
 int own_nv(const JointEntry& joint);
 // Coordinates of the model in each joint's own, by the order of addition; followers have none. size: own_nq or own_nv.
-std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x, int (*size)(const JointEntry&) = own_nq);
+std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& x,
+                                          int (*size)(const JointEntry&) = own_nq);
 
 // Who a joint follows: q = ratio q_leader + offset; joint -1: it moves by itself.
 struct Leader {
@@ -151,24 +152,28 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
 // Chains of one type, as long as they can be, and cache blocks of them.
 void make_runs(const std::vector<Body>& bodies, std::vector<JointRun>& joint_runs, std::vector<CacheBlock>& cache_blocks);
 // Coordinates of vector spaces, as many side by side as there are, and the bodies that have others.
-void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euclidean_spans, std::vector<Index>& manifold_joints);
-// The groups of degrees of freedom, from their parents, depths and ends of descendants in the elimination tree. Returns how many there are.
-Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end, DofGroup* groups);
+void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euclidean_spans,
+                std::vector<Index>& manifold_joints);
+// The groups of degrees of freedom, from their parents, depths and ends of descendants in the elimination tree. Returns how many
+// there are.
+Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end,
+                      DofGroup* groups);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
 void elimination_tree(const Model& m, std::vector<Index>& parent);
-// Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added. allow_massless: a
-// message for each joint that moves no inertia, or a negative one, instead.
-std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames, bool allow_massless);
+// Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
+// allow_massless: a message for each joint that moves no inertia, or a negative one, instead.
+std::vector<std::string> check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints,
+                                        const std::vector<FrameEntry>& frames, bool allow_massless);
 
 // Two shapes, the lower number first, that are tested whatever the filter says, and 1 + the number of their own material or 0.
 using WantedPairs = std::map<std::pair<Index, Index>, std::int32_t>;
 using GeomPairs = std::vector<std::pair<Index, Index>>;
-// Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; of more than max_geoms shapes those that are wanted,
-// disabled, or known to overlap.
-std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies, const std::vector<FrameRecord>& frames,
-                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms,
-                                     const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
-                                 const GeomPairs& overlapping);
+// Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; of more than max_geoms
+// shapes those that are wanted, disabled, or known to overlap.
+std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies,
+                                 const std::vector<FrameRecord>& frames, const std::vector<ShapeRecord>& shapes,
+                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled,
+                                 const WantedPairs& wanted, const GeomPairs& overlapping);
 // Several collision shapes, and no pair of them is tested: the load report says so.
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
 // Begins the lines of the load report on pairs that overlap.
@@ -193,7 +198,8 @@ Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
 // Throws when the model can't have one.
 void check_constraints(const Model& m);
 // Actuators as the model keeps them, and their sizes. (builder_actuator.cpp)
-std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id, const std::vector<JointRecord>& joints,
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
+                                         const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n);
 // On which a medium drags; X: the link's frame in its body's internal one. None of a link without mass.
 std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);

@@ -64,11 +64,12 @@ struct Data {
 
   simulation::Workspace* step;                       // in step_memory
   dynParts parts;
-  std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them, and acting_wrenches
+  std::uint32_t acting;  // DYN_EFFECT_... that are switched on at a joint which has them, and acting_wrenches
   std::uint32_t pushed;                              // acting_wrenches when there are any
-  std::uint32_t rows_dropped;                        // 1: some constraint may have redundant rows that are left out; else none has
+  std::uint32_t rows_dropped;  // 1: some constraint may have redundant rows that are left out; else none has
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
-  std::uint64_t stamp[std::size_t(Stage::count_)];  // the newest of the versions that each stage was computed for; 0: not computed
+  std::uint64_t
+      stamp[std::size_t(Stage::count_)];  // the newest of the versions that each stage was computed for; 0: not computed
 
   bool has(dynParts p) const { return p == 0 || (parts & p) != 0; }
   bool fresh(Stage s) const { return s == Stage::State || stamp[std::size_t(s)] == newest(s); }
@@ -129,8 +130,8 @@ inline dynParts complete_parts(const Model& m, dynParts p) {
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_CHOLESKY) : p;
 }
 
-// Bytes of the arena (a multiple of 64). possible: parts that a program may ask for, with what they imply. Where flash is small it is
-// a few, and what lays out the others is left out. simulation/data_layout.hpp defines both functions.
+// Bytes of the arena (a multiple of 64). possible: parts that a program may ask for, with what they imply. Where flash is small
+// it is a few, and what lays out the others is left out. simulation/data_layout.hpp defines both functions.
 template <class T, dynParts possible = DYN_PART_ALL>
 std::size_t data_bytes(const Model& m, dynParts parts);
 

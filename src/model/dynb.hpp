@@ -1,6 +1,6 @@
-// .dynb: a model's block as it is, behind a header that is its handle: a file, or memory (flash) in which the model is used where it lies.
-// Read by the same layout of memory alone: the tag is made of the sizes of all that a block holds. It is that of every little-endian machine with
-// 8-byte alignment of doubles and as many lanes to a vector, whatever the size of its pointers.
+// .dynb: a model's block as it is, behind a header that is its handle: a file, or memory (flash) in which the model is used where
+// it lies. Read by the same layout of memory alone: the tag is made of the sizes of all that a block holds. It is that of every
+// little-endian machine with 8-byte alignment of doubles and as many lanes to a vector, whatever the size of its pointers.
 #pragma once
 
 #include "model/model.hpp"
@@ -57,8 +57,9 @@ template <class Layout = OwnLayout>
 constexpr std::uint64_t dynb_tag() {
   std::uint64_t sum = 0xcbf29ce484222325u;
   const auto add = [&](std::uint64_t x) { sum = (sum ^ x) * 0x100000001b3u; };
-  for (const std::size_t size : {sizeof(DynbHeader), sizeof(Model), sizeof(ModelSizes), sizeof(Index), Layout::template alignment<Vec3<double>>,
-      offsetof(Model, offset)}) add(size);
+  for (const std::size_t size : {sizeof(DynbHeader), sizeof(Model), sizeof(ModelSizes), sizeof(Index),
+                                 Layout::template alignment<Vec3<double>>, offsetof(Model, offset)})
+    add(size);
 #define FIELD(type, name, count, sentence)                                       \
   add(Layout::template size<type>), add(Layout::template alignment<type>); \
   for (const char* c = #name; *c; ++c) add(std::uint64_t(*c));
@@ -77,9 +78,9 @@ struct Damage {
   explicit operator bool() const { return what != nullptr; }
 };
 
-// Looks at the header and the checksum; at whatever of the block is read: sizes, offsets, indices, strings, types, numbers. No heap. What follows
-// from something else must be what follows. Trusted: that the planes and neighbours of a hull are those of its vertices, and that the boxes of a
-// tree hold its triangles, which decide about distances alone.
+// Looks at the header and the checksum; at whatever of the block is read: sizes, offsets, indices, strings, types, numbers. No
+// heap. What follows from something else must be what follows. Trusted: that the planes and neighbours of a hull are those of its
+// vertices, and that the boxes of a tree hold its triangles, which decide about distances alone.
 Damage check_dynb(const void* buffer, std::size_t bytes);
 Damage check_header(const void* buffer, std::size_t bytes);
 Damage check_block(const Model& m, std::size_t bytes);

@@ -49,7 +49,8 @@ void set_to_configuration(const Model& m, Data<T>& d, Index k) {
     for (Index i = 0; to && i < n; ++i) to[i] = T(from[i]);
   };
   const double *v = m.configuration_state(k), *u = v + m.n.nv, *act = u + m.n.nu;
-  copy(m.configurations() + std::ptrdiff_t(k) * m.n.nq, m.n.nq, d.q), copy(v, m.n.nv, d.v), copy(u, m.n.nu, d.ctrl), copy(act, m.n.na, d.act);
+  copy(m.configurations() + std::ptrdiff_t(k) * m.n.nq, m.n.nq, d.q), copy(v, m.n.nv, d.v), copy(u, m.n.nu, d.ctrl),
+      copy(act, m.n.na, d.act);
   for (Index i = 0; i < m.n.nv; ++i) d.a[i] = d.tau_applied[i] = T(0);
   d.time[0] = T(act[m.n.na]);
 }

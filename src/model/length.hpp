@@ -1,4 +1,5 @@
-// A model's own unit of length: thresholds and bounds are this many of it, so that results do not depend on whether lengths are in metres.
+// A model's own unit of length: thresholds and bounds are this many of it, so that results do not depend on whether lengths are
+// in metres.
 #pragma once
 
 #include <cmath>
@@ -7,7 +8,8 @@
 
 namespace dyn {
 
-// Five times the mean of what the bodies' inertias say of their sizes, sqrt(tr I / m): about 1 for cubes of 0.3 m; of points that turn nothing 1.
+// Five times the mean of what the bodies' inertias say of their sizes, sqrt(tr I / m): about 1 for cubes of 0.3 m; of points that
+// turn nothing 1.
 inline double own_length(const Model& m) {
   double sum = 0;
   Index count = 0;

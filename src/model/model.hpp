@@ -117,7 +117,8 @@ struct ShapeRecord {
 
 // A coordinate with a finite limit; of a quaternion w, by whose lower limit cos(a/2) the angle of the rotation is at most a.
 struct LimitRecord {
-  Index q, body, dof;  // the user's coordinate; the body that it moves, its expanded degree of freedom (of a quaternion the first)
+  Index q, body,
+      dof;  // the user's coordinate; the body that it moves, its expanded degree of freedom (of a quaternion the first)
 };
 
 // A collision shape.
@@ -132,7 +133,7 @@ inline constexpr Index max_geoms = 1000;
 struct PairRecord {
   std::uint16_t a, b;
   std::uint8_t reason;  // dynPairReason: whether new data tests it
-  std::uint8_t own;     // 0: the filter decides; else it is wanted: 1: with the material of its shapes, or 2 + the number of another
+  std::uint8_t own;  // 0: the filter decides; else it is wanted: 1: with the material of its shapes, or 2 + the number of another
   static constexpr Index max_own = 253;
   bool wanted() const { return own > 0; }
   Index material() const { return own > 1 ? own - 1 : 0; }  // 1 + its own material's number; 0: that of its shapes
@@ -167,13 +168,13 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, joint_runs, cache_blocks, sweep, euclidean_spans, manifold_joints, joints, parts, frames, links, shapes, geoms, pairs, reports,
-      configurations, text, disabled;
+  Index bodies, joint_runs, cache_blocks, sweep, euclidean_spans, manifold_joints, joints, parts, frames, links, shapes, geoms,
+      pairs, reports, configurations, text, disabled;
   Index hulls, trees, grids, surface_numbers, surface_indices;
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
   Index materials;
   Index actuators, nu, na, gravity_compensations, drag_boxes;
-  Index contacts, limits, carriers;           // contact points that a step has room for; degrees of freedom that carry two bodies, at most
+  Index contacts, limits, carriers;  // contact points that a step has room for; degrees of freedom that carry two bodies, at most
 };
 
 struct Model {
@@ -188,7 +189,8 @@ struct Model {
   std::uint32_t effects;  // DYN_EFFECT_... that some joint has
   Index groups;           // how many of dof_groups there are
   Index contact_capacity; // that was asked for; 0: by the shapes
-  Index no_overflow;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
+  Index
+      no_overflow;  // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
   double gravity[3];
   double density, viscosity, wind[3];  // of the medium
   double total_mass;
@@ -201,14 +203,19 @@ struct Model {
   };
   std::uint32_t offset[std::size_t(Field::count_)];  // of arrays, by eights of bytes
 
-#define FIELD(type, name, count, sentence) \
-  const type* name() const { return reinterpret_cast<const type*>(reinterpret_cast<const char*>(this) + 8 * std::size_t(offset[std::size_t(Field::name)])); }
+#define FIELD(type, name, count, sentence)                                                   \
+  const type* name() const {                                                                 \
+    return reinterpret_cast<const type*>(reinterpret_cast<const char*>(this) +               \
+                                         8 * std::size_t(offset[std::size_t(Field::name)])); \
+  }
 #include "model/model_fields.def"
 #undef FIELD
 
   const char* string(Index at) const { return text() + at; }
   // nv, nu, na numbers of a named configuration, and its time.
-  const double* configuration_state(Index k) const { return configuration_states() + std::ptrdiff_t(k) * (n.nv + n.nu + n.na + 1); }
+  const double* configuration_state(Index k) const {
+    return configuration_states() + std::ptrdiff_t(k) * (n.nv + n.nu + n.na + 1);
+  }
   // Share of a link's weight that is held from outside.
   double compensation(Index link) const {
     for (const GravityCompensation *w = gravity_compensations(), *end = w + n.gravity_compensations; w != end; ++w)

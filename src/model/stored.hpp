@@ -1,5 +1,5 @@
-// Shapes whose numbers lie in arrays elsewhere (Hull, TriangleTree, Grid), as a model keeps them: a header without pointers, and where its
-// arrays begin in two pools. T::each_array(f) names the arrays in order, each with its size.
+// Shapes whose numbers lie in arrays elsewhere (Hull, TriangleTree, Grid), as a model keeps them: a header without pointers, and
+// where its arrays begin in two pools. T::each_array(f) names the arrays in order, each with its size.
 #pragma once
 
 #include <cstddef>

@@ -21,7 +21,8 @@ struct Box : Solid<Box> {
   Nearest nearest(const Vec& p) const {
     const Vec depth = half - sizes(p);
     if (depth[0] >= 0 && depth[1] >= 0 && depth[2] >= 0) return nearest_face(p, depth);
-    const Vec c = Vec::make(std::clamp(p[0], -half[0], half[0]), std::clamp(p[1], -half[1], half[1]), std::clamp(p[2], -half[2], half[2]));
+    const Vec c =
+        Vec::make(std::clamp(p[0], -half[0], half[0]), std::clamp(p[1], -half[1], half[1]), std::clamp(p[2], -half[2], half[2]));
     const Vec r = p - c;
     const double d = norm(r);
     return {c, r * (1 / d), d, true};
@@ -89,8 +90,8 @@ struct Box : Solid<Box> {
   }
 };
 
-// A rounded box is its core, six slabs on the faces, four quarter cylinders along each of three edges, and eight octants of a ball.
-// The quarters along an edge make one cylinder, the octants one ball.
+// A rounded box is its core, six slabs on the faces, four quarter cylinders along each of three edges, and eight octants of a
+// ball. The quarters along an edge make one cylinder, the octants one ball.
 inline Inertia<double> Box::solid() const {
   const double r = radius, pi = 3.14159265358979324;
   // volume and second moments (integrals of x^2, y^2, z^2) add up
@@ -107,7 +108,8 @@ inline Inertia<double> Box::solid() const {
     // four quarter cylinders along axis i
     const double tube = pi * r * r * 2 * a, centroid = 4 * r / (3 * pi);
     m += tube;
-    q[i] += tube * a * a / 3, q[j] += tube * (b * b + 2 * b * centroid + r * r / 4), q[k] += tube * (c * c + 2 * c * centroid + r * r / 4);
+    q[i] += tube * a * a / 3, q[j] += tube * (b * b + 2 * b * centroid + r * r / 4),
+        q[k] += tube * (c * c + 2 * c * centroid + r * r / 4);
     // eight octants
     q[i] += ball * (a * a + 2 * a * 3 * r / 8 + r * r / 5);
   }

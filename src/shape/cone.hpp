@@ -22,7 +22,8 @@ struct Cone : Solid<Cone> {
   }
   Nearest nearest(const Vec& p) const {
     const Meridian m(p);
-    const double slant = length2(r, 2 * half), nr = 2 * half / slant, nz = r / slant;  // (nr, nz): normal of the side in the half plane
+    const double slant = length2(r, 2 * half), nr = 2 * half / slant,
+                 nz = r / slant;  // (nr, nz): normal of the side in the half plane
     const double side = nr * m.rho + nz * (p[2] - half), base = -half - p[2];
     if (side <= 0 && base <= 0) {
       if (base >= side) return {Vec::make(p[0], p[1], -half), -axis(2), base, base > side};
@@ -36,7 +37,9 @@ struct Cone : Solid<Cone> {
     return on_side ? m.outside(rho_s, z_s) : m.outside(rho_b, -half);
   }
   Vec support_on_piece(const Vec& from, const Vec& n) const { return from[2] > 0 ? from : on_rim(n, r, -half); }
-  CurvatureRadii curvature_radii(const Vec& from, const Vec& n, const Vec& u, const Vec& v) const { return from[2] > 0 ? CurvatureRadii{0, 0, 0} : rim_curvature_radii(n, u, v, r); }
+  CurvatureRadii curvature_radii(const Vec& from, const Vec& n, const Vec& u, const Vec& v) const {
+    return from[2] > 0 ? CurvatureRadii{0, 0, 0} : rim_curvature_radii(n, u, v, r);
+  }
   Flat flat(const Vec& n) const {
     const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
     if (rho <= flat_slope) return {n[2] < 0 ? 2 : 0, axis(0), axis(1)};

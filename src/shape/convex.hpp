@@ -14,7 +14,7 @@ struct Hull {
 
   Vec center;                               // mean of the vertices
   Index vertices, faces, corners;           // corners of all faces
-  alignas(8) const double *x, *y, *z;       // padded(vertices); eight bytes on every machine, where a model's block stores offsets
+  alignas(8) const double* x, *y, *z;  // padded(vertices); eight bytes on every machine, where a model's block stores offsets
   alignas(8) const double* planes;          // 4 a face: unit normal, offset
   alignas(8) const Index* face_start;       // faces + 1
   alignas(8) const Index* face_vertices;    // corners
@@ -105,7 +105,8 @@ inline Nearest Convex::nearest(const Vec& p) const {
     bool over = true;
     const Index end = hull.face_start[f + 1];
     for (Index k = hull.face_start[f]; k < end; ++k) {
-      const Vec a = hull.vertex(hull.face_vertices[k]), b = hull.vertex(hull.face_vertices[k + 1 < end ? k + 1 : hull.face_start[f]]);
+      const Vec a = hull.vertex(hull.face_vertices[k]),
+                b = hull.vertex(hull.face_vertices[k + 1 < end ? k + 1 : hull.face_start[f]]);
       const Vec e = b - a;
       if (dot(cross(e, p - a), n) >= 0) continue;
       over = false;
@@ -158,7 +159,8 @@ inline void Convex::facing(const Vec& n, double band, Feature& f) const {
     const double slope = dot(m, n);
     if (hull.offset(k) - dot(m, top) > on || slope <= 0) continue;
     int within = 0;
-    for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c) within += height - dot(hull.vertex(hull.face_vertices[c]), n) <= band;
+    for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c)
+      within += height - dot(hull.vertex(hull.face_vertices[c]), n) <= band;
     if (within > most || (within == most && slope > turned)) best = k, most = within, turned = slope;
   }
   if (best < 0) return f.add(top, 0);
@@ -167,8 +169,8 @@ inline void Convex::facing(const Vec& n, double band, Feature& f) const {
   for (Index c = 0; c < corners; c += step) f.add(hull.vertex(hull.face_vertices[start + c]), hull.face_vertices[start + c]);
 }
 
-// Moments of the core without rounding, by tetrahedra from the centre to its triangles. With corners 0, a, b, c and 6 V = det(a, b,
-// c) the second moment is V/20 (sum of x x^T over a, b, c, a + b + c).
+// Moments of the core without rounding, by tetrahedra from the centre to its triangles. With corners 0, a, b, c and 6 V = det(a,
+// b, c) the second moment is V/20 (sum of x x^T over a, b, c, a + b + c).
 inline Inertia<double> Convex::solid() const {
   Inertia<double> Y = Inertia<double>::zero();
   Sym3<double> S = Sym3<double>::zero();

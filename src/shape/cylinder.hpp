@@ -23,13 +23,17 @@ struct Cylinder : Solid<Cylinder> {
     const Meridian m(p);
     const double side = r - m.rho, cap = half - std::abs(p[2]);
     if (side >= 0 && cap >= 0) {
-      if (cap <= side) return {Vec::make(p[0], p[1], std::copysign(half, p[2])), axis(2) * std::copysign(1.0, p[2]), -cap, cap < side && p[2] != 0};
+      if (cap <= side)
+        return {Vec::make(p[0], p[1], std::copysign(half, p[2])), axis(2) * std::copysign(1.0, p[2]), -cap,
+                cap < side && p[2] != 0};
       return {m.point(r, p[2]), m.out, -side, m.rho > 0};
     }
     return m.outside(std::min(m.rho, r), std::clamp(p[2], -half, half));
   }
   Vec support_on_piece(const Vec& from, const Vec& n) const { return on_rim(n, r, from[2]); }
-  CurvatureRadii curvature_radii(const Vec&, const Vec& n, const Vec& u, const Vec& v) const { return rim_curvature_radii(n, u, v, r); }
+  CurvatureRadii curvature_radii(const Vec&, const Vec& n, const Vec& u, const Vec& v) const {
+    return rim_curvature_radii(n, u, v, r);
+  }
   Flat flat(const Vec& n) const {
     if (n[0] * n[0] + n[1] * n[1] <= flat_slope * flat_slope) return {2, axis(0), axis(1)};
     return {std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()};

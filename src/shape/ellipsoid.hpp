@@ -43,8 +43,8 @@ struct Ellipsoid : Solid<Ellipsoid> {
   Inertia<double> solid() const;
 };
 
-// Source: Eberly, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid", 2013. The foot is x_i = a_i^2 p_i / (t
-// + a_i^2), with t the largest root of F(t) = sum (a_i p_i / (t + a_i^2))^2 - 1. F decreases and is convex there, so Newton's
+// Source: Eberly, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid", 2013. The foot is x_i = a_i^2 p_i /
+// (t + a_i^2), with t the largest root of F(t) = sum (a_i p_i / (t + a_i^2))^2 - 1. F decreases and is convex there, so Newton's
 // method from the left never passes the root. With s = t / a_min^2 + 1 > 0 nothing cancels near the poles.
 inline Nearest Ellipsoid::nearest(const Vec& p) const {
   int least = 0;

@@ -54,7 +54,8 @@ struct Facet {
     for (Index i = 0; i < n; ++i) hull.center += corners[i] * (1.0 / n), hull.extent = std::max(hull.extent, norm(corners[i]));
     for (Index f = 0; f < faces; ++f) {
       const Index* at = t.face_vertices + t.face_start[f];
-      const Vec normal = cross(corners[at[1]] - corners[at[0]], corners[at[2]] - corners[at[0]]), unit = normal * (1 / norm(normal));
+      const Vec normal = cross(corners[at[1]] - corners[at[0]], corners[at[2]] - corners[at[0]]),
+                unit = normal * (1 / norm(normal));
       for (int k = 0; k < 3; ++k) planes_[4 * f + k] = unit[k];
       planes_[4 * f + 3] = dot(unit, corners[at[0]]);
     }

@@ -1,5 +1,5 @@
-// A height field: heights over a grid, two triangles a cell, solid down to a floor. The arrays lie elsewhere. They hold minimum and
-// maximum heights of 2 x 2, 4 x 4, ... cells, which form a tree of boxes.
+// A height field: heights over a grid, two triangles a cell, solid down to a floor. The arrays lie elsewhere. They hold minimum
+// and maximum heights of 2 x 2, 4 x 4, ... cells, which form a tree of boxes.
 #pragma once
 
 #include "shape/surface.hpp"
@@ -97,14 +97,16 @@ struct HeightField : Surface<HeightField> {
       const Vec normal = axis(axis_of) * sign;
       n.normal = normal, n.distance = d, n.point = p - normal * d;
     };
-    consider(0, 1, wall_x), consider(0, -1, wall_x), consider(1, 1, wall_y), consider(1, -1, wall_y), consider(2, -1, -grid.bottom);
+    consider(0, 1, wall_x), consider(0, -1, wall_x), consider(1, 1, wall_y), consider(1, -1, wall_y),
+        consider(2, -1, -grid.bottom);
     return n;
   }
   bool inside(const Vec& p) const {
     const double u = p[0] / grid.step_x + (grid.columns - 1) * 0.5, v = p[1] / grid.step_y + (grid.rows - 1) * 0.5;
     if (!(u >= 0 && v >= 0 && u <= grid.columns - 1 && v <= grid.rows - 1 && p[2] >= grid.bottom)) return false;
     const Index i = std::min(Index(u), grid.columns - 2), j = std::min(Index(v), grid.rows - 2);
-    const double s = u - i, t = v - j, a = grid.at(i, j)[2], b = grid.at(i + 1, j)[2], c = grid.at(i + 1, j + 1)[2], d = grid.at(i, j + 1)[2];
+    const double s = u - i, t = v - j, a = grid.at(i, j)[2], b = grid.at(i + 1, j)[2], c = grid.at(i + 1, j + 1)[2],
+                 d = grid.at(i, j + 1)[2];
     return p[2] <= (s >= t ? a + s * (b - a) + t * (c - b) : a + t * (d - a) + s * (c - d));
   }
 

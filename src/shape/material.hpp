@@ -18,8 +18,13 @@ inline double stiffness_in_a_row(double a, double b) {
 }
 
 inline dynMaterial combined(const dynMaterial& a, const dynMaterial& b) {
-  return {std::max(a.friction, b.friction),       std::max(a.torsion, b.torsion), std::max(a.rolling, b.rolling),
-          std::max(a.restitution, b.restitution), stiffness_in_a_row(a.stiffness, b.stiffness), std::max(a.damping, b.damping), {0, 0, 0}};
+  return {std::max(a.friction, b.friction),
+          std::max(a.torsion, b.torsion),
+          std::max(a.rolling, b.rolling),
+          std::max(a.restitution, b.restitution),
+          stiffness_in_a_row(a.stiffness, b.stiffness),
+          std::max(a.damping, b.damping),
+          {0, 0, 0}};
 }
 
 inline Index contact_rows(const dynMaterial& x) {
@@ -33,8 +38,8 @@ struct BadNumber {
   double value;
 };
 inline BadNumber bad_number(const dynMaterial& x) {
-  const BadNumber numbers[] = {{"friction", x.friction}, {"torsion", x.torsion}, {"rolling", x.rolling}, {"restitution", x.restitution},
-                               {"stiffness", x.stiffness}, {"damping", x.damping}};
+  const BadNumber numbers[] = {{"friction", x.friction},       {"torsion", x.torsion},     {"rolling", x.rolling},
+                               {"restitution", x.restitution}, {"stiffness", x.stiffness}, {"damping", x.damping}};
   for (const BadNumber& n : numbers)
     if (!(n.value >= 0 && n.value <= 1e15)) return n;
   if (x.restitution > 1) return {"restitution", x.restitution};

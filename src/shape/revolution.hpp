@@ -11,7 +11,8 @@ struct Meridian {
   double rho;
   Vec out, p;
 
-  explicit Meridian(const Vec& p) : rho(length2(p[0], p[1])), out(rho > 0 ? Vec::make(p[0] / rho, p[1] / rho, 0) : axis(0)), p(p) {}
+  explicit Meridian(const Vec& p)
+      : rho(length2(p[0], p[1])), out(rho > 0 ? Vec::make(p[0] / rho, p[1] / rho, 0) : axis(0)), p(p) {}
   Vec point(double r, double z) const { return out * r + axis(2) * z; }
   // Result for p outside, where (r, z) is the nearest point.
   Nearest outside(double r, double z) const {
@@ -48,8 +49,8 @@ struct Side {
 
 // Moments at density 1 of the solid of revolution of the side, closed by flat discs and rounded by `radius`:
 //   m = pi int r^2 dz,  first moment pi int r^2 z dz,  int x^2 = int y^2 = pi/4 int r^4 dz,  int z^2 = pi int r^2 z^2 dz
-// The meridian is an arc about each end of the side and the side itself, offset by the radius. Eight Gauss points are exact on the
-// side (polynomials). On a quarter of an arc (trigonometric polynomials of degree 5) they are exact to the last digits.
+// The meridian is an arc about each end of the side and the side itself, offset by the radius. Eight Gauss points are exact on
+// the side (polynomials). On a quarter of an arc (trigonometric polynomials of degree 5) they are exact to the last digits.
 inline Inertia<double> revolve(const Side& side, double radius) {
   static constexpr double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
   static constexpr double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
@@ -68,7 +69,8 @@ inline Inertia<double> revolve(const Side& side, double radius) {
   const double nr = (side.z1 - side.z0) / length, nz = (side.r0 - side.r1) / length, slope = math::atan2(nz, nr);
   along([&](double s, double& r, double& z, double& dz) {
     const double t = (1 + s) / 2;
-    r = side.r0 + t * (side.r1 - side.r0) + radius * nr, z = side.z0 + t * (side.z1 - side.z0) + radius * nz, dz = (side.z1 - side.z0) / 2;
+    r = side.r0 + t * (side.r1 - side.r0) + radius * nr, z = side.z0 + t * (side.z1 - side.z0) + radius * nz,
+    dz = (side.z1 - side.z0) / 2;
   });
   auto arc = [&](double r0, double z0, double from, double to) {
     const double quarter = (to - from) / 4;

@@ -95,8 +95,12 @@ DYN_INLINE double norm(const Vec& a) { return std::sqrt(dot(a, a)); }
 DYN_INLINE double length2(double x, double y) { return std::sqrt(x * x + y * y); }
 DYN_INLINE Vec axis(int i) { return Vec::make(i == 0, i == 1, i == 2); }
 // component by component
-DYN_INLINE Vec lesser(const Vec& a, const Vec& b) { return Vec::make(std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])); }
-DYN_INLINE Vec greater(const Vec& a, const Vec& b) { return Vec::make(std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])); }
+DYN_INLINE Vec lesser(const Vec& a, const Vec& b) {
+  return Vec::make(std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2]));
+}
+DYN_INLINE Vec greater(const Vec& a, const Vec& b) {
+  return Vec::make(std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2]));
+}
 DYN_INLINE double largest(const Vec& a) { return std::max(std::max(a[0], a[1]), a[2]); }
 // a unit vector perpendicular to n
 DYN_INLINE Vec across(const Vec& n) {
@@ -116,7 +120,8 @@ struct Face {
 };
 inline constexpr double face_cosine = 0.9;
 
-// A shape in a robot file. The numbers of its attributes are the sizes times `factor`: one number each, or all in a single attribute.
+// A shape in a robot file. The numbers of its attributes are the sizes times `factor`: one number each, or all in a single
+// attribute.
 struct FileForm {
   const char* name = nullptr;  // of the element or type; null: the format lacks the shape
   std::array<const char*, 3> attribute = {};

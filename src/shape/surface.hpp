@@ -1,5 +1,5 @@
-// Shapes made of pieces in a tree of boxes: triangles.hpp, height_field.hpp. They are not convex. Every query searches the tree for
-// the deciding piece. A surface S derives from Surface<S> and holds `radius`. In its own frame, for its core, it has
+// Shapes made of pieces in a tree of boxes: triangles.hpp, height_field.hpp. They are not convex. Every query searches the tree
+// for the deciding piece. A surface S derives from Surface<S> and holds `radius`. In its own frame, for its core, it has
 //   type, name
 //   Node, root, max_children    a node of the tree, the root, the largest number of children
 //   box(node)                    box of all pieces below the node
@@ -50,8 +50,8 @@ inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) 
 DYN_INLINE Vec middle(const Bounds& b) { return (b.lower + b.upper) * 0.5; }
 DYN_INLINE Vec half_of(const Bounds& b) { return (b.upper - b.lower) * 0.5; }
 DYN_INLINE Vec positive(const Vec& a) { return Vec::make(std::max(a[0], 0.0), std::max(a[1], 0.0), std::max(a[2], 0.0)); }
-// Distance from a point to a box, and between two boxes. Between overlapping boxes: minus the least overlap along an axis, a lower
-// bound.
+// Distance from a point to a box, and between two boxes. Between overlapping boxes: minus the least overlap along an axis, a
+// lower bound.
 DYN_INLINE double distance_to(const Bounds& b, const Vec& p) { return norm(positive(sizes(p - middle(b)) - half_of(b))); }
 DYN_INLINE double distance_between(const Bounds& a, const Bounds& b) {
   const Vec gap = sizes(middle(a) - middle(b)) - half_of(a) - half_of(b);
@@ -67,8 +67,8 @@ struct Slab {
   Vec normal;
   double low, high;
 };
-// Upper bound of the support height along n of the intersection of box and slab. The slab bounds the normal component, the box the
-// rest.
+// Upper bound of the support height along n of the intersection of box and slab. The slab bounds the normal component, the box
+// the rest.
 DYN_INLINE double support_height(const Bounds& b, const Slab& s, const Vec& n) {
   const double along = dot(n, s.normal);
   return std::min(support_height(b, n), support_height(b, n - s.normal * along) + std::max(along * s.low, along * s.high));
@@ -79,7 +79,8 @@ struct Crossing {
   double t, u, v, facing;  // facing: direction . normal, not normalised
 };
 inline Crossing cross_triangle(const Vec corner[3], const Vec& origin, const Vec& direction) {
-  const Vec e = corner[1] - corner[0], f = corner[2] - corner[0], h = cross(direction, f), s = origin - corner[0], q = cross(s, e);
+  const Vec e = corner[1] - corner[0], f = corner[2] - corner[0], h = cross(direction, f), s = origin - corner[0],
+            q = cross(s, e);
   const double det = dot(e, h);
   if (det == 0) return {infinity, 0, 0, 0};
   const double u = dot(s, h) / det, v = dot(direction, q) / det, t = dot(f, q) / det;
@@ -162,7 +163,8 @@ struct Surface {
                  self().triangle(node, i, corner);
                  const Crossing c = cross_triangle(corner, p, direction);
                  constexpr double edge = 1e-9;
-                 if (c.u > -edge && c.v > -edge && c.u + c.v < 1 + edge && (c.u < edge || c.v < edge || c.u + c.v > 1 - edge)) clear = false;
+                 if (c.u > -edge && c.v > -edge && c.u + c.v < 1 + edge && (c.u < edge || c.v < edge || c.u + c.v > 1 - edge))
+                   clear = false;
                  if (c.t < infinity) crossings += c.facing > 0 ? 1 : -1;
                }
              });
@@ -209,7 +211,8 @@ struct Surface {
     return nearest_of(p, [&](auto node, Index i, Facet&) {
       Vec corner[3];
       self().triangle(node, i, corner);
-      const Vec c = nearest_of_triangle(corner[0], corner[1], corner[2], p), away = p - c, n = cross(corner[1] - corner[0], corner[2] - corner[0]);
+      const Vec c = nearest_of_triangle(corner[0], corner[1], corner[2], p), away = p - c,
+                n = cross(corner[1] - corner[0], corner[2] - corner[0]);
       const double d = norm(away);
       return Nearest{c, d > 0 ? away * (1 / d) : n * (1 / norm(n)), d, d > 0 || self().closed()};
     });
@@ -238,7 +241,8 @@ struct Surface {
                const Nearest x = of(node, i, piece);
                const double tie = 1e-12 * (std::abs(x.distance) + self().extent());
                if (x.distance > best.distance + tie) continue;
-               const bool tied = std::abs(x.distance - best.distance) <= tie, other = tied && norm(x.point - best.point) > 1e3 * tie;
+               const bool tied = std::abs(x.distance - best.distance) <= tie,
+                          other = tied && norm(x.point - best.point) > 1e3 * tie;
                const bool unique = x.unique && (best.unique || !tied) && !other;
                if (x.distance < best.distance) best = x, limit = x.distance + tie;
                best.unique = unique;

@@ -24,7 +24,9 @@ struct TriangleTree {
     f(vertex, 3 * std::size_t(vertices)), f(box, 6 * std::size_t(nodes)), f(slab, 5 * std::size_t(nodes));
     f(corner, 3 * std::size_t(triangles)), f(link, 2 * std::size_t(nodes));
   }
-  DYN_INLINE Vec at(Index triangle, int k) const { return load3(vertex + 3 * std::ptrdiff_t(corner[3 * std::ptrdiff_t(triangle) + k])); }
+  DYN_INLINE Vec at(Index triangle, int k) const {
+    return load3(vertex + 3 * std::ptrdiff_t(corner[3 * std::ptrdiff_t(triangle) + k]));
+  }
 };
 
 struct Triangles : Surface<Triangles> {
@@ -39,7 +41,9 @@ struct Triangles : Surface<Triangles> {
   using Node = Index;
   static constexpr Index max_children = 2, max_stack = TriangleTree::max_depth + 2;
   static Node root(const Triangles&) { return 0; }
-  DYN_INLINE Bounds box(Node n) const { return {load3(tree.box + 6 * std::ptrdiff_t(n)), load3(tree.box + 6 * std::ptrdiff_t(n) + 3)}; }
+  DYN_INLINE Bounds box(Node n) const {
+    return {load3(tree.box + 6 * std::ptrdiff_t(n)), load3(tree.box + 6 * std::ptrdiff_t(n) + 3)};
+  }
   DYN_INLINE Slab slab(Node n) const {
     const double* s = tree.slab + 5 * std::ptrdiff_t(n);
     return {load3(s), s[3], s[4]};

@@ -68,7 +68,8 @@ inline void half_angle_series(T h2, T& sinc, T& cos) {
   using namespace detail;
   using Number = std::conditional_t<is_polynomial<T>, double, T>;
   sinc = alternating_series<below_quarter>(h2, T(1), [](int k) { return Number(1) / Number((2 * k + 2) * (2 * k + 3)); });
-  cos = T(1) - h2 * alternating_series<below_quarter>(h2, T(0.5), [](int k) { return Number(1) / Number((2 * k + 3) * (2 * k + 4)); });
+  cos = T(1) -
+        h2 * alternating_series<below_quarter>(h2, T(0.5), [](int k) { return Number(1) / Number((2 * k + 3) * (2 * k + 4)); });
 }
 
 template <class T>
@@ -158,8 +159,10 @@ template <class T>
 inline T log_coefficient_series(T t2) {
   // (sin h - h cos h) / h^3 over 4 sin h / h: neither series cancels
   const T h2 = t2 * T(0.25);
-  const T numerator = detail::alternating_series<detail::below_quarter>(h2, T(1) / T(3), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 5)); });
-  const T sinc = detail::alternating_series<detail::below_quarter>(h2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
+  const T numerator = detail::alternating_series<detail::below_quarter>(
+      h2, T(1) / T(3), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 5)); });
+  const T sinc =
+      detail::alternating_series<detail::below_quarter>(h2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
   return numerator / (T(4) * sinc);
 }
 template <class T>
@@ -191,7 +194,14 @@ inline T log_coefficient_rate(T t2) {
   using std::sqrt;
   if (t2 < T(1)) {
     // h cot h = 1 - 2 sum over n of zeta(2n) (h / pi)^2n: the closed form cancels. a_n = 2 zeta(2n) / pi^2n
-    constexpr double a[] = {1. / 45, 2. / 945, 1. / 4725, 2. / 93555, 1382. / 638512875, 4. / 18243225, 3617. / 162820783125, 87734. / 38979295480125,
+    constexpr double a[] = {1. / 45,
+                            2. / 945,
+                            1. / 4725,
+                            2. / 93555,
+                            1382. / 638512875,
+                            4. / 18243225,
+                            3617. / 162820783125,
+                            87734. / 38979295480125,
                             349222. / 1531329465290625};
     const T x = t2 * T(0.25);
     T sum = T(0);
@@ -207,7 +217,8 @@ template <class T>
 inline Mat3<T> dJlog3(const Vec3<T>& w, const Vec3<T>& l) {
   const T t2 = dot(w, w), k = log_coefficient(t2), dk = log_coefficient_rate(t2), wl = dot(w, l);
   // Jlog3^T l = l + l x w / 2 + k (w (w . l) - t^2 l)
-  return skew(l) * T(0.5) + (Mat3<T>::diagonal(wl, wl, wl) + outer(w, l) - outer(l, w) * T(2)) * k + outer(w * wl - l * t2, w) * (T(2) * dk);
+  return skew(l) * T(0.5) + (Mat3<T>::diagonal(wl, wl, wl) + outer(w, l) - outer(l, w) * T(2)) * k +
+         outer(w * wl - l * t2, w) * (T(2) * dk);
 }
 
 // V m = (1 + b [w] + c [w]^2) m
@@ -256,7 +267,8 @@ inline Mat3<T> Jexp6_block(const Vec3<T>& rho, const Vec3<T>& w) {
   if (e.t2 < T(4)) {
     d = alternating_series<below_four>(e.t2, T(1) / T(24), [](int k) { return T(1) / T((2 * k + 5) * (2 * k + 6)); });
     // coefficients (k + 1) / (2 k + 5)!
-    f = alternating_series<below_four>(e.t2, T(1) / T(120), [](int k) { return T(k + 2) / T((k + 1) * (2 * k + 6) * (2 * k + 7)); });
+    f = alternating_series<below_four>(e.t2, T(1) / T(120),
+                                       [](int k) { return T(k + 2) / T((k + 1) * (2 * k + 6) * (2 * k + 7)); });
   } else {
     const T co = T(1) - e.b * e.t2;  // sin t = a t
     d = (e.t2 + T(2) * co - T(2)) / (T(2) * e.t2 * e.t2);

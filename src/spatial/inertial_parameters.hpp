@@ -1,6 +1,7 @@
-// A body's ten inertial parameters pi = [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz], c the centre of mass and I the second moment about the
-// origin, and two other forms of them:
-//   pseudo-inertia  J = [S h; h^T m] (4 x 4), h = m c, S = tr(I) / 2 1 - I: the second moments of the density, so that the body can
+// A body's ten inertial parameters pi = [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz], c the centre of mass and I the second moment
+// about the origin, and two other forms of them:
+//   pseudo-inertia  J = [S h; h^T m] (4 x 4), h = m c, S = tr(I) / 2 1 - I: the second moments of the density, so that the body
+//   can
 //                   exist when J is positive definite (Wensing, Kim, Slotine 2018, "Linear matrix inequalities for physically
 //                   consistent inertial parameter identification")
 //   log-Cholesky    theta = [alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3] with J = U U^T (Rucker, Wensing 2022, "Smooth
@@ -40,7 +41,8 @@ inline void pseudo_inertia(const T* pi, T* J) {
 template <class T>
 inline void parameters_of_pseudo_inertia(const T* J, T* pi) {
   const T x = J[0], y = J[5], z = J[10];
-  store_parameters(Inertia<T>{J[15], load3(J + 12), {Vec3<T>::make(y + z, x + z, x + y), Vec3<T>::make(-J[4], -J[9], -J[8])}}, pi);
+  store_parameters(Inertia<T>{J[15], load3(J + 12), {Vec3<T>::make(y + z, x + z, x + y), Vec3<T>::make(-J[4], -J[9], -J[8])}},
+                   pi);
 }
 
 // U of J = U U^T, 4 x 4 upper triangular, from the last row to the first. False when J is not positive definite.
@@ -62,7 +64,8 @@ inline bool upper_cholesky(const T* J, T* U) {
 struct LogCholeskyPlace {
   int row, col;
 };
-inline constexpr LogCholeskyPlace log_cholesky_places[] = {{3, 3}, {0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+inline constexpr LogCholeskyPlace log_cholesky_places[] = {{3, 3}, {0, 0}, {1, 1}, {2, 2}, {0, 1},
+                                                           {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 
 // False when the body cannot exist.
 template <class T>

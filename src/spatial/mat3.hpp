@@ -26,7 +26,8 @@ struct Mat3 {
 
 template <class T>
 DYN_INLINE Mat3<T> transpose(const Mat3<T>& A) {
-  return {Vec3<T>::make(A(0, 0), A(0, 1), A(0, 2)), Vec3<T>::make(A(1, 0), A(1, 1), A(1, 2)), Vec3<T>::make(A(2, 0), A(2, 1), A(2, 2))};
+  return {Vec3<T>::make(A(0, 0), A(0, 1), A(0, 2)), Vec3<T>::make(A(1, 0), A(1, 1), A(1, 2)),
+          Vec3<T>::make(A(2, 0), A(2, 1), A(2, 2))};
 }
 #if DYN_LANES == 4
 template <>
@@ -56,7 +57,8 @@ DYN_INLINE Mat3<T> outer(const Vec3<T>& a, const Vec3<T>& b) {
 // A B^T
 template <class T>
 DYN_INLINE Mat3<T> times_transpose(const Mat3<T>& A, const Mat3<T>& B) {
-  return {A.x * B.x[0] + A.y * B.y[0] + A.z * B.z[0], A.x * B.x[1] + A.y * B.y[1] + A.z * B.z[1], A.x * B.x[2] + A.y * B.y[2] + A.z * B.z[2]};
+  return {A.x * B.x[0] + A.y * B.y[0] + A.z * B.z[0], A.x * B.x[1] + A.y * B.y[1] + A.z * B.z[1],
+          A.x * B.x[2] + A.y * B.y[2] + A.z * B.z[2]};
 }
 // tr(A) (1, 1, 1)
 template <class T>

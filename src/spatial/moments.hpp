@@ -13,7 +13,8 @@ DYN_INLINE Vec3<T> turn(const Mat3<T>& A, const Vec3<T>& w) {
   return hadamard(trace3(A), w) - A * w;
 }
 
-// Second moments instead of the inertia I = tr(P) 1 - P (Wensing, Kim, Slotine 2018): new axes and a new origin take two products.
+// Second moments instead of the inertia I = tr(P) 1 - P (Wensing, Kim, Slotine 2018): new axes and a new origin take two
+// products.
 template <class T>
 struct Moments {
   T m;        // integral of dm

@@ -37,7 +37,8 @@ DYN_INLINE Sym3<T> symmetric_outer(const Vec3<T>& a, const Vec3<T>& b) {
 // A + A^T
 template <class T>
 DYN_INLINE Sym3<T> plus_transpose(const Mat3<T>& A) {
-  return {Vec3<T>::make(A(0, 0), A(1, 1), A(2, 2)) * T(2), Vec3<T>::make(A(0, 1) + A(1, 0), A(1, 2) + A(2, 1), A(2, 0) + A(0, 2))};
+  return {Vec3<T>::make(A(0, 0), A(1, 1), A(2, 2)) * T(2),
+          Vec3<T>::make(A(0, 1) + A(1, 0), A(1, 2) + A(2, 1), A(2, 0) + A(0, 2))};
 }
 #if DYN_LANES == 4
 template <>

@@ -17,8 +17,12 @@ struct Vec3 {
   static DYN_INLINE constexpr Vec3 make(T x, T y, T z) { return {{x, y, z}}; }
   DYN_INLINE T operator[](int i) const { return v[i]; }
 
-  friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return make(a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2]); }
-  friend DYN_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) { return make(a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2]); }
+  friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) {
+    return make(a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2]);
+  }
+  friend DYN_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) {
+    return make(a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2]);
+  }
   friend DYN_INLINE Vec3 operator*(const Vec3& a, T s) { return make(a.v[0] * s, a.v[1] * s, a.v[2] * s); }
   friend DYN_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
     return make(a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]);
@@ -29,7 +33,9 @@ struct Vec3 {
     using std::abs;
     return make(abs(a.v[0]), abs(a.v[1]), abs(a.v[2]));
   }
-  friend DYN_INLINE Vec3 hadamard(const Vec3& a, const Vec3& b) { return make(a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2]); }
+  friend DYN_INLINE Vec3 hadamard(const Vec3& a, const Vec3& b) {
+    return make(a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2]);
+  }
   friend DYN_INLINE Vec3 yzx(const Vec3& a) { return make(a.v[1], a.v[2], a.v[0]); }
   friend DYN_INLINE Vec3 zxy(const Vec3& a) { return make(a.v[2], a.v[0], a.v[1]); }
 };

@@ -1,7 +1,7 @@
 // Rows with bounded forces: G lambda - b = w, with w = 0 where lambda is free, w >= 0 at a lower bound, w <= 0 at an upper bound.
-// The active set is that of the positive definite G + mu D, so of contradictory rows one moves to its bound. Primal-dual active set
-// method (Hintermueller, Ito, Kunisch 2002). If it stalls, it exchanges only the first violated row, which terminates for positive
-// definite matrices (Murty 1974). The forces are then solved with G.
+// The active set is that of the positive definite G + mu D, so of contradictory rows one moves to its bound. Primal-dual active
+// set method (Hintermueller, Ito, Kunisch 2002). If it stalls, it exchanges only the first violated row, which terminates for
+// positive definite matrices (Murty 1974). The forces are then solved with G.
 #pragma once
 
 #include "algorithm/constrained/proximal.hpp"
@@ -17,8 +17,8 @@ struct Bounds {
 };
 
 template <class T>
-void solve_bounded(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const Bounds<T>& bounds, const ProximalOptions& options,
-                   T* lambda, ProximalResult<T>& result) {
+void solve_bounded(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const Bounds<T>& bounds,
+                   const ProximalOptions& options, T* lambda, ProximalResult<T>& result) {
   T *w = work.vector(5), *part = work.vector(6), *forces = work.vector(7);
   const T mu = options.regularisation > 0 ? T(options.regularisation) : T(automatic_regularisation);
   for (Index i = 0; i < n; ++i) bounds.state[i] = bounds.lower[i] < bounds.upper[i] ? 0 : -1;

@@ -38,7 +38,8 @@ Index constraint_factor(const Model& m, Data<T>& d) {
 
 // lambda for the right-hand side b, within bounds.
 template <class T>
-void solve_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded, const ProximalOptions& options, T* lambda, ProximalResult<T>& result) {
+void solve_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded, const ProximalOptions& options, T* lambda,
+                ProximalResult<T>& result) {
   const std::ptrdiff_t ld = padded_rows(rows);
   delassus(m, d, rows, d.row_matrix);
   if (!bounded) return solve_equalities(row_work(m, d), d.row_matrix, ld, rows, b, options, lambda, result);
@@ -49,7 +50,8 @@ void solve_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded
       upper[s.first + r] = one_sided(s.c.type) ? s.upper[r] : T(HUGE_VAL);
     }
   });
-  solve_bounded(row_work(m, d), d.row_matrix, ld, rows, b, Bounds<T>{lower, upper, d.row_state, d.row_state + ld, d.row_free}, options, lambda, result);
+  solve_bounded(row_work(m, d), d.row_matrix, ld, rows, b, Bounds<T>{lower, upper, d.row_state, d.row_state + ld, d.row_free},
+                options, lambda, result);
 }
 
 template <class T>
@@ -72,17 +74,19 @@ T rows_residual(const Model& m, Data<T>& d, Index rows, const T* b, const T* lam
 
 // Completes the result when lambda is known.
 template <class T>
-void report_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded, ProximalResult<T>& found, dynConstraintResult& result) {
+void report_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded, ProximalResult<T>& found,
+                 dynConstraintResult& result) {
   result.reason = found.reason;
   result.rows = rows, result.rank = found.rank, result.iterations = found.iterations;
   result.residual = double(rows_residual(m, d, rows, b, d.lambda, bounded));
-  result.contradiction = double(found.contradiction), result.condition = double(found.condition), result.regularisation = double(found.regularisation);
+  result.contradiction = double(found.contradiction), result.condition = double(found.condition),
+  result.regularisation = double(found.regularisation);
 }
 
 // Computes ddq and d.lambda. Returns 0 or the singular joint.
 template <class T>
-Index constrained_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, const ProximalOptions& options, T* ddq,
-                           dynConstraintResult& result) {
+Index constrained_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, const ProximalOptions& options,
+                           T* ddq, dynConstraintResult& result) {
   if (const Index failed = forward_dynamics(m, d, v, tau, fext, ddq)) return failed;
   const Index rows = active_rows(m, d);
   ProximalResult<T> found;
@@ -109,7 +113,8 @@ Index constrained_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau,
 
 // Computes v_plus and d.lambda.
 template <class T>
-Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalOptions& options, T* v_plus, dynConstraintResult& result) {
+Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalOptions& options, T* v_plus,
+                         dynConstraintResult& result) {
   if (const Index failed = constraint_factor(m, d)) return failed;
   const Index rows = active_rows(m, d);
   ProximalResult<T> found;

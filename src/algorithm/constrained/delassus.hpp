@@ -1,9 +1,10 @@
-// The Delassus matrix G = J M^-1 J^T from the factor of M^-1 of forward dynamics, with the columns S, U, 1/D of articulated bodies:
-// M^-1 = (1 - ..)^T D^-1 (1 - ..). The wrench P of a row is propagated from its body to the root. At each degree of freedom
+// The Delassus matrix G = J M^-1 J^T from the factor of M^-1 of forward dynamics, with the columns S, U, 1/D of articulated
+// bodies: M^-1 = (1 - ..)^T D^-1 (1 - ..). The wrench P of a row is propagated from its body to the root. At each degree of
+// freedom
 //   y = P . S        P -= U y / D
-// so G = sum over degrees of freedom of y y^T / D. A contact touches its own ancestors only (Sathya, Carpentier 2024, "Constrained
-// articulated body dynamics algorithms"). Forces are propagated at the tree's root, which needs no change of frame. With mimic
-// joints M does not follow the tree; then y are the rows of L^-T J^T with M = L^T D L.
+// so G = sum over degrees of freedom of y y^T / D. A contact touches its own ancestors only (Sathya, Carpentier 2024,
+// "Constrained articulated body dynamics algorithms"). Forces are propagated at the tree's root, which needs no change of frame.
+// With mimic joints M does not follow the tree; then y are the rows of L^-T J^T with M = L^T D L.
 #pragma once
 
 #include "algorithm/articulated_solve.hpp"
@@ -38,7 +39,8 @@ DYN_INLINE void propagate(const Model& m, const Data<T>& d, ConstraintInstance<T
   const bool joints = between_joints(s.c.type);
   const Index* parent = m.dof_parent();
   const bool ball = of_ball(s.c);
-  Index a = ball ? s.c.v1 + 2 : joints ? s.c.v1 : last_dof(m, s.c.body1), b = joints ? (s.c.body2 ? s.c.v2 : -1) : last_dof(m, s.c.body2), count = 0;
+  Index a = ball ? s.c.v1 + 2 : joints ? s.c.v1 : last_dof(m, s.c.body1);
+  Index b = joints ? (s.c.body2 ? s.c.v2 : -1) : last_dof(m, s.c.body2), count = 0;
   Six F = Six::zero(), H = F;
   if (!joints && s.c.body1) F = Six::load(s.F1);
   if (!joints && s.c.body2) H = Six::load(s.F2);
@@ -98,8 +100,8 @@ void constraint_jacobian(const Model& m, const Data<T>& d, const ConstraintInsta
   add_constraint_jacobian(m, d, s, J);
 }
 
-// The last of the user's degrees of freedom that move a body, or -1. The others are its ancestors in the elimination tree, because
-// all are coupled.
+// The last of the user's degrees of freedom that move a body, or -1. The others are its ancestors in the elimination tree,
+// because all are coupled.
 inline Index last_user_dof(const Model& m, Index body) {
   Index last = -1;
   for (Index i = body; i != 0; i = m.bodies()[i].parent)
@@ -170,7 +172,8 @@ DYN_INLINE void with_row_count(Index rows, F&& f) {
 
 // Sum of y_s y_t^T / D over common degrees of freedom. Columns are the rows of s; the rows of t are in lanes.
 template <int columns, class T>
-DYN_INLINE void couple(const Index* ks, Index ns, const T* ys, const Index* kt, Index nt, const T* yt, const T* Dinv, T* G, std::ptrdiff_t ld) {
+DYN_INLINE void couple(const Index* ks, Index ns, const T* ys, const Index* kt, Index nt, const T* yt, const T* Dinv, T* G,
+                       std::ptrdiff_t ld) {
   using P = Simd<T, row_lanes>;
   P sum[columns];
 #pragma GCC unroll 6

@@ -1,8 +1,8 @@
-// Derivatives of constrained dynamics and impulses on the tangent space: M ddq + nle - tau - J^T lambda = 0 and c = 0. H and D are
-// the derivatives of the two at fixed ddq and lambda. The inverse of the KKT matrix (kkt_inverse.hpp) gives those of ddq and
+// Derivatives of constrained dynamics and impulses on the tangent space: M ddq + nle - tau - J^T lambda = 0 and c = 0. H and D
+// are the derivatives of the two at fixed ddq and lambda. The inverse of the KKT matrix (kkt_inverse.hpp) gives those of ddq and
 // lambda. H is that of inverse dynamics with constraint forces as external forces that move with their bodies, corrected by how
-// these forces change relative to the bodies (Carpentier, Budhiraja, Mansard 2021, section IV, extended to every constraint). Rows
-// at a bound keep their force.
+// these forces change relative to the bodies (Carpentier, Budhiraja, Mansard 2021, section IV, extended to every constraint).
+// Rows at a bound keep their force.
 #pragma once
 
 #include "algorithm/factor_inverse.hpp"
@@ -34,11 +34,11 @@ Index prepare_kkt(const Model& m, Data<T>& d, const dynConstraintResult& result,
   return 0;
 }
 
-// d.constraint_ddq, d.lambda and their derivatives, as columns of kkt_system. Those by tau are the first nv columns of the inverse.
-// Returns 0 or the singular joint.
+// d.constraint_ddq, d.lambda and their derivatives, as columns of kkt_system. Those by tau are the first nv columns of the
+// inverse. Returns 0 or the singular joint.
 template <class T>
-Index constrained_dynamics_derivatives(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, const ProximalOptions& options,
-                                       dynConstraintResult& result) {
+Index constrained_dynamics_derivatives(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext,
+                                       const ProximalOptions& options, dynConstraintResult& result) {
   T* ddq = d.constraint_ddq;
   if (const Index failed = constrained_dynamics(m, d, v, tau, fext, options, ddq, result)) return failed;
   const KktSystem<T> K = kkt_system(m, d, result.rows);
@@ -59,8 +59,10 @@ Index constrained_dynamics_derivatives(const Model& m, Data<T>& d, const T* v, c
 // The same for impulses, where d.constraint_ddq is v_plus.
 //   M (v_plus - v) - J^T lambda = 0        J (v_plus + e v) = 0
 template <class T>
-Index constraint_impulse_derivatives(const Model& m, Data<T>& d, const T* v, const ProximalOptions& options, dynConstraintResult& result) {
-  T *v_plus = d.constraint_ddq, *jump = d.constraint_step, *at_rest = d.kkt_by_state;  // at_rest: valid until the product is written there
+Index constraint_impulse_derivatives(const Model& m, Data<T>& d, const T* v, const ProximalOptions& options,
+                                     dynConstraintResult& result) {
+  T *v_plus = d.constraint_ddq, *jump = d.constraint_step,
+    *at_rest = d.kkt_by_state;  // at_rest: valid until the product is written there
   const T *zero = d.zero, *none = nullptr;
   const std::ptrdiff_t n = m.n.nv;
   if (const Index failed = constraint_impulse(m, d, v, options, v_plus, result)) return failed;
@@ -89,7 +91,8 @@ Index constraint_impulse_derivatives(const Model& m, Data<T>& d, const T* v, con
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
     const T *J = propagated_jacobian_of(m, d, slot), factor = T(1) + T(s.c.restitution);
     for (Index c = 0; c < s.support_count; ++c)
-      for (Index r = 0; r < s.rows; ++r) K.Dv[s.first + r + K.rows * std::ptrdiff_t(supporting_dofs_of(m, d, slot)[c])] += factor * J[row_lanes * c + r];
+      for (Index r = 0; r < s.rows; ++r)
+        K.Dv[s.first + r + K.rows * std::ptrdiff_t(supporting_dofs_of(m, d, slot)[c])] += factor * J[row_lanes * c + r];
   });
   minus_kkt_product(m, K, !couples_unrelated_dofs(m, d), d.dtau_dq, K.Dq, K.by_q);
   minus_kkt_product(m, K, true, none, K.Dv, K.by_v);

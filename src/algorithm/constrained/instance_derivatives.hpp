@@ -1,5 +1,5 @@
-// Contribution of each constraint to the system of derivatives (derivatives.hpp): D at fixed ddq and lambda, and the correction of
-// H for forces that change relative to their bodies.
+// Contribution of each constraint to the system of derivatives (derivatives.hpp): D at fixed ddq and lambda, and the correction
+// of H for forces that change relative to their bodies.
 #pragma once
 
 #include "algorithm/constrained/kkt_inverse.hpp"
@@ -32,7 +32,8 @@ void subtract_constraint_forces(const Model& m, Data<T>& d) {
 
 // H(k, l) -= S_k . f_l for degrees of freedom k from one body up to another (exclusive) and l of a constraint.
 template <class T>
-DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, Index to, const Index* dofs, Index count, const Force<T>* f, T* H) {
+DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, Index to, const Index* dofs, Index count,
+                                  const Force<T>* f, T* H) {
   using P = Simd<T, 4>;
   const std::ptrdiff_t n = m.n.nv;
   for (Index i = from; i != to; i = m.bodies()[i].parent) {
@@ -53,18 +54,20 @@ DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, 
 }
 // The same with mimic joints.
 template <class T>
-void subtract_products_of_mimics(const Model& m, const Data<T>& d, Index from, Index to, const Index* dofs, Index count, const Force<T>* f, T* H) {
+void subtract_products_of_mimics(const Model& m, const Data<T>& d, Index from, Index to, const Index* dofs, Index count,
+                                 const Force<T>* f, T* H) {
   for (Index i = from; i != to; i = m.bodies()[i].parent)
     for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k)
       for (Index c = 0; c < count; ++c)
-        H[user_dof(m, k) + std::ptrdiff_t(m.n.nv) * user_dof(m, dofs[c])] -= user_ratio<T>(m, k) * user_ratio<T>(m, dofs[c]) * dot(d.S[k], f[c]);
+        H[user_dof(m, k) + std::ptrdiff_t(m.n.nv) * user_dof(m, dofs[c])] -=
+            user_ratio<T>(m, k) * user_ratio<T>(m, dofs[c]) * dot(d.S[k], f[c]);
 }
 
 // H -= change of J^T lambda relative to moving bodies, with a force F at B and -F at A. A step S of B changes the wrench by PS; a
 // force that moves with the body changes by S x* F. A feels -PS. A step of A has the opposite effect.
 template <class T>
-void subtract_force_changes(const Model& m, Data<T>& d, const ConstraintInstance<T>& s, const RowDerivatives<T>& x, const Index* dofs,
-                            Index of_first, Index common, T* H) {
+void subtract_force_changes(const Model& m, Data<T>& d, const ConstraintInstance<T>& s, const RowDerivatives<T>& x,
+                            const Index* dofs, Index of_first, Index common, T* H) {
   Force<T> *on_B = d.Fq, *on_both = d.Fv, *on_A = d.F;  // reused buffers
   for (Index c = 0; c < s.support_count; ++c) {
     const Index k = dofs[c];
@@ -72,7 +75,8 @@ void subtract_force_changes(const Model& m, Data<T>& d, const ConstraintInstance
     const Motion<T> S = shift(d.S[k], first ? x.x1 : x.x2) * (first ? T(1) : T(-1));
     Force<T> PS{x.F_step * S.linear, x.F_turn * S.angular}, transported = cross(S, x.F);
     PS.angular += cross(S.linear, x.F.linear);
-    on_B[c] = shift(PS - transported, x.x1), on_both[c] = shift(Force<T>::zero() - transported, x.x1), on_A[c] = shift(Force<T>::zero() - PS, x.x2);
+    on_B[c] = shift(PS - transported, x.x1), on_both[c] = shift(Force<T>::zero() - transported, x.x1),
+    on_A[c] = shift(Force<T>::zero() - PS, x.x2);
   }
   auto subtract = [&](Index from, Index to, const Force<T>* f) {
     if (m.has_mimic) subtract_products_of_mimics(m, d, from, to, dofs, s.support_count, f, H);
@@ -89,7 +93,8 @@ DYN_INLINE void add_lanes(const Simd<T, row_lanes>& x, T* to) {
 
 // Adds a constraint's part of Dq, Dv, H. Stores its degrees of freedom and J in place of those of G.
 template <class T>
-void differentiate_frames(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
+void differentiate_frames(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a,
+                          const KktSystem<T>& K, T* H) {
   using Six = SixEights<T>;
   RowDerivatives<T> x;
   frame_row_derivatives(m, d, s, v, a, d.lambda + s.first, x);
@@ -119,7 +124,8 @@ void differentiate_frames(const Model& m, Data<T>& d, ConstraintInstance<T>& s, 
 
 // The same for a row between joints.
 template <class T>
-void differentiate_joints(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
+void differentiate_joints(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a,
+                          const KktSystem<T>& K, T* H) {
   const bool two = s.c.body2 != 0;
   JointRow<T> row{};
   visit_joint_constraint(s.c.type, [&]<class K_>() { row = K_::evaluate(s.c, d.q[s.c.q1], two ? d.q[s.c.q2] : T(0)); });
@@ -151,7 +157,8 @@ void differentiate_constraints(const Model& m, Data<T>& d, const T* v, const T* 
   });
 }
 
-// D += factor times the derivative of the rows' rates by q at the expanded velocity v. Call derivative_columns with zero a before.
+// D += factor times the derivative of the rows' rates by q at the expanded velocity v. Call derivative_columns with zero a
+// before.
 template <class T>
 void differentiate_rates(const Model& m, Data<T>& d, const T* v, bool restitution, const KktSystem<T>& K, T* D) {
   using Six = SixEights<T>;
@@ -161,7 +168,8 @@ void differentiate_rates(const Model& m, Data<T>& d, const T* v, bool restitutio
       if (s.c.body2) {
         JointRow<T> row{};
         visit_joint_constraint(s.c.type, [&]<class K_>() { row = K_::evaluate(s.c, d.q[s.c.q1], d.q[s.c.q2]); });
-        D[s.first + std::ptrdiff_t(K.rows) * user_dof(m, s.c.v2)] += factor * user_ratio<T>(m, s.c.v2) * row.curvature * v[s.c.v2];
+        D[s.first + std::ptrdiff_t(K.rows) * user_dof(m, s.c.v2)] +=
+            factor * user_ratio<T>(m, s.c.v2) * row.curvature * v[s.c.v2];
       }
       return;
     }
@@ -172,7 +180,8 @@ void differentiate_rates(const Model& m, Data<T>& d, const T* v, bool restitutio
       const Six rate = Six::load(w.rate), gamma = Six::load(w.gamma);
       for (Index i = body; i != common; i = m.bodies()[i].parent)
         for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k)
-          add_lanes((rate.dot(d.S[k]) + gamma.dot(d.dS[k])) * (factor * user_ratio<T>(m, k)), D + s.first + std::ptrdiff_t(K.rows) * user_dof(m, k));
+          add_lanes((rate.dot(d.S[k]) + gamma.dot(d.dS[k])) * (factor * user_ratio<T>(m, k)),
+                    D + s.first + std::ptrdiff_t(K.rows) * user_dof(m, k));
     };
     along(s.c.body1, x.by1), along(s.c.body2, x.by2);
   });

@@ -1,17 +1,19 @@
-// Inverse dynamics under constraints. For unactuated degrees of freedom u finds the smallest lambda with J_u^T lambda = h_u, h = M
-// a + nle - J^T fext, in the least-squares sense: N lambda = J_u h_u, N = J_u J_u^T, by the proximal iteration from zero.
+// Inverse dynamics under constraints. For unactuated degrees of freedom u finds the smallest lambda with J_u^T lambda = h_u, h =
+// M a + nle - J^T fext, in the least-squares sense: N lambda = J_u h_u, N = J_u J_u^T, by the proximal iteration from zero.
 #pragma once
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 
-inline bool flies(const Model& m, Index joint) { return m.joints()[joint].parent == 0 && m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER; }
+inline bool flies(const Model& m, Index joint) {
+  return m.joints()[joint].parent == 0 && m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER;
+}
 
 // Computes tau and d.lambda. actuated: nv flags, or null: all but free flyers. Returns 0 or the singular joint.
 template <class T>
-Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, const std::int32_t* actuated, T* tau,
-                                   dynConstraintResult& result) {
+Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext,
+                                   const std::int32_t* actuated, T* tau, dynConstraintResult& result) {
   if (const Index failed = constraint_factor(m, d)) return failed;
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   inverse_dynamics(m, d, v, a, fext, tau);

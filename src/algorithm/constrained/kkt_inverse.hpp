@@ -20,7 +20,8 @@ template <class T>
 KktSystem<T> kkt_system(const Model& m, const Data<T>& d, Index rows) {
   const std::ptrdiff_t nv = m.n.nv, most = m.n.constraint_rows, ld = padded_kkt(nv + most);
   T* Dv = d.row_by_state + padded_kkt(most * nv) + row_lanes;
-  return {rows, padded_kkt(nv + rows), d.kkt_inverse, d.kkt_by_state, d.kkt_by_state + ld * nv, d.inverse_rows, d.row_by_state, Dv};
+  return {rows, padded_kkt(nv + rows), d.kkt_inverse, d.kkt_by_state, d.kkt_by_state + ld * nv, d.inverse_rows, d.row_by_state,
+          Dv};
 }
 
 // Several packs of a column.
@@ -105,7 +106,8 @@ void invert_kkt(const Model& m, Data<T>& d, bool bounded, bool factored, const K
 // out = -inverse [H; D] for the columns j .. j + width - 1. related: only rows of related degrees of freedom. H: nv x nv, or null
 // for 0.
 template <int width, class T>
-DYN_INLINE void minus_kkt_columns(const Model& m, const KktSystem<T>& K, bool related, const T* H, const T* D, T* out, std::ptrdiff_t j) {
+DYN_INLINE void minus_kkt_columns(const Model& m, const KktSystem<T>& K, bool related, const T* H, const T* D, T* out,
+                                  std::ptrdiff_t j) {
   const std::ptrdiff_t n = m.n.nv;
   Index end = 0;
   for (int l = 0; l < width; ++l) end = std::max(end, m.dof_descendants_end()[j + l]);
@@ -138,7 +140,8 @@ void minus_kkt_product(const Model& m, const KktSystem<T>& K, bool related, cons
   if (n < 4)
     for (std::ptrdiff_t j = 0; j < n; ++j) minus_kkt_columns<1>(m, K, related, H, D, out, j);
   else
-    for (std::ptrdiff_t j = 0; j < n; j += 4) minus_kkt_columns<4>(m, K, related, H, D, out, std::min(j, n - 4));  // the last block overlaps
+    for (std::ptrdiff_t j = 0; j < n; j += 4)
+      minus_kkt_columns<4>(m, K, related, H, D, out, std::min(j, n - 4));  // the last block overlaps
 }
 
 }  // namespace dyn

@@ -84,21 +84,24 @@ T largest_part(const Model& m, const T* step, T length) {
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
     const Index v = b.user_v, linear = b.type == BodyType::FreeFlyer ? 3 : b.type == BodyType::Prismatic ? 1 : 0;
-    look(v, v + linear, length), look(v + linear, v + Index(b.type == BodyType::FreeFlyer ? 6 : b.type == BodyType::Spherical ? 3 : 1), T(1));
+    const Index dofs = b.type == BodyType::FreeFlyer ? 6 : b.type == BodyType::Spherical ? 3 : 1;
+    look(v, v + linear, length), look(v + linear, v + dofs, T(1));
   }
   return out;
 }
 
-// Steps from d.q while they reduce |C|. The damping is proportional to |C|, so it also converges where J loses rank at the solution
-// (a linkage stretched to its full length; Sugihara 2011); each step there leaves a quarter of C. C is row vector 0.
+// Steps from d.q while they reduce |C|. The damping is proportional to |C|, so it also converges where J loses rank at the
+// solution (a linkage stretched to its full length; Sugihara 2011); each step there leaves a quarter of C. C is row vector 0.
 template <class T>
-Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, double misalignment, DescentResult<T>& found) {
+Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping,
+                          double misalignment, DescentResult<T>& found) {
   constexpr double least = 1e-9, most = 1e6;
   const T length = T(own_length(m));
   const Index rows = active_rows(m, d);
   const std::ptrdiff_t ld = padded_rows(rows);
   const RowWork<T> work = row_work(m, d);
-  T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step, *before = d.constraint_q;
+  T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step,
+    *before = d.constraint_q;
   if (const Index failed = project_rows(m, d, weigh)) return failed;
   found.cost = gather_errors(m, d, C, misalignment > 0), found.ended = false;
   T damping = T(least);
@@ -142,7 +145,8 @@ Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool w
 
 // Restarts beside a point where no small step helps, which may be a saddle (a flat stretched linkage). Keeps the better q.
 template <class T>
-Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, double misalignment, DescentResult<T>& found) {
+Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, double misalignment,
+                    DescentResult<T>& found) {
   T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
   Random random{1};
   for (const double size : {0.01, 0.3}) {
@@ -151,7 +155,8 @@ Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, 
     for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
     integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
     const T before = found.cost;
-    if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, found)) return failed;
+    if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, found))
+      return failed;
     if (found.cost < T(0.999) * before) continue;
     std::copy(kept, kept + m.n.nq, d.q);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
@@ -161,14 +166,18 @@ Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, 
 }
 
 // Sets d.q to the solution. v, unless null: becomes the nearest velocity that the rows allow there. min_damping: lower bound that
-// keeps rounding from moving d.q where J nearly loses rank. misalignment: redundant rows are left out up to it (redundant_rows.hpp).
+// keeps rounding from moving d.q where J nearly loses rank. misalignment: redundant rows are left out up to it
+// (redundant_rows.hpp).
 template <class T>
-Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T min_damping, double misalignment) {
+Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result,
+              T min_damping, double misalignment) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
   DescentResult<T> descent;
-  if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, descent)) return failed;
-  if (const Index failed = escape_saddle(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, descent)) return failed;
+  if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, descent))
+    return failed;
+  if (const Index failed = escape_saddle(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, descent))
+    return failed;
   result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
   result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINT_REASON_CONVERGED
                   : descent.ended                      ? DYN_CONSTRAINT_REASON_CONTRADICTORY

@@ -1,6 +1,6 @@
-// G lambda = b for a positive semidefinite G by the proximal iteration lambda += (G + mu D)^-1 (b - G lambda), D the diagonal of G.
-// The matrix is factored once (Carpentier, Budhiraja, Mansard 2021). Started at zero it stays in the range of G in the metric of D,
-// so redundant rows get the smallest lambda. Clearly independent rows take mu = 0 and end after one step.
+// G lambda = b for a positive semidefinite G by the proximal iteration lambda += (G + mu D)^-1 (b - G lambda), D the diagonal of
+// G. The matrix is factored once (Carpentier, Budhiraja, Mansard 2021). Started at zero it stays in the range of G in the metric
+// of D, so redundant rows get the smallest lambda. Clearly independent rows take mu = 0 and end after one step.
 #pragma once
 
 #include "algorithm/constrained/row_factor.hpp"
@@ -8,7 +8,8 @@
 
 namespace dyn {
 
-inline constexpr double clearly_independent = 1e-6, independent = 1e-10, automatic_regularisation = 1e-9, contradiction_tolerance = 1e-8;
+inline constexpr double clearly_independent = 1e-6, independent = 1e-10, automatic_regularisation = 1e-9,
+                        contradiction_tolerance = 1e-8;
 
 struct ProximalOptions {
   int max_iterations = 100;
@@ -102,8 +103,8 @@ void solve_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T*
 
 // The iteration. W, Dinv: factor of G + mu 1.
 template <class T>
-bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, const T* b, const ProximalOptions& options, T* step, T* lambda,
-             ProximalResult<T>& result) {
+bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, const T* b, const ProximalOptions& options,
+             T* step, T* lambda, ProximalResult<T>& result) {
   const T rhs = largest_size(b, n);
   T most = T(0);
   for (Index i = 0; i < n; ++i) lambda[i] = T(0), step[i] = b[i], most = std::max(most, G[ld * i + i]);
@@ -163,9 +164,11 @@ Index separate_inert_rows(const T* G, std::ptrdiff_t ld, Index n, const T* b, T 
   return count;
 }
 
-// consistent: the part of rhs in the range of S (unit diagonal). Returns false if all of it is, because the pivots exceed `least`.
+// consistent: the part of rhs in the range of S (unit diagonal). Returns false if all of it is, because the pivots exceed
+// `least`.
 template <class T>
-bool consistent_part(const RowWork<T>& work, const T* S, std::ptrdiff_t ld, Index n, T least, const T* rhs, T* consistent, ProximalResult<T>& result) {
+bool consistent_part(const RowWork<T>& work, const T* S, std::ptrdiff_t ld, Index n, T least, const T* rhs, T* consistent,
+                     ProximalResult<T>& result) {
   T *Dinv = work.vector(0), *z = work.vector(4), first, last;
   result.rank = pivoted_factor(S, ld, n, least, work.range, z, first, last);
   result.condition = first / last;
@@ -178,8 +181,8 @@ bool consistent_part(const RowWork<T>& work, const T* S, std::ptrdiff_t ld, Inde
 
 // lambda for n rows with the matrix G; all vectors have n numbers. The part of b outside the range is the contradiction.
 template <class T>
-void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options, T* lambda,
-                      ProximalResult<T>& result) {
+void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options,
+                      T* lambda, ProximalResult<T>& result) {
   using std::abs;
   T *Dinv = work.vector(0), *step = work.vector(1), *rhs = work.vector(2), *scale = work.vector(3), *z = work.vector(4);
   result = {};
@@ -193,7 +196,8 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
     if (smallest > T(clearly_independent)) {
       result.rank = n - inert;
       result.condition = T(1) / smallest;
-      if (!iterate(matrix, ld, n, work.factor, Dinv, wanted, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
+      if (!iterate(matrix, ld, n, work.factor, Dinv, wanted, options, step, lambda, result))
+        result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
       return;
     }
   }
@@ -220,7 +224,8 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   const T mu = options.regularisation > 0 ? T(options.regularisation) : T(automatic_regularisation);
   result.regularisation = mu;
   factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
-  if (!iterate(S, ld, n, work.factor, Dinv, rhs, options, step, lambda, result) && result.reason == DYN_CONSTRAINT_REASON_CONVERGED)
+  if (!iterate(S, ld, n, work.factor, Dinv, rhs, options, step, lambda, result) &&
+      result.reason == DYN_CONSTRAINT_REASON_CONVERGED)
     result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
   if (result.rank < n) {  // round-off outside the range has grown by 1 / mu
     factor_range(work.range, ld, result.rank, n, work.factor, Dinv);

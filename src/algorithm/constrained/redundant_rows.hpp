@@ -1,7 +1,7 @@
-// Rows of equalities that are redundant but for a small misalignment: the joints together move them by less than a stated share of
-// what each joint alone would. Rounded numbers of a model make such rows (a hinge tilted by 4e-6 rad in a planar four-bar). Taken for
-// constraints, they would lock a mechanism that moves. The measure knows no masses. Rows that are small only at a singular
-// configuration stay: a motion that the other rows allow changes them in second order.
+// Rows of equalities that are redundant but for a small misalignment: the joints together move them by less than a stated share
+// of what each joint alone would. Rounded numbers of a model make such rows (a hinge tilted by 4e-6 rad in a planar four-bar).
+// Taken for constraints, they would lock a mechanism that moves. The measure knows no masses. Rows that are small only at a
+// singular configuration stay: a motion that the other rows allow changes them in second order.
 #pragma once
 
 #include "algorithm/constrained/delassus.hpp"
@@ -18,8 +18,8 @@ Index drop_redundant_rows(const Model& m, Data<double>& d, Index count, double m
 // The same for all equalities of the data.
 Index drop_redundant_rows(const Model& m, Data<double>& d, double misalignment);
 
-// errors: of the rows of the last drop_redundant_rows. The kept rows get the errors whose removal minimises the sum of squares over
-// all rows; the others get zero.
+// errors: of the rows of the last drop_redundant_rows. The kept rows get the errors whose removal minimises the sum of squares
+// over all rows; the others get zero.
 void share_errors(const Model& m, Data<double>& d, double* errors);
 
 // Clears what dropped rows ask for.

@@ -1,6 +1,6 @@
 // Constraint diagnostics: rank, condition, and dependent rows, from the eigenvectors of the Delassus matrix with unit diagonal.
-// Eigenvectors of eigenvalue 0 are combinations of rows that no motion changes: C along them cannot be removed. As many count as zero
-// as steps leave out rows (redundant_rows.hpp). An error of ten times their misalignment is no contradiction.
+// Eigenvectors of eigenvalue 0 are combinations of rows that no motion changes: C along them cannot be removed. As many count as
+// zero as steps leave out rows (redundant_rows.hpp). An error of ten times their misalignment is no contradiction.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,8 @@ void jacobi_eigenvectors(T* A, T* V, std::ptrdiff_t ld, Index n) {
         off = std::max(off, abs(x));
         if (abs(x) < T(1e-18)) continue;
         const T theta = (A[ld * q + q] - A[ld * p + p]) / (T(2) * x);
-        const T t = (theta >= T(0) ? T(1) : T(-1)) / (abs(theta) + sqrt(theta * theta + T(1))), c = T(1) / sqrt(t * t + T(1)), s = t * c;
+        const T t = (theta >= T(0) ? T(1) : T(-1)) / (abs(theta) + sqrt(theta * theta + T(1))), c = T(1) / sqrt(t * t + T(1)),
+                s = t * c;
         auto turn = [&](T& a, T& b) {
           const T u = a, w = b;
           a = c * u - s * w, b = s * u + c * w;
@@ -59,7 +60,8 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
     for (Index r = 0; r < s.rows; ++r) C[s.first + r] = s.error[r];
   });
   for (Index i = 0; i < n; ++i) most = std::max(most, d.row_matrix[ld * i + i]);
-  for (Index i = 0; i < n; ++i) scale[i] = d.row_matrix[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(d.row_matrix[ld * i + i]) : T(0);
+  for (Index i = 0; i < n; ++i)
+    scale[i] = d.row_matrix[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(d.row_matrix[ld * i + i]) : T(0);
   // rows that almost nothing moves: by what would move them
   for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) {
     for (Index r = 0; is_rigid_equality(s.c) && r < s.rows; ++r)
@@ -107,10 +109,13 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
     const bool immobile = scale[i] == T(0);
     const double off = double(immobile ? abs(C[i]) : abs(along[i]) / scale[i]);
     const bool dependent = immobile || share[i] > T(participating), contradicts = dependent && off > agreement;
-    report.error = std::max(report.error, double(abs(C[i]))), report.contradiction = std::max(report.contradiction, dependent ? off : 0.0);
+    report.error = std::max(report.error, double(abs(C[i]))),
+    report.contradiction = std::max(report.contradiction, dependent ? off : 0.0);
     report.contradictory += contradicts;
     const dynRowVerdict verdict = contradicts ? DYN_ROW_VERDICT_CONTRADICTORY
-                                  : immobile ? DYN_ROW_VERDICT_IMMOBILE : dependent ? DYN_ROW_VERDICT_REDUNDANT : DYN_ROW_VERDICT_INDEPENDENT;
+                                  : immobile  ? DYN_ROW_VERDICT_IMMOBILE
+                                  : dependent ? DYN_ROW_VERDICT_REDUNDANT
+                                              : DYN_ROW_VERDICT_INDEPENDENT;
     rows_out(i, verdict, immobile ? 1.0 : double(share[i]), double(C[i]));
   }
   return 0;

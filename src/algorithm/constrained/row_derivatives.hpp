@@ -2,8 +2,9 @@
 // lambda. S, psi', psi'', W belong to degree of freedom k (rnea_derivatives.hpp), V and A to body B. A step along k moves B and
 // changes V and A:
 //   by q:  S_k   dV = psi' + S x V   dA = psi'' + psi' x V + S x A        by v:  dV = S_k   dA = W + S x V
-// so dc/dq_k = alpha . S_k + beta . psi'_k + gamma . psi''_k and dc/dv_k = beta . S_k + gamma . W_k with one wrench each. For a row
-// (f, t) in world axes; v, w are velocities of B's origin and axes, dv, dw their rates (less gravity), vA, wA, ... those of A:
+// so dc/dq_k = alpha . S_k + beta . psi'_k + gamma . psi''_k and dc/dv_k = beta . S_k + gamma . W_k with one wrench each. For a
+// row (f, t) in world axes; v, w are velocities of B's origin and axes, dv, dw their rates (less gravity), vA, wA, ... those of
+// A:
 //   gamma = (f; t)
 //   beta  = (h; 2 v x f + w x t + l)        h = kd f - 2 f x wA + extra_v        l = kd t - t x wA + extra_w
 //   alpha = (step + (f x wA - kd f - extra_v) x wA - f x dwA; turn + dv x f + v x h + w x l + dw x t)
@@ -37,7 +38,13 @@ MovingFrame<T> frame_of_columns(const Model& m, const Data<T>& d, Index body, co
       A = A + d.S[k] * a[k] + d.dS[k] * v[k];
     }
   const Vec3<T> offset = d.R[body] * cast<T>(X.p), x = d.rel[body] + offset, velocity = V.linear + cross(V.angular, x);
-  return {d.R[body] * cast<T>(X.R), d.p[body] + offset, x, velocity, V.angular, A.linear + cross(A.angular, x) + cross(V.angular, velocity), A.angular};
+  return {d.R[body] * cast<T>(X.R),
+          d.p[body] + offset,
+          x,
+          velocity,
+          V.angular,
+          A.linear + cross(A.angular, x) + cross(V.angular, velocity),
+          A.angular};
 }
 
 // Derivatives of one constraint: in lanes, about the root of either body's tree; and the changes of its forces.
@@ -54,15 +61,16 @@ struct RowDerivatives {
 };
 
 template <class T>
-void store_lanes(typename RowDerivatives<T>::Wrenches& to, const Force<T>& alpha, const Force<T>& beta, const Force<T>& gamma, const Force<T>& rate,
-                 const Vec3<T>& at, T sign, int i) {
+void store_lanes(typename RowDerivatives<T>::Wrenches& to, const Force<T>& alpha, const Force<T>& beta, const Force<T>& gamma,
+                 const Force<T>& rate, const Vec3<T>& at, T sign, int i) {
   store_lane(shift(alpha * sign, at), to.alpha, i), store_lane(shift(beta * sign, at), to.beta, i);
   store_lane(shift(gamma * sign, at), to.gamma, i), store_lane(shift(rate * sign, at), to.rate, i);
 }
 
 // v, a: expanded, at the acceleration of the dynamics. Call derivative_columns with them before.
 template <class T>
-void frame_row_derivatives(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, const T* v, const T* a, const T* lambda, RowDerivatives<T>& out) {
+void frame_row_derivatives(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, const T* v, const T* a,
+                           const T* lambda, RowDerivatives<T>& out) {
   const MovingFrame<T> A = frame_of_columns(m, d, s.c.body2, s.c.X2, v, a), B = frame_of_columns(m, d, s.c.body1, s.c.X1, v, a);
   const RelativeMotion<T> X = relative_motion(A, B);
   const T kp = T(s.c.stiffness), kd = T(s.c.damping);
@@ -86,9 +94,11 @@ void frame_row_derivatives(const Model& m, const Data<T>& d, const ConstraintIns
         out.F_step = out.F_step + by.f_step * lambda[i], out.F_turn = out.F_turn + by.t_turn * lambda[i];
         out.fixed = false;
       }
-      const Vec3<T> fw = cross(f, A.w), h = f * kd + by_v - fw * T(2), l = t * kd + by_w - cross(t, A.w), vf = cross(B.v, f), wt = cross(B.w, t);
+      const Vec3<T> fw = cross(f, A.w), h = f * kd + by_v - fw * T(2), l = t * kd + by_w - cross(t, A.w), vf = cross(B.v, f),
+                    wt = cross(B.w, t);
       const Force<T> gamma{f, t}, beta{h, vf * T(2) + wt + l};
-      const Force<T> alpha{step + cross(fw - f * kd - by_v, A.w) - cross(f, A.dw), turn + cross(B.a, f) + cross(B.v, h) + cross(B.w, l) + cross(B.dw, t)};
+      const Force<T> alpha{step + cross(fw - f * kd - by_v, A.w) - cross(f, A.dw),
+                           turn + cross(B.a, f) + cross(B.v, h) + cross(B.w, l) + cross(B.dw, t)};
       const Force<T> rate{rate_step - fw, rate_turn + vf + wt};
       if (s.c.body1) store_lanes<T>(out.by1, alpha, beta, gamma, rate, out.x1, T(1), i);
       if (s.c.body2) store_lanes<T>(out.by2, alpha, beta, gamma, rate, out.x2, T(-1), i);

@@ -10,8 +10,8 @@
 
 namespace dyn {
 
-// W: columns of D L from the diagonal down. Dinv: 1 / D. Pivots below `least` are raised to it. Returns the smallest pivot over its
-// diagonal entry: 1 for uncoupled rows, near 0 for dependent ones, 0 if an entry is not positive.
+// W: columns of D L from the diagonal down. Dinv: 1 / D. Pivots below `least` are raised to it. Returns the smallest pivot over
+// its diagonal entry: 1 for uncoupled rows, near 0 for dependent ones, 0 if an entry is not positive.
 template <class T>
 T factor_rows(const T* G, std::ptrdiff_t ld, Index n, T mu, T least, T* W, T* Dinv) {
   using P = Simd<T, row_lanes>;

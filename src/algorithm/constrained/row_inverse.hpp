@@ -40,7 +40,8 @@ void invert_rows(const T* W, const T* Dinv, std::ptrdiff_t ld, std::ptrdiff_t n,
 // Pseudoinverse of the part of G with state 0 (null: all), zero elsewhere. Uses the proximal iteration on the range of that part.
 template <class T>
 void pseudoinvert_rows(const RowWork<T>& work, const T* G, const Index* state, std::ptrdiff_t ld, Index n, T* X) {
-  T *Dinv = work.vector(0), *step = work.vector(1), *scale = work.vector(3), *z = work.vector(4), *x = work.vector(5), *S = work.scaled;
+  T *Dinv = work.vector(0), *step = work.vector(1), *scale = work.vector(3), *z = work.vector(4), *x = work.vector(5),
+    *S = work.scaled;
   scale_rows(G, ld, n, scale, S);
   for (Index i = 0; i < n; ++i)
     if (state && state[i]) scale[i] = T(0);
@@ -74,7 +75,8 @@ template <class T>
 const T* row_inverse(const Model& m, Data<T>& d, bool bounded, bool factored, Index rows) {
   const std::ptrdiff_t ld = padded_rows(rows);
   const RowWork<T> work = row_work(m, d);
-  if (factored || (!bounded && factor_rows(d.row_matrix, ld, rows, T(0), T(0), work.factor, work.vector(0)) > T(clearly_independent)))
+  if (factored ||
+      (!bounded && factor_rows(d.row_matrix, ld, rows, T(0), T(0), work.factor, work.vector(0)) > T(clearly_independent)))
     invert_rows(work.factor, work.vector(0), ld, rows, d.row_free);
   else pseudoinvert_rows(work, d.row_matrix, bounded ? d.row_state : nullptr, ld, rows, d.row_free);
   return d.row_free;

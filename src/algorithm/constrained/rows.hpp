@@ -19,8 +19,8 @@ Index active_rows(const Model& m, const Data<T>& d) {
   for (Index s = 0; s < m.n.slots; ++s) n += d.slots[s].rows;
   return n;
 }
-// Spatial velocity and acceleration of a body at its tree's root: V = sum S v, A = sum (S a) + V x S v, with each joint's V that of
-// its own body. Summed from the leaf: (sum over i of V_i x J_i) = sum over j of J_j x (sum of the J_i beyond j).
+// Spatial velocity and acceleration of a body at its tree's root: V = sum S v, A = sum (S a) + V x S v, with each joint's V that
+// of its own body. Summed from the leaf: (sum over i of V_i x J_i) = sum over j of J_j x (sum of the J_i beyond j).
 template <class T>
 struct BodyMotion {
   Motion<T> V, A;
@@ -50,7 +50,8 @@ struct MovingFrame {
   Vec3<T> v, w, a, dw;
 };
 template <class T>
-DYN_INLINE MovingFrame<T> moving_frame(const Model& m, const Data<T>& d, Index body, const SE3<double>& X, const T* v, const T* a) {
+DYN_INLINE MovingFrame<T> moving_frame(const Model& m, const Data<T>& d, Index body, const SE3<double>& X, const T* v,
+                                       const T* a) {
   const Vec3<T> o = Vec3<T>::zero();
   if (body == 0) return {cast<T>(X.R), cast<T>(X.p), cast<T>(X.p), o, o, o, o};
   const Vec3<T> offset = d.R[body] * cast<T>(X.p);

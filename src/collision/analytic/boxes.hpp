@@ -74,7 +74,8 @@ inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAx
   if (axis.i >= 0 && axis.j >= 0) {
     BoxFeature ea = fa, eb = fb;
     ea.free[axis.i] = eb.free[axis.j] = true;
-    const Vec u = shape::axis(axis.i), v = X.R[axis.j], a0 = ea.corner - u * ea.corner[axis.i], b0 = X.act(eb.corner - shape::axis(axis.j) * eb.corner[axis.j]);
+    const Vec u = shape::axis(axis.i), v = X.R[axis.j], a0 = ea.corner - u * ea.corner[axis.i],
+              b0 = X.act(eb.corner - shape::axis(axis.j) * eb.corner[axis.j]);
     const SegmentPair s = nearest_on_segments(u, ha[axis.i], b0 - a0, v, hb[axis.j]);
     a = a0 + u * s.s, b = b0 + v * s.t;
     return;

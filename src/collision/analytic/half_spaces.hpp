@@ -1,5 +1,5 @@
-// Two half-spaces. The distance is finite only if their planes are parallel and face each other; otherwise no translation separates
-// them.
+// Two half-spaces. The distance is finite only if their planes are parallel and face each other; otherwise no translation
+// separates them.
 #pragma once
 
 #include "collision/convex_pair.hpp"

@@ -1,8 +1,9 @@
-// Separated capsules, boxes and cylinders. Each is a Minkowski sum of segments along its axes and a disc across its z; so is D = A
+// Separated capsules, boxes and cylinders. Each is a Minkowski sum of segments along its axes and a disc across its z; so is D =
+// A
 // - B. The gap along n is
 //   f(n) = n.p - sum_k l_k |n.e_k| - sum_m r_m sqrt(1 - (n.z_m)^2),
-// and the distance is its maximum. Where f > 0 it has one local maximum, which is found piece by piece. For given signs of n.e_k a
-// point c and the discs remain. n moves to the maximum of this piece, or to the first n.e_k = 0 on the way. There it stays
+// and the distance is its maximum. Where f > 0 it has one local maximum, which is found piece by piece. For given signs of n.e_k
+// a point c and the discs remain. n moves to the maximum of this piece, or to the first n.e_k = 0 on the way. There it stays
 // perpendicular to e_k while the foot lies within that segment (|t| <= l_k).
 #pragma once
 
@@ -23,7 +24,8 @@ inline SegmentSum segment_sum(const shape::Capsule& s) { return {shape::axis(2) 
 inline SegmentSum segment_sum(const shape::Cylinder& s) { return {shape::axis(2) * s.half, s.r}; }
 
 template <class S>
-inline constexpr bool is_segment_sum = S::type == shape::Type::Box || S::type == shape::Type::Capsule || S::type == shape::Type::Cylinder;
+inline constexpr bool is_segment_sum =
+    S::type == shape::Type::Box || S::type == shape::Type::Capsule || S::type == shape::Type::Cylinder;
 
 // disc_a, disc_b: which of the two has a disc
 template <bool disc_a, bool disc_b>
@@ -31,8 +33,8 @@ class MinkowskiPair {
  public:
   MinkowskiPair(const SegmentSum& a, const SegmentSum& b, const Pose& X) : a_(a), b_(b), R_(X.R), Rt_(transpose(X.R)), p_(X.p) {}
 
-  // Starts from a direction, perpendicular to the segments `first` of A and `second` of B unless these are -1. Returns false if the
-  // shapes overlap or no maximum was found.
+  // Starts from a direction, perpendicular to the segments `first` of A and `second` of B unless these are -1. Returns false if
+  // the shapes overlap or no maximum was found.
   bool solve(const Vec& guess, int first, int second, Cores& out) {
     n_ = guess;
     const Vec in_b = Rt_ * n_;
@@ -245,7 +247,8 @@ inline bool minkowski_pair(const Difference<A, B>& d, const Vec& guess, double e
     // start from the nearest points of the two axes
     const SegmentPair s = nearest_on_segments(shape::axis(2), a.half[2], d.X.p, d.X.R.z, b.half[2]);
     auto within = [](double at, double half) { return std::abs(at) < half ? 2 : -1; };
-    if (!pair.solve(d.X.p + d.X.R.z * s.t - shape::axis(2) * s.s, within(s.s, a.half[2]), within(s.t, b.half[2]), out)) return false;
+    if (!pair.solve(d.X.p + d.X.R.z * s.t - shape::axis(2) * s.s, within(s.s, a.half[2]), within(s.t, b.half[2]), out))
+      return false;
   }
   // the witness points give an upper bound, the supporting plane a lower one
   out.distance = -dot(out.normal, d.support(out.normal).w);

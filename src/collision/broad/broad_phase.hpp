@@ -105,8 +105,9 @@ class BroadPhase {
 
 template <class F>
 void BroadPhase::for_each_overlap(const Box& b, F&& take) {
-  tree_.descend([&](const Block& x) { return x.overlaps(b); }, 0,
-                [&](Index k) { for_each_bit(tree_.block[0][k].overlaps(b), [&](Index lane) { take(id_[k * Block::lanes + lane]); }); });
+  tree_.descend(
+      [&](const Block& x) { return x.overlaps(b); }, 0,
+      [&](Index k) { for_each_bit(tree_.block[0][k].overlaps(b), [&](Index lane) { take(id_[k * Block::lanes + lane]); }); });
   for (Index k = 0; k < PackedTree::blocks_for(overflow_count_); ++k)
     for_each_bit(overflow_[k].overlaps(b), [&](Index lane) { take(overflow_id_[k * Block::lanes + lane]); });
 }
@@ -139,7 +140,8 @@ void BroadPhase::ray(const shape::Vec& o, const shape::Vec& d, double far, F&& t
     unsigned bits = 0;
     for (Index k = 0; k < Block::lanes; ++k) {
       if (!(x.lower[0][k] <= x.upper[0][k])) continue;
-      const double lower[3] = {x.lower[0][k], x.lower[1][k], x.lower[2][k]}, upper[3] = {x.upper[0][k], x.upper[1][k], x.upper[2][k]};
+      const double lower[3] = {x.lower[0][k], x.lower[1][k], x.lower[2][k]},
+                   upper[3] = {x.upper[0][k], x.upper[1][k], x.upper[2][k]};
       bits |= unsigned(meets(lower, upper)) << k;
     }
     return bits;

@@ -1,5 +1,5 @@
-// Packed bounding-volume tree with eight children a node. Boxes are in Hilbert order, eight to a block, blocks eight to a block of
-// the next level. Only boxes are stored: children follow from the index.
+// Packed bounding-volume tree with eight children a node. Boxes are in Hilbert order, eight to a block, blocks eight to a block
+// of the next level. Only boxes are stored: children follow from the index.
 // Source: Kamel, Faloutsos, "On packing R-trees", CIKM 1993.
 #pragma once
 
