@@ -47,18 +47,23 @@ bool has_finite_state(const Model& m, const Data<double>& d) {
         function, t);
   if (answer == integrator::no_step_left)
     return fail(DYN_ERROR_NUMERIC,
-                "%s: no step is short enough near t = %g s, or too many are needed: the motion is singular there, or the accuracy beyond what rounding "
+                "%s: no step is short enough near t = %g s, or too many are needed: the motion is singular there, or the "
+                "accuracy beyond what rounding "
                 "allows; the state is as before the step",
                 function, t);
   const simulation::Workspace& w = *d.step;
   if (answer == integrator::energy_gained)
     return fail(DYN_ERROR_NUMERIC,
-                "%s: near t = %g s joint '%s' gains kinetic energy that nothing explains, also in parts of dt: the state is as before the step; "
-                "use a smaller dt", function, t, m.string(m.joints()[w.failed_joint].name));
+                "%s: near t = %g s joint '%s' gains kinetic energy that nothing explains, also in parts of dt: the state is as "
+                "before the step; "
+                "use a smaller dt",
+                function, t, m.string(m.joints()[w.failed_joint].name));
   if (answer == integrator::unstable)
     return fail(DYN_ERROR_NUMERIC,
-                "%s: springs, damping or gains at joint '%s' are unstable in explicit steps near t = %g s: the state is as before the step; "
-                "use implicit_fast, or a dt below %.2g s", function, m.string(m.joints()[w.failed_joint].name), t, w.stable_dt);
+                "%s: springs, damping or gains at joint '%s' are unstable in explicit steps near t = %g s: the state is as "
+                "before the step; "
+                "use implicit_fast, or a dt below %.2g s",
+                function, m.string(m.joints()[w.failed_joint].name), t, w.stable_dt);
   Index bad_v = m.n.nv, bad_q = m.n.nq;
   simulation::with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {

@@ -151,7 +151,7 @@ typedef enum dynFrameType {
 typedef enum dynReportLevel {
   DYN_REPORT_LEVEL_INFO = 0,    /* Worth knowing: nothing is lost. */
   DYN_REPORT_LEVEL_WARNING = 1, /* Worth a look. The model is what the file states. */
-  DYN_REPORT_LEVEL_DROPPED = 2  /* Physics that the model lacks, or no robot has. An error with strict. */
+  DYN_REPORT_LEVEL_DROPPED = 2  /* Lost: physics of the file, or what a written file lacks. Error if strict. */
 } dynReportLevel;
 
 /* A view of numbers. Element (i, j) is data[i * stride[0] + j * stride[1]]; strides count doubles. Vectors
@@ -264,13 +264,13 @@ typedef enum dynFormat {
   DYN_FORMAT_DYNB = 3
 } dynFormat;
 
-/* Called once for each thing that the format cannot hold (WARNING) or holds in another form (INFO). message
+/* Called once for each thing that the format cannot hold (DROPPED) or holds in another form (INFO). message
    is one line and valid during the call. */
 typedef void (*dynSaveReport)(void* context, dynReportLevel level, const char* message);
 
 typedef struct dynSaveOptions {
   uint32_t struct_size; /* set by dyn_save_options_init */
-  int32_t strict;       /* 1: a WARNING is DYN_ERROR_STRICT, and nothing is written; default 0 */
+  int32_t strict;       /* 1: DROPPED is DYN_ERROR_STRICT, and nothing is written; default 0 */
   dynSaveReport report; /* default NULL: nothing is called */
   void* context;        /* passed to report */
 } dynSaveOptions;
@@ -285,7 +285,7 @@ DYN_API void dyn_save_options_init(dynSaveOptions* options, uint32_t struct_size
    joints. Constraints go into a <libdyn> block. The base is again an option of loading.
 
    MJCF: it holds the joints of a body, frames as sites, actuators, constraints, pairs and keys. Mimic joints
-   become equalities, with a WARNING: an equality is no reduction. The report lists all losses. */
+   become equalities, which are no reduction: they are among the losses. The report lists all losses. */
 DYN_API dynStatus dyn_model_save(const dynModel* model, const char* path, const dynSaveOptions* options);
 /* Writes the same into `capacity` bytes of buffer (NULL with 0: none). *size is the size needed. Text does
    not end with a zero. Returns DYN_ERROR_SIZE when the buffer is too small. */

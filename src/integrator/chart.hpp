@@ -1,7 +1,8 @@
 // Equations of motion in exponential coordinates about q0: y = (u, v) with q = q0 (+) u, so methods for vector spaces
 // keep their order on rotations (Munthe-Kaas 1999; Hairer, Lubich, Wanner 2006, IV.8.2):
 //   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
-// Positions and linear velocities of free flyers are in the axes at the beginning of the step, so rotation does not mix into them:
+// Positions and linear velocities of free flyers are in the axes at the beginning of the step, so rotation does not mix into
+// them:
 //   p = p0 + R0 u      du/dt = w      dw/dt = E (a + omega x v),  E = R0' R = exp(u_angular),  v = E' w
 // Activations of actuators follow v; they have equations of their own (algorithm/actuators.hpp).
 #pragma once
@@ -24,7 +25,8 @@ struct ChartMotion {
     integrate(m, q0, y, d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
-      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = clamp_to(y[2 * m.n.nv + r.act], r.spec.act_range);
+      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
+        d.act[r.act] = clamp_to(y[2 * m.n.nv + r.act], r.spec.act_range);
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
       store3(load3(q0 + b.user_q) + rotation(load_quaternion(q0 + b.user_q + 3)) * load3(y + b.user_v), d.q + b.user_q);
       store3(transpose_times(exp3(load3(y + b.user_v + 3)), load3(d.v + b.user_v)), d.v + b.user_v);

@@ -27,7 +27,9 @@ Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
 inline bool is_open(const Model& m, Data<double>& d) {
   double lengths = 0, angles = 0, reach = 0;
   const auto look = [&](const double* F, Index r, bool& linear) {
-    const auto size = [&](int from) { return math::hypot(F[row_lanes * from + r], F[row_lanes * (from + 1) + r], F[row_lanes * (from + 2) + r]); };
+    const auto size = [&](int from) {
+      return math::hypot(F[row_lanes * from + r], F[row_lanes * (from + 1) + r], F[row_lanes * (from + 2) + r]);
+    };
     const double force = size(0);
     if (force > 0) linear = true, reach = std::max(reach, size(3) / force);
   };
@@ -51,7 +53,8 @@ inline bool is_open(const Model& m, Data<double>& d) {
 // Near singular configurations the accelerations in these directions, and only these, are inaccurate.
 inline void remove_constrained_errors(const Model& m, Data<double>& d, double* x) {
   dynConstraintResult result;
-  project_velocity(m, d, static_cast<const double*>(x), x, result), project_velocity(m, d, static_cast<const double*>(x + m.n.nv), x + m.n.nv, result);
+  project_velocity(m, d, static_cast<const double*>(x), x, result),
+      project_velocity(m, d, static_cast<const double*>(x + m.n.nv), x + m.n.nv, result);
 }
 
 // Projects q and v onto the constraints at the end of a step (least squares if they are inconsistent).
@@ -59,10 +62,12 @@ template <class T>
 Index project_to_constraints(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>) {
     bool gains = false;
-    for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
+    for_each_constraint(m, d,
+                        [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
-    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping), d.misalignment[0]);  // Newton converges quadratically: one iteration reaches rounding
+    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping),
+                   d.misalignment[0]);  // Newton converges quadratically: one iteration reaches rounding
   }
   return 0;
 }

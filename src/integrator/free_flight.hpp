@@ -1,5 +1,6 @@
-// Free flyers in an Euler step. Their velocity is in body axes and changes without any force; to first order that change would add momentum.
-// So a step integrates the centre of mass c and its momentum in fixed axes, and expresses them in the body's axes at the end:
+// Free flyers in an Euler step. Their velocity is in body axes and changes without any force; to first order that change would
+// add momentum. So a step integrates the centre of mass c and its momentum in fixed axes, and expresses them in the body's axes
+// at the end:
 //   v_c' = v_c + h a_c      R' = R exp(h w')      L_c' = L_c + h t_c, with L_c = R I_c w (of a body without children)
 // A body in free flight keeps its momentum to rounding.
 #pragma once
@@ -39,7 +40,8 @@ Vec3<T> solve3(const Mat3<T>& A, const Vec3<T>& b) {
 //   (I - h [y] J(h w)) dw = y - I w with y = exp(-h w) L
 // Beyond a full turn Newton may stop at a local minimum: then at least |L| is kept.
 template <class T>
-[[gnu::cold, gnu::noinline]] Vec3<T> implicit_angular_velocity_newton(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
+[[gnu::cold, gnu::noinline]] Vec3<T> implicit_angular_velocity_newton(const Mat3<T>& I, const Vec3<T>& L, T h,
+                                                                      const Vec3<T>& guess) {
   const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
   Vec3<T> w = guess, r = left(w);
   const T enough = T(tuning::rotation_tolerance) * dot(L, L);
@@ -47,7 +49,8 @@ template <class T>
     const Vec3<T> dw = solve3(I - skew(r + I * w) * Jexp3(w * h) * h, r);
     T part = T(1);
     Vec3<T> next = w + dw, r_next = left(next);
-    for (; !(dot(r_next, r_next) < dot(r, r)) && part > T(tuning::rotation_min_step); r_next = left(next)) part = part * T(0.5), next = w + dw * part;
+    for (; !(dot(r_next, r_next) < dot(r, r)) && part > T(tuning::rotation_min_step); r_next = left(next))
+      part = part * T(0.5), next = w + dw * part;
     if (!(dot(r_next, r_next) < dot(r, r))) break;
     w = next, r = r_next;
   }

@@ -1,6 +1,7 @@
 // Implicit midpoint rule on the group. With the midpoint velocity w:
 //   v' = v + h ddq(q (+) h/2 w, w)      q' = q (+) h w      w = (v + v') / 2
-// Order 2, time-reversible, symplectic on vector spaces: energy stays bounded over long times (Hairer, Lubich, Wanner 2006, II.1.3).
+// Order 2, time-reversible, symplectic on vector spaces: energy stays bounded over long times (Hairer, Lubich, Wanner 2006,
+// II.1.3).
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,8 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
   const Index nv = m.n.nv;
   const T *v0 = s.y0 + nv;
   advance_activations(m, d, s.y0 + 2 * nv, h / 2);
-  T *w = s.y, *next = w + nv, *half = s.stage(0), *residual = half + nv, *old_residual = residual + nv, *old_next = old_residual + nv;
+  T *w = s.y, *next = w + nv, *half = s.stage(0), *residual = half + nv, *old_residual = residual + nv,
+    *old_next = old_residual + nv;
   for (Index k = 0; k < nv; ++k) w[k] = v0[k];
   T best = std::numeric_limits<T>::infinity();
   int stalled = 0;

@@ -1,4 +1,5 @@
-// Steps whose errors are controlled leave out the same redundant rows from their beginning to their end: their order needs smooth motion.
+// Steps whose errors are controlled leave out the same redundant rows from their beginning to their end: their order needs smooth
+// motion.
 #pragma once
 
 #include "algorithm/constrained/algorithms.hpp"

@@ -21,7 +21,9 @@ struct RoundingFloor {
   static T of_motion(const Model& m, const Data<T>& d) {
     T size = T(0);
     Index q = 0, v = 0;
-    const auto look_until = [&](Index end_q, Index end_v) { size = std::max(size, std::max(largest(d.q + q, end_q - q), largest(d.v + v, end_v - v))); };
+    const auto look_until = [&](Index end_q, Index end_v) {
+      size = std::max(size, std::max(largest(d.q + q, end_q - q), largest(d.v + v, end_v - v)));
+    };
     for (Index i = 1; i < m.n.bodies; ++i) {
       const Body& b = m.bodies()[i];
       if (b.type != BodyType::FreeFlyer || b.parent != 0) continue;
@@ -32,7 +34,8 @@ struct RoundingFloor {
     return of(size);
   }
   T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
-    const T state = of_motion(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / tuning::motion_share);
+    const T state = of_motion(m, d),
+            least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / tuning::motion_share);
     return std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h));
   }
   void accept() { tries = 0, noise /= 2; }
@@ -64,7 +67,8 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
 }
 
 // Retry near a singular configuration of a mechanism, where stage accelerations are inaccurate or projection changes v much.
-// The step is tried in several lengths, up to those of earlier steps; a step across the singularity is smooth. The best one counts.
+// The step is tried in several lengths, up to those of earlier steps; a step across the singularity is smooth. The best one
+// counts.
 template <class T>
 struct SingularityRetry {
   static constexpr int most = sizeof tuning::retry_lengths / sizeof *tuning::retry_lengths;
@@ -75,7 +79,8 @@ struct SingularityRetry {
 
   T limit(T allowed, T h) const { return std::max(T(tuning::retry_error) * allowed, max_noise * h); }
   T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
-  // Returns whether to try again with h. error, raw, moved: of this try (finish_step). usual_move: ordinary change of v by the projection.
+  // Returns whether to try again with h. error, raw, moved: of this try (finish_step). usual_move: ordinary change of v by the
+  // projection.
   bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
     if (spent || tries > most) return spent = true, false;
     const bool near = T(tuning::projection_error) * raw > allowed || moved > usual_move;
@@ -95,8 +100,8 @@ struct SingularityRetry {
   }
 };
 
-// Step size control by this error and that of the step before (PI: Gustafsson 1991), which follows slow trends without rejections.
-// Errors at rounding level say nothing of the next step: then this error alone counts.
+// Step size control by this error and that of the step before (PI: Gustafsson 1991), which follows slow trends without
+// rejections. Errors at rounding level say nothing of the next step: then this error alone counts.
 template <class T>
 struct StepSizeController {
   T power;          // 1 / (order of the error per unit step)
@@ -107,8 +112,9 @@ struct StepSizeController {
 
   T accept(T ratio) {
     T factor = !(ratio > T(0)) ? T(tuning::max_factor)
-               : alone          ? T(tuning::safety) * math::pow(ratio, -power)
-                                : T(tuning::safety) * math::pow(ratio, T(tuning::error_power) * power) * math::pow(before, T(tuning::history_power) * power);
+               : alone         ? T(tuning::safety) * math::pow(ratio, -power)
+                               : T(tuning::safety) * math::pow(ratio, T(tuning::error_power) * power) *
+                                     math::pow(before, T(tuning::history_power) * power);
     if (tried && !alone) factor = std::min(factor, T(1));
     before = std::max(ratio, T(tuning::min_ratio)), tried = false;
     return std::clamp(factor, T(tuning::min_factor), longest);

@@ -5,9 +5,9 @@ namespace dyn::integrator::tuning {
 
 // Length of the next step (step_control.hpp; PI control: Gustafsson 1991; Hairer, Norsett, Wanner 1993, II.4).
 inline constexpr double safety = 0.9;                 // of the step length that would just meet the accuracy
-inline constexpr double error_power = -0.8, history_power = 0.28;  // of the error ratios of this step and the one before, over the order
+inline constexpr double error_power = -0.8, history_power = 0.28;  // of this step's and the last's error ratio, over the order
 inline constexpr double min_ratio = 1e-4;             // least error ratio that is remembered
-inline constexpr double min_factor = 0.2, max_factor = 5, max_factor_rows = 2;  // of one change; with rows errors are accidentally small
+inline constexpr double min_factor = 0.2, max_factor = 5, max_factor_rows = 2;  // of one change; rows hide errors
 inline constexpr double failed_factor = 0.1;          // after a step without an error estimate
 inline constexpr double cut_factor = 0.5;             // after a step that cut through a corner
 inline constexpr double first_change = 0.01;          // of the scale of y in the first step,
@@ -22,10 +22,10 @@ inline constexpr int noise_share = 4;                 // of the accuracy that no
 inline constexpr double last_step = 1e-12;            // of the duration: a shorter rest belongs to the last step
 inline constexpr double no_step = 1e-13;              // of the duration: shorter steps are refused
 
-inline constexpr int reference_steps = 100000;        // within one step of the integrator `reference`: what is too stiff is refused
+inline constexpr int reference_steps = 100000;        // within one step of `reference`: what is too stiff is refused
 
 // Singular configurations (step_control.hpp).
-inline constexpr double projection_error = 1e-2;      // of the projection step counted as error (the Jacobian changed during the step)
+inline constexpr double projection_error = 1e-2;      // of the projection step, counted as error: the Jacobian changed
 inline constexpr double retry_lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6};  // of the last ordinary step
 inline constexpr double retry_error = 30;             // of the allowed error, in the one step across the singularity
 inline constexpr double retry_move = 10;              // of the error: projection that suggests a singularity
@@ -40,17 +40,17 @@ inline constexpr int saved_shares = 3;                // of the error budget tha
 inline constexpr double closed_share = 0.1;           // of the accuracy: gaps that count as closed,
 inline constexpr double closed_rounding = 256;        // or of the rounding of the state
 inline constexpr double deep = 100;                   // of the closed gap: deeper overlap is pushed out in steps of first_step
-inline constexpr double first_step = 1e-3;            // s, first step with contacts up to accuracy 1 / accuracy_scale; then by its cube root (order 3)
+inline constexpr double first_step = 1e-3;            // s, first step with contacts, at accuracy 1 / accuracy_scale
 inline constexpr double accuracy_scale = 1e3;         // per unit of accuracy
-inline constexpr double smallest_share = 1e-3, smallest = 1e-12;  // of the accuracy, and of the duration: shortest step with active rows
+inline constexpr double smallest_share = 1e-3, smallest = 1e-12;  // of accuracy and duration: shortest step with rows
 inline constexpr double arrival = 0.02;               // of the closed gap: steps to an event end this much behind it
 inline constexpr double closed_error = 0.2;           // of the closed gap: error that is allowed while rows act
-inline constexpr double solver_share = 0.01, solver_floor = 1e-14;  // of the closed gap over the speed: solver tolerance; its rounding
+inline constexpr double solver_share = 0.01, solver_floor = 1e-14;  // of the closed gap over the speed: tolerance; its rounding
 
 // Constraints (constrained_motion.hpp).
-inline constexpr double open_rows = 1e-3;             // of the rows' reach (m) or rad: larger errors close first, in steps of order 1
+inline constexpr double open_rows = 1e-3;             // of the rows' reach (m) or rad: larger errors close first, at order 1
 inline constexpr double rows_precision = 1e-15;       // of the accelerations: solver tolerance
-inline constexpr double aligned_rows = 1e-14;         // share of their terms by which joints move redundant rows: rounding (settled_rows.hpp)
+inline constexpr double aligned_rows = 1e-14;         // of their terms: joints move redundant rows by rounding (settled_rows.hpp)
 inline constexpr double projection_damping = 1e-9;    // least damping of the projection's Newton step
 
 // Implicit midpoint (implicit_midpoint.hpp).

@@ -20,14 +20,17 @@ CollisionMesh hull(const meshes::Mesh& mesh, bool asked) {
     return {DYN_SHAPE_TYPE_CONVEX, meshes::convex_of(hull), false, " is convex: a hull of " + vertices + " replaces it"};
   std::string ratio = "unknown times the mesh's, which is not closed";
   if (closed) ratio = number(meshes::solid_of(hull).volume / std::abs(meshes::solid_of(mesh).volume)) + " times the mesh's";
-  return {DYN_SHAPE_TYPE_CONVEX, meshes::convex_of(hull), asked, " is not convex, and its hull of " + vertices + " replaces it: hull_volume_ratio: the hull's volume is " + ratio +
-                                             "; hull_depth: the mesh lies up to " + number(depth) + " m below the hull"};
+  return {DYN_SHAPE_TYPE_CONVEX, meshes::convex_of(hull), asked,
+          " is not convex, and its hull of " + vertices + " replaces it: hull_volume_ratio: the hull's volume is " + ratio +
+              "; hull_depth: the mesh lies up to " + number(depth) + " m below the hull"};
 }
 
 CollisionMesh triangles(const meshes::Mesh& mesh) {
   const std::string what = ": " + count(mesh.triangle_count(), "triangle", "triangles");
   if (mesh.topology.closed) return {DYN_SHAPE_TYPE_TRIANGLES, meshes::tree_of(mesh), false, what + " that enclose a solid"};
-  return {DYN_SHAPE_TYPE_TRIANGLES, meshes::tree_of(mesh), true, what + " that do not enclose a solid (" + count(mesh.topology.open, "open edge", "open edges") + "): shapes inside are not in contact"};
+  return {DYN_SHAPE_TYPE_TRIANGLES, meshes::tree_of(mesh), true,
+          what + " that do not enclose a solid (" + count(mesh.topology.open, "open edge", "open edges") +
+              "): shapes inside are not in contact"};
 }
 
 bool is_flat(const meshes::Mesh& mesh) {

@@ -27,12 +27,15 @@ void seal_dynb(std::string& file, std::uint64_t tag) {
 
 namespace {
 
-[[noreturn]] void damaged(const std::string& what) { throw Error(DYN_ERROR_PARSE, "the file is damaged: " + what + ": write it again from the robot file"); }
+[[noreturn]] void damaged(const std::string& what) {
+  throw Error(DYN_ERROR_PARSE, "the file is damaged: " + what + ": write it again from the robot file");
+}
 
 void refuse(const Damage& d) {
   if (!d) return;
   const std::string what = d.what + (d.count >= 0 ? " is " + std::to_string(d.value) + " of " + std::to_string(d.count) : "");
-  if (d.status == DYN_ERROR_UNSUPPORTED) throw Error(d.status, "the .dynb cannot be read: " + what + ": write it again from the robot file");
+  if (d.status == DYN_ERROR_UNSUPPORTED)
+    throw Error(d.status, "the .dynb cannot be read: " + what + ": write it again from the robot file");
   damaged(what);
 }
 
@@ -48,7 +51,9 @@ void check_by_building(const Model& m) {
     std::copy(x, x + 12, out.begin());
     return out;
   };
-  const auto on = [&](Index joint) { return joint ? Parent{m.string(m.joints()[joint].name), DYN_FRAME_TYPE_JOINT} : Parent{"", 0}; };
+  const auto on = [&](Index joint) {
+    return joint ? Parent{m.string(m.joints()[joint].name), DYN_FRAME_TYPE_JOINT} : Parent{"", 0};
+  };
   Index joints = 0;
   for (Index f = 1; f < m.n.frames; ++f) {
     const FrameRecord& r = m.frames()[f];
@@ -72,23 +77,28 @@ void check_by_building(const Model& m) {
       b.frame(name, on(r.joint), placement(r.placement), r.type);
     }
   }
-  if (joints != m.n.joints - 1) damaged("it has " + std::to_string(m.n.joints - 1) + " joints, and frames of " + std::to_string(joints));
+  if (joints != m.n.joints - 1)
+    damaged("it has " + std::to_string(m.n.joints - 1) + " joints, and frames of " + std::to_string(joints));
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& r = m.shapes()[k];
-    Shape s{m.string(r.name), r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name), placement(r.placement), {}, m.string(r.mesh)};
+    Shape s{m.string(r.name),       r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name),
+            placement(r.placement), {},     m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
-    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material], s.surface = surface_of(m, k), s.colour = r.colour, s.filter = PairFilter(r.filter);
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material],
+    s.surface = surface_of(m, k), s.colour = r.colour, s.filter = PairFilter(r.filter);
     b.shape(s);
   }
   for (Index k = 0; k < m.n.constraints; ++k) {
     const ConstraintRecord& r = m.constraints()[k];
     const auto end = [&](int at) {
       if (at <= 0) return Parent{"", 0};
-      return between_joints(r.spec.type) ? Parent{m.string(m.joints()[at].name), DYN_FRAME_TYPE_JOINT} : Parent{m.string(m.frames()[at].name), int(m.frames()[at].type)};
+      return between_joints(r.spec.type) ? Parent{m.string(m.joints()[at].name), DYN_FRAME_TYPE_JOINT}
+                                         : Parent{m.string(m.frames()[at].name), int(m.frames()[at].type)};
     };
     b.constraint(m.string(r.name), r.spec, end(r.spec.first), end(r.spec.second));
   }
-  for (Index k = 0; k < m.n.actuators; ++k) b.actuator(m.string(m.actuators()[k].name), m.actuators()[k].spec, m.string(m.joints()[m.actuators()[k].spec.joint].name));
+  for (Index k = 0; k < m.n.actuators; ++k)
+    b.actuator(m.string(m.actuators()[k].name), m.actuators()[k].spec, m.string(m.joints()[m.actuators()[k].spec.joint].name));
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& p = m.pairs()[k];
     const auto name = [&](Index geom) { return std::string(m.string(m.shapes()[m.geoms()[geom].shape].name)); };
@@ -114,8 +124,10 @@ ModelPtr load_dynb(const std::string& given, const std::string& file, const Load
   const std::string where = file.empty() ? "" : load::printable(file) + ": ";
   try {
     load::refuse(check_header(bytes.data(), bytes.size()));
-    if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != LoadOptions().meshes)
-      throw Error(DYN_ERROR_ARGUMENT, "a .dynb holds a model as it was loaded: omit base, cos_sin, srdf and meshes, or load the robot file");
+    if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() ||
+        options.meshes != LoadOptions().meshes)
+      throw Error(DYN_ERROR_ARGUMENT,
+                  "a .dynb holds a model as it was loaded: omit base, cos_sin, srdf and meshes, or load the robot file");
     const std::size_t size = bytes.size() - sizeof(DynbHeader);
     const std::unique_ptr<void, load::Free> block(allocate_block(size));
     if (!block) throw std::bad_alloc();

@@ -8,16 +8,21 @@ namespace dyn::load {
 
 namespace {
 
-constexpr bool is_new(Model::Field field) { return field == Model::Field::configuration_states || field == Model::Field::simulation; }
+constexpr bool is_new(Model::Field field) {
+  return field == Model::Field::configuration_states || field == Model::Field::simulation;
+}
 constexpr std::size_t new_fields = 2, fields = std::size_t(Model::Field::count_);
 constexpr std::size_t round_up(std::size_t x, std::size_t boundary) { return (x + boundary - 1) / boundary * boundary; }
-constexpr std::size_t older_model = round_up(offsetof(Model, offset) + (fields - new_fields) * sizeof(std::uint32_t), alignof(Model));
+constexpr std::size_t older_model =
+    round_up(offsetof(Model, offset) + (fields - new_fields) * sizeof(std::uint32_t), alignof(Model));
 
 // dynb_tag() of version 2.
 constexpr std::uint64_t older_tag() {
   std::uint64_t sum = 0xcbf29ce484222325u;
   const auto add = [&](std::uint64_t x) { sum = (sum ^ x) * 0x100000001b3u; };
-  for (const std::size_t size : {sizeof(DynbHeader), older_model, sizeof(ModelSizes), sizeof(Index), alignof(Vec3<double>), offsetof(Model, offset)}) add(size);
+  for (const std::size_t size :
+       {sizeof(DynbHeader), older_model, sizeof(ModelSizes), sizeof(Index), alignof(Vec3<double>), offsetof(Model, offset)})
+    add(size);
 #define FIELD(type, name, count, sentence)         \
   if (!is_new(Model::Field::name)) {               \
     add(sizeof(type)), add(alignof(type));         \
@@ -34,8 +39,9 @@ bool is_sound(const std::string& bytes) {
   if (bytes.size() < sizeof h + older_model || bytes.size() % 8) return false;
   std::memcpy(&h, bytes.data(), sizeof h);
   constexpr std::size_t summed = offsetof(DynbHeader, handle);
-  return std::memcmp(h.magic, dynb_magic, sizeof h.magic) == 0 && h.version == 2 && h.byte_order == dynb_byte_order && h.tag == older_tag() &&
-         h.bytes == bytes.size() - sizeof h && h.checksum == dynb_checksum(bytes.data() + summed, bytes.size() - summed);
+  return std::memcmp(h.magic, dynb_magic, sizeof h.magic) == 0 && h.version == 2 && h.byte_order == dynb_byte_order &&
+         h.tag == older_tag() && h.bytes == bytes.size() - sizeof h &&
+         h.checksum == dynb_checksum(bytes.data() + summed, bytes.size() - summed);
 }
 
 }  // namespace

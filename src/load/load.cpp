@@ -54,6 +54,8 @@ ModelPtr load_file(const std::string& path, const LoadOptions& options) {
   return within_folders(load_content(load::read_file(path, "a robot file"), path, options), path, options);
 }
 
-ModelPtr load_string(const std::string& text, const LoadOptions& options) { return within_folders(load_content(text, "", options), "", options); }
+ModelPtr load_string(const std::string& text, const LoadOptions& options) {
+  return within_folders(load_content(text, "", options), "", options);
+}
 
 }  // namespace dyn

@@ -70,7 +70,8 @@ struct MeshOptions {
 Mesh read_mesh(const std::string& name, const MeshOptions& options);
 // mesh_weld.cpp: welds vertices, drops degenerate triangles. Corners must be in range, vertices finite. who: begins messages.
 // colours: m, or null.
-Mesh make_mesh(const double* vertices, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance, const std::string& who, const std::uint32_t* colours = nullptr);
+Mesh make_mesh(const double* vertices, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance,
+               const std::string& who, const std::uint32_t* colours = nullptr);
 // mesh_topology.cpp
 Topology topology_of(const std::vector<Index>& triangles);
 // mesh_mass.cpp: the solid of a closed mesh at density 1. Volume and inertia are negative if the mesh is inside out.

@@ -30,12 +30,14 @@ std::string read(std::ifstream& file, std::uint64_t from, std::uint64_t bytes) {
 
 std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
   std::uint32_t x = 0;
-  for (std::size_t k = 0; k < 4 && at + k < bytes.size(); ++k) x |= std::uint32_t(static_cast<unsigned char>(bytes[at + k])) << 8 * k;
+  for (std::size_t k = 0; k < 4 && at + k < bytes.size(); ++k)
+    x |= std::uint32_t(static_cast<unsigned char>(bytes[at + k])) << 8 * k;
   return x;
 }
 
 bool holds(const std::string& text, std::string_view word) {
-  return std::search(text.begin(), text.end(), word.begin(), word.end(), [](char a, char b) { return (a >= 'A' && a <= 'Z' ? char(a - 'A' + 'a') : a) == b; }) != text.end();
+  return std::search(text.begin(), text.end(), word.begin(), word.end(),
+                     [](char a, char b) { return (a >= 'A' && a <= 'Z' ? char(a - 'A' + 'a') : a) == b; }) != text.end();
 }
 
 // Binary: 80 bytes, a count, 50 bytes a triangle. Other files that begin with "solid" are ASCII.
@@ -45,17 +47,22 @@ void check_stl(std::ifstream& file, std::uint64_t size, const Report& report) {
   const bool ascii = head.substr(0, 5) == "solid" && size != needed;
   if (ascii) {
     const std::uint64_t tail = std::min<std::uint64_t>(size, 4096);
-    if (!holds(read(file, size - tail, tail), "endsolid")) report.fail(DYN_ERROR_PARSE, 0, "the file is cut off: an ASCII STL ends with 'endsolid'");
+    if (!holds(read(file, size - tail, tail), "endsolid"))
+      report.fail(DYN_ERROR_PARSE, 0, "the file is cut off: an ASCII STL ends with 'endsolid'");
     return;
   }
-  if (size < 84) report.fail(DYN_ERROR_PARSE, 0, "this is not an STL: it has " + std::to_string(size) + " bytes, and the header of a binary one alone has 84");
+  if (size < 84)
+    report.fail(DYN_ERROR_PARSE, 0,
+                "this is not an STL: it has " + std::to_string(size) + " bytes, and the header of a binary one alone has 84");
   if (count > std::uint64_t(max_triangles))
     report.fail(size == needed ? DYN_ERROR_LIMIT : DYN_ERROR_PARSE, 0,
                 "its header says " + std::to_string(count) + " triangles, and the limit is " + std::to_string(max_triangles) +
                     (size == needed ? "" : " (the file has " + std::to_string(size) + " bytes: it is damaged, or no STL)"));
   if (size != needed)
-    report.fail(DYN_ERROR_PARSE, 0, "its header says " + std::to_string(count) + " triangles, which take " + std::to_string(needed) + " bytes, but the file has " +
-                                        std::to_string(size) + ": it is " + (size < needed ? "cut off" : "damaged") + ", or no STL");
+    report.fail(DYN_ERROR_PARSE, 0,
+                "its header says " + std::to_string(count) + " triangles, which take " + std::to_string(needed) +
+                    " bytes, but the file has " + std::to_string(size) + ": it is " + (size < needed ? "cut off" : "damaged") +
+                    ", or no STL");
   if (count == 0) report.fail(DYN_ERROR_INVALID, 0, "no triangles: its header says 0");
 }
 
@@ -71,13 +78,17 @@ void check_json(std::string_view text, const Report& report) {
       quoted = true;
       parents += text.substr(i).starts_with("\"children\"");
     } else if (c == '[' || c == '{') {
-      if (++depth > max_json_depth) report.fail(DYN_ERROR_LIMIT, 0, "its JSON is nested more than " + std::to_string(max_json_depth) + " deep, which is the limit");
+      if (++depth > max_json_depth)
+        report.fail(DYN_ERROR_LIMIT, 0,
+                    "its JSON is nested more than " + std::to_string(max_json_depth) + " deep, which is the limit");
     } else if (c == ']' || c == '}') {
       --depth;
     }
   }
   if (quoted || depth != 0) report.fail(DYN_ERROR_PARSE, 0, "its JSON is cut off or damaged: a quote or bracket is missing");
-  if (parents > max_gltf_parents) report.fail(DYN_ERROR_LIMIT, 0, std::to_string(parents) + " nodes with children, and the limit is " + std::to_string(max_gltf_parents));
+  if (parents > max_gltf_parents)
+    report.fail(DYN_ERROR_LIMIT, 0,
+                std::to_string(parents) + " nodes with children, and the limit is " + std::to_string(max_gltf_parents));
 }
 
 // Magic, version, length; then chunks of length, type, bytes. The first chunk is JSON.
@@ -86,7 +97,9 @@ void check_glb(std::ifstream& file, std::uint64_t size, const Report& report) {
   if (!head.starts_with("glTF")) report.fail(DYN_ERROR_PARSE, 0, "this is not a binary glTF: it does not begin with 'glTF'");
   const std::uint64_t length = little_endian(head, 8), json = little_endian(head, 12);
   if (head.size() < 20 || length != size || 20 + json > size)
-    report.fail(DYN_ERROR_PARSE, 0, "its header says " + std::to_string(length) + " bytes, but the file has " + std::to_string(size) + ": it is cut off or damaged");
+    report.fail(DYN_ERROR_PARSE, 0,
+                "its header says " + std::to_string(length) + " bytes, but the file has " + std::to_string(size) +
+                    ": it is cut off or damaged");
   check_json(read(file, 20, json), report);
 }
 
@@ -102,7 +115,8 @@ void check_mesh_file(const std::string& path) {
   const Report report(path, false);
   const std::string kind = extension(path);
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of a mesh file in it");
+  if (std::filesystem::is_directory(path, ignored))
+    report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of a mesh file in it");
   if (kind != ".stl" && kind != ".obj" && kind != ".dae" && kind != ".gltf" && kind != ".glb")
     report.fail(DYN_ERROR_UNSUPPORTED, 0, "mesh files are .stl, .obj, .dae, .gltf and .glb: convert it to one of them");
   std::ifstream file(path, std::ios::binary);
@@ -110,7 +124,9 @@ void check_mesh_file(const std::string& path) {
   const std::uint64_t size = std::filesystem::file_size(path, ignored);
   if (ignored) report.fail(DYN_ERROR_FILE, 0, "is not a regular file: " + ignored.message());
   if (size == 0) report.fail(DYN_ERROR_PARSE, 0, "the file is empty");
-  if (size > max_mesh_bytes) report.fail(DYN_ERROR_LIMIT, 0, std::to_string(size) + " bytes, and the limit is " + std::to_string(max_mesh_bytes) + ": simplify the mesh");
+  if (size > max_mesh_bytes)
+    report.fail(DYN_ERROR_LIMIT, 0,
+                std::to_string(size) + " bytes, and the limit is " + std::to_string(max_mesh_bytes) + ": simplify the mesh");
   if (read(file, 0, std::min<std::uint64_t>(size, 40)).starts_with("version https://git-lfs"))
     report.fail(DYN_ERROR_PARSE, 0, "this is a Git LFS placeholder, not the mesh: run git lfs pull");
   if (kind == ".stl") check_stl(file, size, report);

@@ -33,7 +33,8 @@ std::vector<HalfEdge> half_edges(const Polytope& p) {
   all.reserve(p.face_corners.size());
   for (std::size_t f = 0; f + 1 < p.face_start.size(); ++f)
     for (Index k = p.face_start[f], end = p.face_start[f + 1]; k < end; ++k)
-      all.push_back({p.face_corners[std::size_t(k)], p.face_corners[std::size_t(k + 1 < end ? k + 1 : p.face_start[f])], Index(f)});
+      all.push_back(
+          {p.face_corners[std::size_t(k)], p.face_corners[std::size_t(k + 1 < end ? k + 1 : p.face_start[f])], Index(f)});
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -82,7 +83,8 @@ Mesh hull_of(const Mesh& from) {
     p.center += v * (1.0 / out.vertex_count());
     p.extent = std::max(p.extent, length(v));
   }
-  for (std::vector<double>* x : {&p.x, &p.y, &p.z}) x->resize((x->size() + Polytope::lanes - 1) / Polytope::lanes * Polytope::lanes, x->back());
+  for (std::vector<double>* x : {&p.x, &p.y, &p.z})
+    x->resize((x->size() + Polytope::lanes - 1) / Polytope::lanes * Polytope::lanes, x->back());
   return out;
 }
 

@@ -1,5 +1,5 @@
-// Volume integrals by the divergence theorem: tetrahedra from one point to all triangles (Tonon 2004; second moments: Eberly 2002).
-// Exact up to rounding.
+// Volume integrals by the divergence theorem: tetrahedra from one point to all triangles (Tonon 2004; second moments: Eberly
+// 2002). Exact up to rounding.
 #include <algorithm>
 #include <limits>
 
@@ -10,7 +10,8 @@ namespace dyn::meshes {
 Box box_of(const Mesh& mesh) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   double low[3] = {inf, inf, inf}, high[3] = {-inf, -inf, -inf};
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) low[i % 3] = std::min(low[i % 3], mesh.vertices[i]), high[i % 3] = std::max(high[i % 3], mesh.vertices[i]);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    low[i % 3] = std::min(low[i % 3], mesh.vertices[i]), high[i % 3] = std::max(high[i % 3], mesh.vertices[i]);
   return {load3(low), load3(high)};
 }
 

@@ -18,8 +18,8 @@ class MeshPaths {
   // file: the robot file, or "" for text in memory. package_dirs: folders in which package://NAME/rest is looked up.
   MeshPaths(const std::string& file, std::vector<std::string> package_dirs);
 
-  // package://NAME/rest (also model://) is looked up as DIR/NAME/rest and DIR/rest in each package directory. Then as NAME/rest in
-  // every folder above the robot file, and last in ROS_PACKAGE_PATH. Relative names are relative to the robot file's folder.
+  // package://NAME/rest (also model://) is looked up as DIR/NAME/rest and DIR/rest in each package directory. Then as NAME/rest
+  // in every folder above the robot file, and last in ROS_PACKAGE_PATH. Relative names are relative to the robot file's folder.
   const Found& find(const std::string& name);
 
  private:

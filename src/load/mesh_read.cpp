@@ -27,7 +27,8 @@ std::string found(const std::string& name, const MeshOptions& options) {
     if (std::filesystem::exists(path)) check_mesh_file(path);  // throws with what is there instead of a file
     tried += (tried.empty() ? ": tried " : ", ") + quoted(path);
   }
-  if (name.find("://") != name.npos) tried += tried.empty() ? ": give package_dirs" : "; give the folder above the package in package_dirs";
+  if (name.find("://") != name.npos)
+    tried += tried.empty() ? ": give package_dirs" : "; give the folder above the package in package_dirs";
   throw Error(DYN_ERROR_FILE, "mesh " + quoted(name) + " is not found" + tried);
 }
 
@@ -49,7 +50,8 @@ std::vector<double> points_of(const std::string& path) {
     if (words[0] == "f" || words[0] == "l" || words[0] == "surf") return {};
     if (words[0] != "v" || words.size() < 4) continue;
     for (std::size_t k = 1; k <= 3; ++k)
-      if (const std::string wrong = parse_number(words[k], out.emplace_back()); !wrong.empty()) throw Error(DYN_ERROR_PARSE, quoted(path) + ": '" + std::string(words[k].substr(0, 60)) + "' " + wrong);
+      if (const std::string wrong = parse_number(words[k], out.emplace_back()); !wrong.empty())
+        throw Error(DYN_ERROR_PARSE, quoted(path) + ": '" + std::string(words[k].substr(0, 60)) + "' " + wrong);
   }
   return out;
 }
@@ -62,7 +64,9 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
   check_mesh_file(path);
   const double mirror = options.scale[0] * options.scale[1] * options.scale[2];
   for (double s : options.scale)
-    if (!std::isfinite(s) || s == 0) throw Error(DYN_ERROR_ARGUMENT, "the scale of mesh " + quoted(name) + " has " + text(s) + ": give finite numbers that are not zero");
+    if (!std::isfinite(s) || s == 0)
+      throw Error(DYN_ERROR_ARGUMENT,
+                  "the scale of mesh " + quoted(name) + " has " + text(s) + ": give finite numbers that are not zero");
 
   if (options.points && extension(path) == ".obj") {
     Mesh cloud;
@@ -73,13 +77,16 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
 
   Soup soup(mesh_module());
   mesh::Failure failure{};
-  if (!soup.module.read(path.c_str(), options.up_z, max_triangles, &soup, &failure)) report.fail(failure.status, 0, failure.message);
+  if (!soup.module.read(path.c_str(), options.up_z, max_triangles, &soup, &failure))
+    report.fail(failure.status, 0, failure.message);
   if (soup.triangle_count == 0)
-    report.fail(DYN_ERROR_INVALID, 0, "no triangles" + (soup.skipped ? ", only " + std::to_string(soup.skipped) + " points and lines" : std::string()));
+    report.fail(DYN_ERROR_INVALID, 0,
+                "no triangles" + (soup.skipped ? ", only " + std::to_string(soup.skipped) + " points and lines" : std::string()));
   for (std::int64_t i = 0; i < 3 * soup.vertex_count; ++i) soup.vertices[i] *= options.scale[std::size_t(i % 3)];
   if (mirror < 0)  // mirroring reverses the orientation of triangles
     for (std::int64_t t = 0; t < soup.triangle_count; ++t) std::swap(soup.triangles[3 * t + 1], soup.triangles[3 * t + 2]);
-  Mesh out = make_mesh(soup.vertices, soup.vertex_count, soup.triangles, soup.triangle_count, options.weld_tolerance, printable(path), soup.colours);
+  Mesh out = make_mesh(soup.vertices, soup.vertex_count, soup.triangles, soup.triangle_count, options.weld_tolerance,
+                       printable(path), soup.colours);
   out.skipped = soup.skipped;
   return out;
 }

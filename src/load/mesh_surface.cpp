@@ -15,8 +15,10 @@ Polytope polytope_of(const Hull& h) {
   const auto room = std::size_t(Hull::padded(h.vertices)), corners = std::size_t(h.corners);
   p.x.assign(h.x, h.x + room), p.y.assign(h.y, h.y + room), p.z.assign(h.z, h.z + room);
   p.planes.assign(h.planes, h.planes + 4 * std::size_t(h.faces));
-  p.face_start.assign(h.face_start, h.face_start + h.faces + 1), p.face_corners.assign(h.face_vertices, h.face_vertices + corners);
-  p.neighbour_start.assign(h.neighbour_start, h.neighbour_start + h.vertices + 1), p.neighbours.assign(h.neighbours, h.neighbours + corners);
+  p.face_start.assign(h.face_start, h.face_start + h.faces + 1),
+      p.face_corners.assign(h.face_vertices, h.face_vertices + corners);
+  p.neighbour_start.assign(h.neighbour_start, h.neighbour_start + h.vertices + 1),
+      p.neighbours.assign(h.neighbours, h.neighbours + corners);
   p.center = h.center, p.extent = h.extent;
   return p;
 }
@@ -55,7 +57,8 @@ Mesh mesh_of(const Grid& g) {
 std::shared_ptr<const SurfaceData> convex_of(const Mesh& mesh) {
   const Polytope& p = *mesh.polytope;
   if (mesh.vertex_count() > max_hull_vertices)
-    throw Error(DYN_ERROR_LIMIT, "a hull of " + std::to_string(mesh.vertex_count()) + " vertices, and the limit is " + std::to_string(max_hull_vertices) + ": simplify the mesh");
+    throw Error(DYN_ERROR_LIMIT, "a hull of " + std::to_string(mesh.vertex_count()) + " vertices, and the limit is " +
+                                     std::to_string(max_hull_vertices) + ": simplify the mesh");
   Hull h{};
   h.vertices = mesh.vertex_count(), h.faces = Index(p.face_start.size()) - 1, h.corners = Index(p.face_corners.size());
   h.x = p.x.data(), h.y = p.y.data(), h.z = p.z.data(), h.planes = p.planes.data();
@@ -65,7 +68,9 @@ std::shared_ptr<const SurfaceData> convex_of(const Mesh& mesh) {
   return std::make_shared<SurfaceData>(SurfaceData{Held<Hull>(h)});
 }
 
-std::shared_ptr<const SurfaceData> tree_of(const Mesh& mesh) { return triangle_tree(mesh.vertices, mesh.triangles, mesh.topology.closed); }
+std::shared_ptr<const SurfaceData> tree_of(const Mesh& mesh) {
+  return triangle_tree(mesh.vertices, mesh.triangles, mesh.topology.closed);
+}
 
 void prepare(Mesh& mesh) {
   if (mesh.polytope && !mesh.convex && mesh.vertex_count() <= max_hull_vertices) mesh.convex = convex_of(mesh);

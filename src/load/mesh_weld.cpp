@@ -40,7 +40,9 @@ class VertexGrid {
   }
 
  private:
-  std::int64_t cell(double x) const { return tolerance_ > 0 ? std::int64_t(std::floor(x / tolerance_)) : std::bit_cast<std::int64_t>(x + 0.0); }
+  std::int64_t cell(double x) const {
+    return tolerance_ > 0 ? std::int64_t(std::floor(x / tolerance_)) : std::bit_cast<std::int64_t>(x + 0.0);
+  }
   std::size_t slot(std::int64_t x, std::int64_t y, std::int64_t z) const {
     std::uint64_t h = std::uint64_t(x) * 0x9e3779b97f4a7c15u;
     h = (h ^ h >> 32 ^ std::uint64_t(y)) * 0xbf58476d1ce4e5b9u;
@@ -94,25 +96,33 @@ class TriangleSet {
 
 }  // namespace
 
-Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance, const std::string& who, const std::uint32_t* colours) {
+Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance,
+               const std::string& who, const std::uint32_t* colours) {
   const auto fail = [&](dynStatus status, const std::string& message) { throw Error(status, who + ": " + message); };
-  if (m > max_triangles) fail(DYN_ERROR_LIMIT, std::to_string(m) + " triangles, and the limit is " + std::to_string(max_triangles) + ": simplify the mesh");
-  if (n > 3 * max_triangles) fail(DYN_ERROR_LIMIT, std::to_string(n) + " vertices, and the limit is " + std::to_string(3 * max_triangles));
+  if (m > max_triangles)
+    fail(DYN_ERROR_LIMIT,
+         std::to_string(m) + " triangles, and the limit is " + std::to_string(max_triangles) + ": simplify the mesh");
+  if (n > 3 * max_triangles)
+    fail(DYN_ERROR_LIMIT, std::to_string(n) + " vertices, and the limit is " + std::to_string(3 * max_triangles));
   for (std::int64_t i = 0; i < 3 * n; ++i) {
     const std::string where = "vertex " + std::to_string(i / 3) + " has " + std::string(1, "xyz"[i % 3]) + " = ";
-    if (!std::isfinite(points[i])) fail(DYN_ERROR_NONFINITE, where + (std::isnan(points[i]) ? "NaN" : "infinity") + ": export the mesh again");
-    if (std::abs(points[i]) > max_coordinate) fail(DYN_ERROR_LIMIT, where + text(points[i]) + " m, and the limit is " + text(max_coordinate));
+    if (!std::isfinite(points[i]))
+      fail(DYN_ERROR_NONFINITE, where + (std::isnan(points[i]) ? "NaN" : "infinity") + ": export the mesh again");
+    if (std::abs(points[i]) > max_coordinate)
+      fail(DYN_ERROR_LIMIT, where + text(points[i]) + " m, and the limit is " + text(max_coordinate));
   }
   double size = 0;
   for (std::int64_t i = 0; i < 3 * n; ++i) size = std::max(size, std::abs(points[i]));
-  if (!(weld_tolerance >= 0) || !(weld_tolerance <= max_coordinate)) fail(DYN_ERROR_ARGUMENT, "the weld tolerance is " + text(weld_tolerance) + ": give metres, at least 0");
+  if (!(weld_tolerance >= 0) || !(weld_tolerance <= max_coordinate))
+    fail(DYN_ERROR_ARGUMENT, "the weld tolerance is " + text(weld_tolerance) + ": give metres, at least 0");
   if (weld_tolerance < size * 1e-15) weld_tolerance = 0;  // below one rounding error
 
   std::vector<bool> used(static_cast<std::size_t>(n), m == 0);
   for (std::int64_t k = 0; k < 3 * m; ++k) {
     const Index i = triangles[k];
     if (i < 0 || i >= n)
-      fail(DYN_ERROR_ARGUMENT, "triangle " + std::to_string(k / 3) + " has the vertex " + std::to_string(i) + ": give 0 to " + std::to_string(n - 1));
+      fail(DYN_ERROR_ARGUMENT,
+           "triangle " + std::to_string(k / 3) + " has the vertex " + std::to_string(i) + ": give 0 to " + std::to_string(n - 1));
     used[std::size_t(i)] = true;
   }
 
@@ -149,7 +159,8 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
     }
   }
   if (std::all_of(out.colours.begin(), out.colours.end(), [](std::uint32_t c) { return c == 0; })) out.colours.clear();
-  if (m > 0 && out.triangles.empty()) fail(DYN_ERROR_INVALID, "no triangle has an area: all " + std::to_string(m) + " are degenerate");
+  if (m > 0 && out.triangles.empty())
+    fail(DYN_ERROR_INVALID, "no triangle has an area: all " + std::to_string(m) + " are degenerate");
   out.topology = topology_of(all);
   return out;
 }

@@ -27,7 +27,8 @@ bool read_named_body(MjcfFile& file, Element& e, MjcfContext context, std::strin
 void read_world(MjcfFile& file, Element& world, const MjcfContext& context, const char* body) {
   if (!body) return read_mjcf_content(file, world, context);
   if (!read_named_body(file, world, context, body))
-    file.source.report(world).fail(DYN_ERROR_NAME, line(world), "there is no body " + load::quoted(body) + " in the model that is attached");
+    file.source.report(world).fail(DYN_ERROR_NAME, line(world),
+                                   "there is no body " + load::quoted(body) + " in the model that is attached");
 }
 
 // Drops contacts and equalities that refer to parts of an attached model that were not attached.
@@ -50,7 +51,9 @@ void drop_unresolved_references(MjcfRobot& robot, size_t excludes, size_t pairs,
   using Named = std::tuple<const std::set<std::string>*, std::string, std::string>;
   keep_known(robot.excludes, excludes, [&](const MjcfExclude& x) { return Named(&bodies, x.bodies[0], x.bodies[1]); });
   keep_known(robot.pairs, pairs, [&](const MjcfPair& x) { return Named(&geoms, x.geoms[0], x.geoms[1]); });
-  keep_known(robot.equalities, equalities, [&](const MjcfEquality& x) { return Named(x.kind == "joint" ? &joints : x.sites ? &sites : &bodies, x.first, x.second); });
+  keep_known(robot.equalities, equalities, [&](const MjcfEquality& x) {
+    return Named(x.kind == "joint" ? &joints : x.sites ? &sites : &bodies, x.first, x.second);
+  });
 }
 
 }  // namespace
@@ -84,8 +87,8 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   });
   for (Element* e : sections) {
     const std::string_view name = e->Name();
-    if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "worldbody" && name != "contact" && name != "keyframe" && name != "actuator" &&
-        name != "equality")
+    if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "worldbody" &&
+        name != "contact" && name != "keyframe" && name != "actuator" && name != "equality")
       report_mjcf_section(file, *e);
   }
 }
@@ -97,8 +100,9 @@ ModelPtr load_mjcf(const std::string& text, const std::string& file, const LoadO
   MjcfSource source(text, file, options);
   Element& root = source.root();
   const Reader reader = source.reader(root, "the model");
-  reader.unread(root, {"model"}, {"compiler", "option", "size", "visual", "statistic", "default", "custom", "asset", "worldbody", "deformable", "contact", "equality",
-                                  "tendon", "actuator", "sensor", "keyframe", "extension", "include", "statistics"});
+  reader.unread(root, {"model"},
+                {"compiler", "option", "size", "visual", "statistic", "default", "custom", "asset", "worldbody", "deformable",
+                 "contact", "equality", "tendon", "actuator", "sensor", "keyframe", "extension", "include", "statistics"});
   MjcfRobot robot;
   robot.name = root.Attribute("model") && *root.Attribute("model") ? root.Attribute("model") : "MuJoCo Model";
   if (options.base != DYN_BASE_UNSPECIFIED) reader.report.info(0, "the option base is not used: an MJCF model has free joints");

@@ -18,7 +18,8 @@ MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
 
 // Sets component and gear of the driven degree of freedom. Returns the reason if there is not exactly one.
 const char* transmission(const MjcfJoint& j, const std::vector<double>& gear, dynActuator& a) {
-  if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE || j.spec.type == DYN_JOINT_TYPE_PRISMATIC) return a.gear = gear.empty() ? 1 : gear[0], nullptr;
+  if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE || j.spec.type == DYN_JOINT_TYPE_PRISMATIC)
+    return a.gear = gear.empty() ? 1 : gear[0], nullptr;
   const size_t first = 0, count = j.spec.type == DYN_JOINT_TYPE_FREE_FLYER ? 6 : 3;
   int driven = 0;
   for (size_t k = first; k < std::min(count, gear.size()); ++k)
@@ -27,7 +28,8 @@ const char* transmission(const MjcfJoint& j, const std::vector<double>& gear, dy
   return count == 6 && a.component < 3 ? "it pushes a free joint along an axis of the world" : nullptr;
 }
 
-void read_range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits, double (&out)[2]) {
+void read_range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits,
+                double (&out)[2]) {
   const auto pair = reader.numbers(e, attribute, 2);
   const auto on = read_switch(reader, e, limited, std::nullopt);
   if (!pair && on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
@@ -47,19 +49,22 @@ double parameter(const Reader& reader, const Element& e, const char* attribute, 
 const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) {
   dynActuator& a = actuator.spec;
   a.type = DYN_ACTUATOR_TYPE_AFFINE;
-  const std::string_view kind = e.Name(), dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none", gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
+  const std::string_view kind = e.Name(), dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none",
+                         gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
                          bias = e.Attribute("biastype") ? e.Attribute("biastype") : "none";
   if (dynamics == "filter" || dynamics == "filterexact") a.time_constant = parameter(reader, e, "dynprm", 0, 1);
   else if (dynamics == "integrator") a.integrates = 1;
   else if (dynamics != "none") return "its activation is neither a first-order filter nor an integrator";
   a.gain = parameter(reader, e, "gainprm", 0, 1);
-  if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain depends on length or speed";
+  if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0))
+    return "its gain depends on length or speed";
   if (gain != "fixed" && gain != "affine") return "its gain is not a constant";
   if (kind == "motor") a.type = DYN_ACTUATOR_TYPE_MOTOR, a.gain = 0;
   if (bias == "none") return nullptr;
   if (bias != "affine") return "its bias is not affine";
   for (size_t k = 0; k < 3; ++k) a.bias[k] = parameter(reader, e, "biasprm", k, 0);
-  if (a.bias[2] > 0 && a.gain > 0 && a.gain == -a.bias[1]) actuator.damping_ratio = std::exchange(a.bias[2], 0);  // MuJoCo's rule for servos
+  if (a.bias[2] > 0 && a.gain > 0 && a.gain == -a.bias[1])
+    actuator.damping_ratio = std::exchange(a.bias[2], 0);  // MuJoCo's rule for servos
   const bool servo = kind == "position" || kind == "intvelocity";
   if (servo || kind == "velocity") {
     a.type = servo ? DYN_ACTUATOR_TYPE_POSITION : DYN_ACTUATOR_TYPE_VELOCITY;
@@ -75,7 +80,8 @@ void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuato
     if (!given || given->empty()) continue;
     if (!((*given)[0] >= 0)) reader.bad_numbers(e, attribute, "it is negative");
     (*values)[size_t(actuator.spec.component)] += actuator.spec.gear * actuator.spec.gear * (*given)[0];
-    if (std::any_of(given->begin() + 1, given->end(), [](double x) { return x != 0; })) actuator.place.physics(std::string(attribute) + " that depends on speed is not supported: its first number is used");
+    if (std::any_of(given->begin() + 1, given->end(), [](double x) { return x != 0; }))
+      actuator.place.physics(std::string(attribute) + " that depends on speed is not supported: its first number is used");
   }
 }
 
@@ -86,7 +92,8 @@ namespace {
 void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) {
   const std::string_view kind = e.Name();
   const std::string given = e.Attribute("name") ? e.Attribute("name") : "";
-  const std::string name = context.name(given.empty() ? std::string(kind) + "_" + std::to_string(file.robot.actuators.size()) : given);
+  const std::string name =
+      context.name(given.empty() ? std::string(kind) + "_" + std::to_string(file.robot.actuators.size()) : given);
   const Reader reader = file.source.reader(e, "actuator " + load::quoted(name));
   const MjcfPlace place{&reader.report, line(e), reader.owner};
   MjcfActuator actuator{place, name, default_actuator(DYN_ACTUATOR_TYPE_MOTOR), ""};
@@ -105,9 +112,13 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
     read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
     return keep_place("<" + std::string(kind.substr(0, 60)) + "> is not supported");
   }
-  reader.unread(e, {"name", "class", "group", "nsample", "interp", "delay", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange", "actrange", "lengthrange", "gear", "joint",
-                    "jointinparent", "tendon", "site", "refsite", "body", "slidersite", "cranksite", "cranklength", "user", "actdim", "dyntype", "gaintype",
-                    "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping", "area", "diameter", "bias"}, {"plugin"});
+  reader.unread(e, {"name",         "class",         "group",     "nsample",    "interp",   "delay",       "ctrllimited",
+                    "forcelimited", "actlimited",    "ctrlrange", "forcerange", "actrange", "lengthrange", "gear",
+                    "joint",        "jointinparent", "tendon",    "site",       "refsite",  "body",        "slidersite",
+                    "cranksite",    "cranklength",   "user",      "actdim",     "dyntype",  "gaintype",    "biastype",
+                    "dynprm",       "gainprm",       "biasprm",   "actearly",   "kp",       "kv",          "dampratio",
+                    "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias"},
+                {"plugin"});
   file.defaults.apply(file.source, e, "actuator", context.childclass);
   as_general(reader, e);
   const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
@@ -121,14 +132,20 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
   if (!joint && file.part) return place.info("its joint was not attached: left out");
   if (!joint) reader.fail(DYN_ERROR_NAME, e, "there is no joint " + load::quoted(actuator.joint));
-  if (const char* why = transmission(*joint, reader.numbers(e, "gear").value_or(std::vector<double>()), actuator.spec)) return keep_place(why);
+  if (const char* why = transmission(*joint, reader.numbers(e, "gear").value_or(std::vector<double>()), actuator.spec))
+    return keep_place(why);
   if (const char* why = law(reader, e, actuator)) return keep_place(why);
   if (actuator.spec.bias[1] != 0 || actuator.spec.kp != 0)
-    if (joint_nq(joint->spec.type) != 1) return keep_place("it depends on the length of a " + std::string(joint->spec.type == DYN_JOINT_TYPE_SPHERICAL ? "ball" : "free") + " joint, which is not supported");
+    if (joint_nq(joint->spec.type) != 1)
+      return keep_place("it depends on the length of a " +
+                        std::string(joint->spec.type == DYN_JOINT_TYPE_SPHERICAL ? "ball" : "free") +
+                        " joint, which is not supported");
   read_range(reader, e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
-  if (actuator.spec.time_constant > 0 || actuator.spec.integrates) read_range(reader, e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
+  if (actuator.spec.time_constant > 0 || actuator.spec.integrates)
+    read_range(reader, e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
   if (const double inherit = reader.optional_number(e, "inheritrange").value_or(0); inherit > 0 && !joint->spec.lower.empty()) {
-    const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2, half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
+    const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2,
+                 half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
     double (&range)[2] = kind == "intvelocity" ? actuator.spec.act_range : actuator.spec.control_range;
     range[0] = middle - half, range[1] = middle + half;
   }
@@ -149,7 +166,9 @@ void limit_mjcf_actuators(MjcfRobot& robot) {
       std::vector<dynActuator*> all;
       for (MjcfActuator& a : robot.actuators)
         if (a.joint == j.spec.name && a.spec.gear != 0) all.push_back(&a.spec);
-      if (all.size() > 1) j.place.physics("actuatorfrcrange is not used: " + std::to_string(all.size()) + " actuators drive it, and their sum has no limit");
+      if (all.size() > 1)
+        j.place.physics("actuatorfrcrange is not used: " + std::to_string(all.size()) +
+                        " actuators drive it, and their sum has no limit");
       if (all.size() != 1) continue;
       const double gear = all[0]->gear, ends[2] = {(*j.force)[gear < 0] / gear, (*j.force)[gear > 0] / gear};
       for (double& x : all[0]->force_range) x = std::min(std::max(x, ends[0]), ends[1]);

@@ -13,7 +13,8 @@ namespace {
 std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
 
 // Vertices in the geom's frame: moved by refpos and refquat, then scaled.
-meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std::array<double, 3>& scale, const std::string& who) {
+meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std::array<double, 3>& scale,
+                      const std::string& who) {
   const bool mirrored = scale[0] * scale[1] * scale[2] < 0;
   for (size_t i = 0; i < mesh.vertices.size(); i += 3) {
     const Vec3<double> p = reference.act_inverse(load3(&mesh.vertices[i]));
@@ -29,19 +30,23 @@ meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std
 meshes::Mesh read_msh(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   const auto read = [&](void* to, size_t bytes) {
-    if (!in.read(static_cast<char*>(to), std::streamsize(bytes))) throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + " cannot be read, or ends early");
+    if (!in.read(static_cast<char*>(to), std::streamsize(bytes)))
+      throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + " cannot be read, or ends early");
   };
   std::int32_t counts[4];
   read(counts, sizeof counts);
   for (const std::int32_t n : counts)
-    if (n < 0 || n > meshes::max_triangles) throw Error(DYN_ERROR_PARSE, "file " + load::quoted(path) + " is not of MuJoCo's format: " + std::to_string(n) + " vertices or faces");
+    if (n < 0 || n > meshes::max_triangles)
+      throw Error(DYN_ERROR_PARSE,
+                  "file " + load::quoted(path) + " is not of MuJoCo's format: " + std::to_string(n) + " vertices or faces");
   std::vector<float> vertices(3 * size_t(counts[0]));
   std::vector<std::int32_t> faces(3 * size_t(counts[3]));
   read(vertices.data(), vertices.size() * sizeof(float));
   in.seekg(std::streamoff(sizeof(float)) * (3 * std::streamoff(counts[1]) + 2 * std::streamoff(counts[2])), std::ios::cur);
   read(faces.data(), faces.size() * sizeof(std::int32_t));
   for (const std::int32_t f : faces)
-    if (f < 0 || f >= counts[0]) throw Error(DYN_ERROR_PARSE, "file " + load::quoted(path) + ": vertex " + std::to_string(f) + " does not exist");
+    if (f < 0 || f >= counts[0])
+      throw Error(DYN_ERROR_PARSE, "file " + load::quoted(path) + ": vertex " + std::to_string(f) + " does not exist");
   for (const float v : vertices)
     if (!std::isfinite(v)) throw Error(DYN_ERROR_NONFINITE, "file " + load::quoted(path) + " has a vertex that is not finite");
   const std::vector<double> numbers(vertices.begin(), vertices.end());
@@ -65,22 +70,29 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
   if (!file.empty()) {
     std::ifstream in(source.path(e, file), std::ios::binary);
     std::int32_t size[2];
-    if (!in.read(reinterpret_cast<char*>(size), sizeof size)) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " cannot be read");
-    if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > max_heights) reader.fail(DYN_ERROR_LIMIT, e, "file " + load::quoted(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
+    if (!in.read(reinterpret_cast<char*>(size), sizeof size))
+      reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " cannot be read");
+    if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > max_heights)
+      reader.fail(DYN_ERROR_LIMIT, e,
+                  "file " + load::quoted(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
     g.rows = size[0], g.columns = size[1];
     std::vector<float> data(size_t(g.rows) * size_t(g.columns));
-    if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(float)))) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " ends early");
+    if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(float))))
+      reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " ends early");
     for (const float x : data)
-      if (!std::isfinite(x)) reader.fail(DYN_ERROR_NONFINITE, e, "file " + load::quoted(file) + " has a height that is not finite");
+      if (!std::isfinite(x))
+        reader.fail(DYN_ERROR_NONFINITE, e, "file " + load::quoted(file) + " has a height that is not finite");
     g.heights.assign(data.begin(), data.end());
   } else {
     const double rows = reader.number(e, "nrow"), columns = reader.number(e, "ncol");
-    if (!(rows >= 2 && columns >= 2 && rows * columns <= double(max_heights))) reader.fail(DYN_ERROR_INVALID, e, "nrow and ncol are at least 2, and their product at most " + std::to_string(max_heights));
+    if (!(rows >= 2 && columns >= 2 && rows * columns <= double(max_heights)))
+      reader.fail(DYN_ERROR_INVALID, e, "nrow and ncol are at least 2, and their product at most " + std::to_string(max_heights));
     g.rows = Index(rows), g.columns = Index(columns);
     g.heights.assign(size_t(g.rows) * size_t(g.columns), 0);
     if (const auto text = reader.numbers(e, "elevation", g.heights.size()))  // the text begins with the farthest row
       for (Index r = 0; r < g.rows; ++r)
-        std::copy_n(text->begin() + std::ptrdiff_t(r) * g.columns, g.columns, g.heights.begin() + std::ptrdiff_t(g.rows - 1 - r) * g.columns);
+        std::copy_n(text->begin() + std::ptrdiff_t(r) * g.columns, g.columns,
+                    g.heights.begin() + std::ptrdiff_t(g.rows - 1 - r) * g.columns);
   }
   const auto [low, high] = std::minmax_element(g.heights.begin(), g.heights.end());
   const double least = *low, range = *high - *low;
@@ -123,11 +135,14 @@ std::uint32_t MjcfAssets::colour(const Element& geom) const {
   return material == materials_.end() ? 0 : material->second;
 }
 
-MjcfAssets::Entry& MjcfAssets::find(std::map<std::string, Entry>& all, const char* kind, const Element& e, const std::string& name) const {
+MjcfAssets::Entry& MjcfAssets::find(std::map<std::string, Entry>& all, const char* kind, const Element& e,
+                                    const std::string& name) const {
   if (const auto at = all.find(name); at != all.end()) return at->second;
   std::vector<const std::string*> names;
   for (const auto& entry : all) names.push_back(&entry.first);
-  source_.report(e).fail(DYN_ERROR_NAME, line(e), std::string("there is no ") + kind + " " + load::quoted(name) + " among the assets" + did_you_mean(name, names));
+  source_.report(e).fail(
+      DYN_ERROR_NAME, line(e),
+      std::string("there is no ") + kind + " " + load::quoted(name) + " among the assets" + did_you_mean(name, names));
 }
 
 const Element& MjcfAssets::model(const Element& e, const std::string& name) const {
@@ -137,7 +152,10 @@ const Element& MjcfAssets::model(const Element& e, const std::string& name) cons
 void MjcfAssets::read(Entry& entry) const {
   const Element& e = *entry.element;
   const Reader reader = source_.reader(e, "mesh " + load::quoted(entry.path));
-  reader.unread(e, {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal", "maxhullvert", "inertia", "content_type", "material", "builtin", "params"}, {});
+  reader.unread(e,
+                {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal",
+                 "maxhullvert", "inertia", "content_type", "material", "builtin", "params"},
+                {});
   const auto scale = reader.vector3(e, "scale").value_or(std::array<double, 3>{1, 1, 1});
   SE3<double> reference = SE3<double>::identity();
   if (const auto p = reader.vector3(e, "refpos")) reference.p = load3(p->data());
@@ -157,7 +175,9 @@ void MjcfAssets::read(Entry& entry) const {
       }
       if (faces.size() % 3) reader.bad_numbers(e, "face", "three vertices a face are expected");
       if (faces.empty()) mesh.vertices = *vertices;
-      else mesh = meshes::make_mesh(vertices->data(), std::int64_t(vertices->size() / 3), faces.data(), std::int64_t(faces.size() / 3), 0, reader.owner);
+      else
+        mesh = meshes::make_mesh(vertices->data(), std::int64_t(vertices->size() / 3), faces.data(),
+                                 std::int64_t(faces.size() / 3), 0, reader.owner);
     } else if (e.Attribute("builtin") && e.Attribute("builtin") != std::string_view("none")) {
       mesh = mjcf_builtin_mesh(reader, e);
     } else if (entry.path.ends_with(".msh")) {
@@ -184,7 +204,8 @@ MjcfAssets::Entry& MjcfAssets::mesh_entry(const Element& e, const std::string& n
   if (!entry.path.empty()) return entry;
   std::string file = attribute(*entry.element, "file");
   if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
-  entry.path = file.empty() ? name : source_.path(*entry.element, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
+  entry.path =
+      file.empty() ? name : source_.path(*entry.element, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
   return entry;
 }
 
@@ -223,19 +244,22 @@ bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeo
   const Reader reader = source_.reader(asset, "height field " + load::quoted(name));
   reader.unread(asset, {"name", "file", "nrow", "ncol", "elevation", "size", "content_type"}, {});
   if (const std::string file = attribute(asset, "file"); file.ends_with(".png") || file.ends_with(".PNG")) {
-    geom.place.physics("the height field " + load::quoted(name) + " is a picture (" + load::quoted(file) + "), which is not supported: the geom is left out; give elevation, or a binary file");
+    geom.place.physics("the height field " + load::quoted(name) + " is a picture (" + load::quoted(file) +
+                       "), which is not supported: the geom is left out; give elevation, or a binary file");
     return false;
   }
   const Grid g = read_grid(source_, reader, asset);
   const auto size = reader.numbers(asset, "size", 4);
-  if (!size) reader.fail(DYN_ERROR_PARSE, asset, "it has no attribute size: half lengths along x and y, height, depth below zero");
+  if (!size)
+    reader.fail(DYN_ERROR_PARSE, asset, "it has no attribute size: half lengths along x and y, height, depth below zero");
   for (double s : *size)
     if (!(s > 0)) reader.bad_numbers(asset, "size", "sizes are positive metres");
   std::vector<double> heights = g.heights;
   for (double& h : heights) h *= (*size)[2];
   geom.shape.size = {1, 1, 1};
   try {
-    geom.shape.surface = height_grid(heights.data(), g.columns, g.rows, 2 * (*size)[0] / (g.columns - 1), 2 * (*size)[1] / (g.rows - 1), -(*size)[3]);
+    geom.shape.surface = height_grid(heights.data(), g.columns, g.rows, 2 * (*size)[0] / (g.columns - 1),
+                                     2 * (*size)[1] / (g.rows - 1), -(*size)[3]);
   } catch (const Error& error) {
     reader.fail(error.status, asset, error.what());
   }

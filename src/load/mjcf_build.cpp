@@ -30,7 +30,8 @@ Pose joint_motion(const MjcfJoint& j, double q) {
 void name_joints(MjcfBody& body) {
   const size_t n = body.joints.size();
   for (size_t k = 0; k < n; ++k)
-    if (std::string& name = body.joints[k].spec.name; name.empty()) name = body.name + "_joint" + (n > 1 ? std::to_string(k) : "");
+    if (std::string& name = body.joints[k].spec.name; name.empty())
+      name = body.name + "_joint" + (n > 1 ? std::to_string(k) : "");
 }
 
 // The parent of a body's links, shapes and frames, and the body's pose in it.
@@ -65,15 +66,18 @@ void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const Mj
   std::array<double, 9> inertia;
   store33(mass.inertia.full(), inertia.data());
   with_location(body.place, [&] {
-    builder.body(body.name, attachment.parent, placement(attachment.X), mass.mass, {mass.com[0], mass.com[1], mass.com[2]}, inertia);
+    builder.body(body.name, attachment.parent, placement(attachment.X), mass.mass, {mass.com[0], mass.com[1], mass.com[2]},
+                 inertia);
     if (body.compensation != 0) builder.gravity_compensation(body.name, body.compensation);
   });
 }
 
 // joints: names that sites must not have, because both are frames.
-void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& robot, bool world, const std::set<std::string>& joints) {
+void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& robot, bool world,
+                          const std::set<std::string>& joints) {
   for (MjcfGeom& g : body.geoms) {
-    if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL) continue;  // a visual plane has no extent to draw
+    if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL)
+      continue;  // a visual plane has no extent to draw
     g.shape.body = world ? "universe" : body.name;
     g.shape.placement = placement(g.X), g.shape.filter = robot.filter;
     if (!robot.contacts) g.shape.contype = g.shape.conaffinity = 0;
@@ -84,7 +88,10 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& rob
       s.place.info("the frame is called " + load::quoted(s.name + "_site"));
       s.name += "_site";
     }
-    with_location(s.place, [&] { builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X), DYN_FRAME_TYPE_OP_FRAME); });
+    with_location(s.place, [&] {
+      builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X),
+                    DYN_FRAME_TYPE_OP_FRAME);
+    });
   }
 }
 
@@ -116,7 +123,11 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     compute_mjcf_springs(*with_location(file, [&] { return bodies_only.finish(); }), robot);
   }
   Builder builder(robot.name);
-  with_location(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind), builder.stepping(robot.timestep, robot.integrator, robot.effects); });
+  with_location(file, [&] {
+    builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots),
+        builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind),
+        builder.stepping(robot.timestep, robot.integrator, robot.effects);
+  });
   mark_mjcf_pairs(robot), limit_mjcf_actuators(robot);
   add_mechanism(builder, robot, masses);
   std::set<std::string> joints;
@@ -128,7 +139,8 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     with_location(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }
   if (damped_by_ratio(robot)) compute_mjcf_damping(*with_location(file, [&] { return builder.finish(); }), robot);
-  add_mjcf_actuators(builder, robot), add_mjcf_keys(builder, robot), add_mjcf_equalities(builder, robot), add_mjcf_pairs(builder, robot);
+  add_mjcf_actuators(builder, robot), add_mjcf_keys(builder, robot), add_mjcf_equalities(builder, robot),
+      add_mjcf_pairs(builder, robot);
   for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);
   return with_location(file, [&] { return builder.finish(); });
 }

@@ -41,12 +41,14 @@ void MjcfDefaults::read(MjcfSource& source, Element& e, int at) {
     Attributes& known = classes_[size_t(at)].kinds[kind_of(*c)];
     if (is_actuator(*c)) write(known, *c), as_general(source.reader(*c, "<default>"), *c);
     if (load::has_rotation(*c)) std::erase_if(known, [](const auto& a) { return is_rotation(a.first); });
-    for (const tinyxml2::XMLAttribute* a = c->FirstAttribute(); a; a = a->Next()) known[a->Name()] = with_rest(a->Name(), a->Value(), known[a->Name()]);
+    for (const tinyxml2::XMLAttribute* a = c->FirstAttribute(); a; a = a->Next())
+      known[a->Name()] = with_rest(a->Name(), a->Value(), known[a->Name()]);
   }
   for (Element* c : source.children(e, "default")) {
     const std::string name = source.reader(*c, "<default>").name(*c, "class");
     for (const Class& k : classes_)
-      if (k.name == name) source.report(*c).fail(DYN_ERROR_NAME, line(*c), "class " + load::quoted(name) + " of defaults is there already");
+      if (k.name == name)
+        source.report(*c).fail(DYN_ERROR_NAME, line(*c), "class " + load::quoted(name) + " of defaults is there already");
     classes_.push_back({name, classes_[size_t(at)].kinds});
     read(source, *c, int(classes_.size()) - 1);
   }
@@ -58,7 +60,8 @@ int MjcfDefaults::find(const MjcfSource& source, const Element& e, const std::st
     if (c.name == name) return int(&c - classes_.data());
     all.push_back(&c.name);
   }
-  source.report(e).fail(DYN_ERROR_NAME, line(e), "there is no class " + load::quoted(name) + " of defaults" + did_you_mean(name, all));
+  source.report(e).fail(DYN_ERROR_NAME, line(e),
+                        "there is no class " + load::quoted(name) + " of defaults" + did_you_mean(name, all));
 }
 
 void MjcfDefaults::apply(const MjcfSource& source, Element& e, const std::string& kind, const std::string& around) const {

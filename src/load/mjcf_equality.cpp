@@ -22,7 +22,9 @@ const MjcfBody& body_named(const MjcfRobot& robot, const MjcfEquality& e, const 
 }
 
 // Initial pose of a body in the world.
-Pose initial_pose(const MjcfRobot& robot, const MjcfBody& b) { return b.parent < 0 ? b.X : initial_pose(robot, robot.bodies[size_t(b.parent)]) * b.X; }
+Pose initial_pose(const MjcfRobot& robot, const MjcfBody& b) {
+  return b.parent < 0 ? b.X : initial_pose(robot, robot.bodies[size_t(b.parent)]) * b.X;
+}
 
 const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
   for (const MjcfBody& b : robot.bodies)
@@ -49,7 +51,10 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
       x.place.physics("<" + kind.substr(0, 60) + "> is not supported: its parts stay unconnected");
       continue;
     }
-    reader.unread(*e, {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose", "torquescale", "joint1", "joint2", "polycoef"}, {});
+    reader.unread(*e,
+                  {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose",
+                   "torquescale", "joint1", "joint2", "polycoef"},
+                  {});
     count_unused(reader, *e, kind.c_str(), {"solref", "solimp", "torquescale"});
     x.enabled = read_switch(reader, *e, "active", true).value_or(true);
     if (kind == "joint") {
@@ -61,7 +66,8 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
       x.sites = true;
       x.first = context.name(reader.name(*e, "site1")), x.second = context.name(reader.name(*e, "site2"));
     } else {
-      x.first = context.name(reader.name(*e, "body1")), x.second = e->Attribute("body2") ? context.name(attribute(*e, "body2")) : "world";
+      x.first = context.name(reader.name(*e, "body1")),
+      x.second = e->Attribute("body2") ? context.name(attribute(*e, "body2")) : "world";
       if (kind == "connect") x.anchor = reader.vector3(*e, "anchor");
       else x.anchor = reader.vector3(*e, "anchor").value_or(std::array<double, 3>{0, 0, 0});
       if (!x.anchor) reader.fail(DYN_ERROR_INVALID, *e, "<connect> has no anchor");
@@ -73,7 +79,9 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
 
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
   for (const MjcfEquality& e : robot.equalities) {
-    dynConstraint c = default_constraint(e.kind == "connect" ? DYN_CONSTRAINT_TYPE_CONNECT : e.kind == "weld" ? DYN_CONSTRAINT_TYPE_WELD : DYN_CONSTRAINT_TYPE_COUPLING);
+    dynConstraint c = default_constraint(e.kind == "connect" ? DYN_CONSTRAINT_TYPE_CONNECT
+                                         : e.kind == "weld"  ? DYN_CONSTRAINT_TYPE_WELD
+                                                             : DYN_CONSTRAINT_TYPE_COUPLING);
     c.enabled = e.enabled && robot.closed;
     if (e.kind == "joint") {
       const MjcfJoint& first = joint_named(robot, e, e.first);
@@ -98,7 +106,8 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
     if (e.kind == "connect") {
       in_b.p = X_ab.inverse().act(anchor);
     } else {  // a weld's anchor is in the second body
-      const bool given = e.numbers.size() == 7 && (e.numbers[3] != 0 || e.numbers[4] != 0 || e.numbers[5] != 0 || e.numbers[6] != 0);
+      const bool given =
+          e.numbers.size() == 7 && (e.numbers[3] != 0 || e.numbers[4] != 0 || e.numbers[5] != 0 || e.numbers[6] != 0);
       in_a = (given ? relative_pose(e.numbers) : X_ab) * in_b;
     }
     store_se3(in_a, c.placement1), store_se3(in_b, c.placement2);
@@ -110,9 +119,12 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
 void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   file.defaults.apply(file.source, e, "pair", context.childclass);
   const Reader reader = file.source.reader(e, "<pair>");
-  reader.unread(e, {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solreffriction", "solimp", "gap", "margin"}, {});
+  reader.unread(
+      e, {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solreffriction", "solimp", "gap", "margin"}, {});
   count_unused(reader, e, "pair", {"solref", "solreffriction", "solimp", "gap", "margin"});
-  MjcfPair pair{{&reader.report, line(e), reader.owner}, {context.name(reader.name(e, "geom1")), context.name(reader.name(e, "geom2"))}, std::nullopt};
+  MjcfPair pair{{&reader.report, line(e), reader.owner},
+                {context.name(reader.name(e, "geom1")), context.name(reader.name(e, "geom2"))},
+                std::nullopt};
   if (e.Attribute("friction") || e.Attribute("condim")) {
     const double condim = reader.optional_number(e, "condim").value_or(3);
     if (condim != 1 && condim != 3 && condim != 4 && condim != 6) reader.bad_numbers(e, "condim", "1, 3, 4 or 6 is expected");
@@ -139,7 +151,8 @@ void mark_mjcf_pairs(MjcfRobot& robot) {
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
   if (!robot.contacts) return;
-  for (const MjcfPair& p : robot.pairs) with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], p.material ? &*p.material : nullptr); });
+  for (const MjcfPair& p : robot.pairs)
+    with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], p.material ? &*p.material : nullptr); });
 }
 
 }  // namespace dyn::load

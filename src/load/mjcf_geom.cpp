@@ -12,7 +12,8 @@ namespace {
 using Vec = Vec3<double>;
 
 // Types that are not described by their sizes.
-constexpr ShapeForm others[] = {{{"plane"}, DYN_SHAPE_TYPE_HALF_SPACE, 0}, {{"mesh"}, DYN_SHAPE_TYPE_MESH, 0}, {{"hfield"}, DYN_SHAPE_TYPE_HEIGHT_FIELD, 0}};
+constexpr ShapeForm others[] = {
+    {{"plane"}, DYN_SHAPE_TYPE_HALF_SPACE, 0}, {{"mesh"}, DYN_SHAPE_TYPE_MESH, 0}, {{"hfield"}, DYN_SHAPE_TYPE_HEIGHT_FIELD, 0}};
 
 // Returns nullopt for signed distance fields, which are not supported.
 std::optional<ShapeForm> type_of(const Reader& reader, const Element& e) {
@@ -21,7 +22,9 @@ std::optional<ShapeForm> type_of(const Reader& reader, const Element& e) {
   for (const ShapeForm& other : others)
     if (other.name == type) return other;
   if (type == "sdf") return std::nullopt;
-  reader.fail(DYN_ERROR_PARSE, e, "<geom type> is " + load::quoted(type) + ": plane, hfield, mesh, " + shape_names(RobotFormat::Mjcf) + " are supported");
+  reader.fail(
+      DYN_ERROR_PARSE, e,
+      "<geom type> is " + load::quoted(type) + ": plane, hfield, mesh, " + shape_names(RobotFormat::Mjcf) + " are supported");
 }
 
 // From the file's numbers to the sizes of dynShapeInfo.
@@ -33,7 +36,8 @@ std::array<double, 3> sizes_of(const ShapeForm& form, const std::array<double, 3
 
 std::uint32_t mask(const Reader& reader, const Element& e, const char* attribute) {
   const double value = reader.optional_number(e, attribute).value_or(1);
-  if (value < 0 || value > 4294967295.0 || value != std::floor(value)) reader.bad_numbers(e, attribute, "an integer of 32 bits is expected");
+  if (value < 0 || value > 4294967295.0 || value != std::floor(value))
+    reader.bad_numbers(e, attribute, "an integer of 32 bits is expected");
   return std::uint32_t(value);
 }
 
@@ -66,8 +70,10 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   const std::string owner = geom.shape.name.empty() ? body.place.owner + ": a geom" : "geom " + load::quoted(geom.shape.name);
   const Reader reader = file.source.reader(e, owner);
   geom.place = {&file.source.report(e), line(e), owner};
-  reader.unread(e, {"name", "class", "type", "contype", "conaffinity", "group", "size", "material", "rgba", "mass", "density", "fromto", "pos", "quat", "axisangle",
-                    "euler", "xyaxes", "zaxis", "hfield", "mesh", "fitscale", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
+  reader.unread(e, {"name",     "class",  "type",    "contype", "conaffinity", "group", "size",      "material",
+                    "rgba",     "mass",   "density", "fromto",  "pos",         "quat",  "axisangle", "euler",
+                    "xyaxes",   "zaxis",  "hfield",  "mesh",    "fitscale",    "user",  "friction",  "condim",
+                    "priority", "solmix", "solref",  "solimp",  "margin",      "gap",   "surfacevel"},
                 {"plugin"});
   count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap"});
   const std::optional<ShapeForm> type = type_of(reader, e);
@@ -110,7 +116,9 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     std::copy(geom.shape.size.begin(), geom.shape.size.end(), size.begin());
     given = needed = type->sizes;
   }
-  if (given < needed) reader.fail(DYN_ERROR_INVALID, e, "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
+  if (given < needed)
+    reader.fail(DYN_ERROR_INVALID, e,
+                "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
   for (size_t k = 0; k < needed; ++k)
     if (!(size[k] > 0)) reader.bad_numbers(e, "size", "sizes are positive metres");
   geom.shape.size = sizes_of(*type, size);

@@ -15,11 +15,13 @@ dynJointType type_of(const Reader& reader, const Element& e) {
   if (type == "slide") return DYN_JOINT_TYPE_PRISMATIC;
   if (type == "ball") return DYN_JOINT_TYPE_SPHERICAL;
   if (type == "free") return DYN_JOINT_TYPE_FREE_FLYER;
-  reader.fail(DYN_ERROR_PARSE, e, "<joint type> is " + load::quoted(std::string(type)) + ": hinge, slide, ball or free is expected");
+  reader.fail(DYN_ERROR_PARSE, e,
+              "<joint type> is " + load::quoted(std::string(type)) + ": hinge, slide, ball or free is expected");
 }
 
 // Returns a range if it is switched on, or given while the switch is "auto".
-std::optional<std::array<double, 2>> range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits) {
+std::optional<std::array<double, 2>> range(const Reader& reader, const Element& e, const char* attribute, const char* limited,
+                                           bool autolimits) {
   const auto pair = reader.numbers(e, attribute, 2);
   const std::optional<bool> on = read_switch(reader, e, limited, std::nullopt);
   if (!pair) {
@@ -27,7 +29,9 @@ std::optional<std::array<double, 2>> range(const Reader& reader, const Element& 
     return std::nullopt;
   }
   if (!on && !autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))
-    reader.fail(DYN_ERROR_INVALID, e, std::string(attribute) + " without " + limited + ", and <compiler autolimits> is false: add " + limited + "=\"true\"");
+    reader.fail(
+        DYN_ERROR_INVALID, e,
+        std::string(attribute) + " without " + limited + ", and <compiler autolimits> is false: add " + limited + "=\"true\"");
   if (!on.value_or((*pair)[0] != 0 || (*pair)[1] != 0)) return std::nullopt;
   if (!((*pair)[0] < (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is not below the upper one");
   return std::array<double, 2>{(*pair)[0], (*pair)[1]};
@@ -68,33 +72,66 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   const Reader reader = file.source.reader(e, owner);
   joint.place = {&file.source.report(e), line(e), owner};
   if (context.body == 0) reader.fail(DYN_ERROR_INVALID, e, "the world has no joints: put it into a <body>");
-  reader.unread(e, {"name", "class", "type", "group", "pos", "axis", "limited", "range", "actuatorfrclimited", "actuatorfrcrange", "stiffness", "springref", "ref",
-                    "armature", "damping", "springdamper", "frictionloss", "user", "align", "margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"}, {});
+  reader.unread(e,
+                {"name",
+                 "class",
+                 "type",
+                 "group",
+                 "pos",
+                 "axis",
+                 "limited",
+                 "range",
+                 "actuatorfrclimited",
+                 "actuatorfrcrange",
+                 "stiffness",
+                 "springref",
+                 "ref",
+                 "armature",
+                 "damping",
+                 "springdamper",
+                 "frictionloss",
+                 "user",
+                 "align",
+                 "margin",
+                 "solreflimit",
+                 "solimplimit",
+                 "solreffriction",
+                 "solimpfriction"},
+                {});
   count_unused(reader, e, "joint", {"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
   JointSpec& spec = joint.spec;
   spec.type = type_of(reader, e);
   const bool hinge = spec.type == DYN_JOINT_TYPE_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_TYPE_PRISMATIC;
   const double unit = hinge || spec.type == DYN_JOINT_TYPE_SPHERICAL ? file.compiler.angle : 1;
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && body.parent != 0)
-    reader.fail(DYN_ERROR_INVALID, e, "a free joint belongs to a body of the world, and " + body.place.owner + " is in another body");
-  if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && context.suffix.empty() && !body.joints.empty()) reader.fail(DYN_ERROR_INVALID, e, "a free joint must be the only joint of its body");
-  if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_TYPE_FREE_FLYER) reader.fail(DYN_ERROR_INVALID, e, "a free joint must be the only joint of its body");
+    reader.fail(DYN_ERROR_INVALID, e,
+                "a free joint belongs to a body of the world, and " + body.place.owner + " is in another body");
+  if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && context.suffix.empty() && !body.joints.empty())
+    reader.fail(DYN_ERROR_INVALID, e, "a free joint must be the only joint of its body");
+  if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_TYPE_FREE_FLYER)
+    reader.fail(DYN_ERROR_INVALID, e, "a free joint must be the only joint of its body");
 
   const bool alone = !e.Parent()->ToElement() || file.source.children(*e.Parent()->ToElement(), "body").empty();
   if (free_joint && alone && read_switch(reader, e, "align", std::nullopt).value_or(file.compiler.align_free))
     joint.place.physics("the joint is not aligned with the body's inertia: q and v belong to the body's frame in the file");
 
   const size_t nv = size_t(joint_nv(spec.type)), nq = size_t(joint_nq(spec.type));
-  if (const auto p = reader.vector3(e, "pos"); p && spec.type != DYN_JOINT_TYPE_FREE_FLYER) joint.anchor = context.X.act(load3(p->data()));
+  if (const auto p = reader.vector3(e, "pos"); p && spec.type != DYN_JOINT_TYPE_FREE_FLYER)
+    joint.anchor = context.X.act(load3(p->data()));
   else if (spec.type != DYN_JOINT_TYPE_FREE_FLYER) joint.anchor = context.X.p;
   if (const auto a = reader.vector3(e, "axis")) joint.axis = load3(a->data());
-  if (const double length = std::sqrt(dot(joint.axis, joint.axis)); scalar && !(length > 1e-10)) reader.bad_numbers(e, "axis", "this is no direction: it is zero");
+  if (const double length = std::sqrt(dot(joint.axis, joint.axis)); scalar && !(length > 1e-10))
+    reader.bad_numbers(e, "axis", "this is no direction: it is zero");
   else joint.axis = context.X.R * (joint.axis * (1 / length));
   if (scalar) joint.reference = unit * reader.optional_number(e, "ref").value_or(0);
 
   // a free joint has no limits, whatever its class says
-  if (const auto limits = spec.type == DYN_JOINT_TYPE_FREE_FLYER ? std::nullopt : range(reader, e, "range", "limited", file.compiler.autolimits)) {
-    const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // a single bound
+  if (const auto limits = spec.type == DYN_JOINT_TYPE_FREE_FLYER
+                              ? std::nullopt
+                              : range(reader, e, "range", "limited", file.compiler.autolimits)) {
+    const auto end = [&](double x) {
+      return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x;
+    };  // a single bound
     if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
     else limit_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
   }
@@ -102,18 +139,22 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
     joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
   spec.armature.assign(nv, coefficient(reader, e, "armature"));
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && spec.armature[0] != 0)
-    joint.place.physics("the armature of a free joint acts along the body's axes, not the world's as in MuJoCo: forces differ when the body turns");
+    joint.place.physics(
+        "the armature of a free joint acts along the body's axes, not the world's as in MuJoCo: forces differ when the body "
+        "turns");
   spec.damping.assign(nv, coefficient(reader, e, "damping"));
   spec.friction.assign(nv, coefficient(reader, e, "frictionloss"));
   const double stiffness = coefficient(reader, e, "stiffness");
   if (const auto both = reader.numbers(e, "springdamper", 2); both && ((*both)[0] != 0 || (*both)[1] != 0)) {
-    if (!((*both)[0] > 0 && (*both)[1] > 0)) reader.bad_numbers(e, "springdamper", "a time constant and a damping ratio are expected, both positive");
+    if (!((*both)[0] > 0 && (*both)[1] > 0))
+      reader.bad_numbers(e, "springdamper", "a time constant and a damping ratio are expected, both positive");
     joint.time_constant = (*both)[0], joint.damping_ratio = (*both)[1];
   }
   const bool springs = stiffness > 0 || joint.time_constant > 0;
   if (springs && spec.type == DYN_JOINT_TYPE_FREE_FLYER) joint.place.physics("the spring of a free joint is not used");
   else if (springs) spec.stiffness.assign(nv, stiffness);
-  if (scalar && (springs || e.Attribute("springref"))) spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
+  if (scalar && (springs || e.Attribute("springref")))
+    spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
   body.joints.push_back(std::move(joint));
 }
 

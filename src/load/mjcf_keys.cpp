@@ -71,7 +71,8 @@ ByJoint velocities(const MjcfRobot& robot, const ByJoint& q, const std::vector<d
 
 void check_size(const MjcfKey& key, const char* what, size_t given, size_t needed, const char* symbol) {
   if (given != 0 && given != needed)
-    key.place.fail(DYN_ERROR_SIZE, std::string(what) + " has " + std::to_string(given) + " numbers, and the model has " + symbol + " = " + std::to_string(needed));
+    key.place.fail(DYN_ERROR_SIZE, std::string(what) + " has " + std::to_string(given) + " numbers, and the model has " + symbol +
+                                       " = " + std::to_string(needed));
 }
 
 ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const ByJoint& q) {
@@ -79,7 +80,8 @@ ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const By
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) nv += size_t(joint_nv(j.spec.type));
   for (const MjcfActuator& a : robot.actuators) na += a.activations;
-  check_size(key, "qvel", key.qvel.size(), nv, "nv"), check_size(key, "act", key.act.size(), na, "na"), check_size(key, "ctrl", key.ctrl.size(), robot.actuators.size(), "nu");
+  check_size(key, "qvel", key.qvel.size(), nv, "nv"), check_size(key, "act", key.act.size(), na, "na"),
+      check_size(key, "ctrl", key.ctrl.size(), robot.actuators.size(), "nu");
   ConfigurationState state;
   if (!key.qvel.empty()) state.v = velocities(robot, q, key.qvel);
   state.time = key.time;
@@ -105,9 +107,12 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
     const Reader reader = file.source.reader(*c, "key " + load::quoted(name));
     reader.unread(*c, {"name", "class", "qpos", "time", "qvel", "act", "ctrl", "mpos", "mquat"}, {});
     for (const char* unused : {"mpos", "mquat"})
-      if (c->Attribute(unused)) reader.report.info(line(*c), reader.owner + ": " + unused + " is not used: mocap bodies are fixed");
+      if (c->Attribute(unused))
+        reader.report.info(line(*c), reader.owner + ": " + unused + " is not used: mocap bodies are fixed");
     MjcfKey key{{&reader.report, line(*c), reader.owner}, name, {}};
-    const auto read = [&](const char* attribute, std::vector<double>& to) { to = reader.numbers(*c, attribute).value_or(std::vector<double>()); };
+    const auto read = [&](const char* attribute, std::vector<double>& to) {
+      to = reader.numbers(*c, attribute).value_or(std::vector<double>());
+    };
     read("qpos", key.qpos), read("qvel", key.qvel), read("act", key.act), read("ctrl", key.ctrl);
     key.time = reader.optional_number(*c, "time").value_or(0);
     file.robot.keys.push_back(std::move(key));
@@ -116,7 +121,8 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
 
 void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot) {
   if (is_neutral(robot)) return;
-  with_location(robot.bodies[0].place, [&] { builder.configuration_of_joints("qpos0", coordinates(robot, initial_qpos(robot))); });
+  with_location(robot.bodies[0].place,
+                [&] { builder.configuration_of_joints("qpos0", coordinates(robot, initial_qpos(robot))); });
 }
 
 void add_mjcf_keys(Builder& builder, const MjcfRobot& robot) {

@@ -18,7 +18,8 @@ struct Parameters {
   const char* attribute;
   std::vector<double> x;
 
-  Parameters(const Reader& reader, Element& element, const char* name, double first) : e(element), attribute(name), x(reader.numbers(e, name).value_or(std::vector<double>())) {
+  Parameters(const Reader& reader, Element& element, const char* name, double first)
+      : e(element), attribute(name), x(reader.numbers(e, name).value_or(std::vector<double>())) {
     for (size_t k = x.size(); k < 3; ++k) x.push_back(k == 0 ? first : 0);
   }
   void write() {

@@ -23,7 +23,9 @@ Eigen::Vector3d principal(const Sym3<double>& I, Eigen::Matrix3d* axes = nullptr
   return solver.eigenvalues();
 }
 
-Sym3<double> six(double xx, double yy, double zz, double xy, double xz, double yz) { return {Vec::make(xx, yy, zz), Vec::make(xy, yz, xz)}; }
+Sym3<double> six(double xx, double yy, double zz, double xy, double xz, double yz) {
+  return {Vec::make(xx, yy, zz), Vec::make(xy, yz, xz)};
+}
 
 Sym3<double> symmetric(const Eigen::Matrix3d& m) { return six(m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)); }
 
@@ -49,8 +51,8 @@ struct Tetrahedra {
   }
 };
 
-// MuJoCo's rule "legacy". Tetrahedra from the surface's centroid give the centre of mass; those from there give volume and inertia.
-// Parts that are concave as seen from there count more than once.
+// MuJoCo's rule "legacy". Tetrahedra from the surface's centroid give the centre of mass; those from there give volume and
+// inertia. Parts that are concave as seen from there count more than once.
 MjcfMass legacy(const meshes::Mesh& mesh) {
   Vec mean = Vec::zero();
   double area = 0;
@@ -91,7 +93,8 @@ MjcfMass solid_of(const MjcfGeom& g) {
   if (g.mesh) return mjcf_mesh_mass(*g.mesh, g);
   MjcfMass out;
   shape::Shape s{};
-  if (!collision::geometry_of(g.shape.type, g.shape.size.data(), 0, s) || s.type == shape::Type::HalfSpace || g.shape.surface) return out;
+  if (!collision::geometry_of(g.shape.type, g.shape.size.data(), 0, s) || s.type == shape::Type::HalfSpace || g.shape.surface)
+    return out;
   shape::visit(s, [&](const auto& solid) {
     const Inertia<double> Y = solid.solid();  // symmetric shapes: about their centre
     out = {Y.m, Vec::zero(), Y.I};
@@ -101,7 +104,8 @@ MjcfMass solid_of(const MjcfGeom& g) {
 
 // Inertia of a point mass: m (|d|^2 1 - d d^T)
 Sym3<double> of_point(double m, const Vec& d) {
-  return six(m * (d[1] * d[1] + d[2] * d[2]), m * (d[0] * d[0] + d[2] * d[2]), m * (d[0] * d[0] + d[1] * d[1]), -m * d[0] * d[1], -m * d[0] * d[2], -m * d[1] * d[2]);
+  return six(m * (d[1] * d[1] + d[2] * d[2]), m * (d[0] * d[0] + d[2] * d[2]), m * (d[0] * d[0] + d[1] * d[1]), -m * d[0] * d[1],
+             -m * d[0] * d[2], -m * d[1] * d[2]);
 }
 
 // Returns nullopt if no geom has mass.
@@ -131,15 +135,16 @@ MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g) {
   const std::string who = "mesh " + load::quoted(g.shape.mesh);
   if (g.rule == "convex") return of(meshes::solid_of(meshes::hull_of(mesh)));
   if (g.rule == "exact") {
-    if (!closed) g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no exact mass: give inertia=\"convex\" or an <inertial>");
+    if (!closed)
+      g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no exact mass: give inertia=\"convex\" or an <inertial>");
     return of(meshes::solid_of(mesh));
   }
   if (g.rule == "shell") return shell(mesh);
   const MjcfMass out = legacy(mesh);
   if (!closed) g.place.warning(who + " is not closed: the mass of its body is MuJoCo's estimate (legacy)");
   else if (const MjcfMass exact = of(meshes::solid_of(mesh)); std::abs(out.mass - exact.mass) > 1e-3 * exact.mass)
-    g.place.warning(who + ": by MuJoCo's rule (legacy) its volume is " + text(out.mass) + " m^3, and exactly it is " + text(exact.mass) +
-                    " m^3: give inertia=\"exact\" to the mesh, or an <inertial> to the body");
+    g.place.warning(who + ": by MuJoCo's rule (legacy) its volume is " + text(out.mass) + " m^3, and exactly it is " +
+                    text(exact.mass) + " m^3: give inertia=\"exact\" to the mesh, or an <inertial> to the body");
   return out;
 }
 
@@ -171,10 +176,12 @@ std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot) {
     Eigen::Matrix3d axes;
     Eigen::Vector3d moments = principal(out[i].inertia, &axes);
     const double largest = moments[2], slack = 1e-9 * largest;
-    if (moments[0] < -slack) body.place.fail(DYN_ERROR_INVALID, "its inertia has a negative principal moment, " + text(moments[0]) + " kg m^2");
+    if (moments[0] < -slack)
+      body.place.fail(DYN_ERROR_INVALID, "its inertia has a negative principal moment, " + text(moments[0]) + " kg m^2");
     if (moments[0] + moments[1] < moments[2] - slack) {
       if (!body.rules.balance)
-        body.place.fail(DYN_ERROR_INVALID, "its inertia is impossible: principal moments " + text(moments[0]) + " + " + text(moments[1]) + " < " + text(moments[2]) +
+        body.place.fail(DYN_ERROR_INVALID, "its inertia is impossible: principal moments " + text(moments[0]) + " + " +
+                                               text(moments[1]) + " < " + text(moments[2]) +
                                                " kg m^2 (<compiler balanceinertia=\"true\"> would take their mean)");
       body.place.warning("its inertia is impossible: balanceinertia takes the mean of the principal moments");
       moments.setConstant(moments.mean());

@@ -12,23 +12,33 @@ std::string attribute(const Element& e, const char* name) { return e.Attribute(n
 
 constexpr std::uint32_t passive = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION;
 constexpr std::pair<std::string_view, std::uint32_t> effects_of_flags[] = {
-    {"limit", DYN_EFFECT_LIMITS}, {"frictionloss", DYN_EFFECT_FRICTION}, {"spring", DYN_EFFECT_SPRINGS}, {"damper", DYN_EFFECT_DAMPING},
-    {"passive", passive}, {"actuation", DYN_EFFECT_ACTUATORS}, {"constraint", DYN_EFFECT_LIMITS | DYN_EFFECT_FRICTION}};
+    {"limit", DYN_EFFECT_LIMITS},
+    {"frictionloss", DYN_EFFECT_FRICTION},
+    {"spring", DYN_EFFECT_SPRINGS},
+    {"damper", DYN_EFFECT_DAMPING},
+    {"passive", passive},
+    {"actuation", DYN_EFFECT_ACTUATORS},
+    {"constraint", DYN_EFFECT_LIMITS | DYN_EFFECT_FRICTION}};
 
 void read_flags(const Reader& reader, MjcfRobot& robot, const Element& flags) {
   for (const tinyxml2::XMLAttribute* a = flags.FirstAttribute(); a; a = a->Next()) {
     const std::string name = a->Name();
     const std::string_view value = a->Value();
     const bool off = value == "disable";
-    if (!off && value != "enable") reader.fail(DYN_ERROR_PARSE, flags, "<flag " + name + "> is " + load::quoted(a->Value()) + ": enable or disable is expected");
-    const auto effect = std::find_if(std::begin(effects_of_flags), std::end(effects_of_flags), [&](const auto& x) { return x.first == name; });
+    if (!off && value != "enable")
+      reader.fail(DYN_ERROR_PARSE, flags,
+                  "<flag " + name + "> is " + load::quoted(a->Value()) + ": enable or disable is expected");
+    const auto effect =
+        std::find_if(std::begin(effects_of_flags), std::end(effects_of_flags), [&](const auto& x) { return x.first == name; });
     if (off && effect != std::end(effects_of_flags)) robot.effects &= ~effect->second;
     if (off && (name == "contact" || name == "constraint")) robot.contacts = false;
     if (off && (name == "equality" || name == "constraint")) robot.closed = false;
     if (name == "filterparent") robot.filter = off ? PairFilter::SameBody : PairFilter::Mujoco;
     if (off && name == "clampctrl") robot.control_ranges = false;
     if (off && name == "gravity") robot.gravity = {0, 0, 0};
-    if (effect != std::end(effects_of_flags) || name == "contact" || name == "equality" || name == "clampctrl" || name == "gravity" || name == "filterparent") continue;
+    if (effect != std::end(effects_of_flags) || name == "contact" || name == "equality" || name == "clampctrl" ||
+        name == "gravity" || name == "filterparent")
+      continue;
     reader.report.info(a->GetLineNum(), "<flag " + name + ">: not used");
   }
 }
@@ -40,17 +50,47 @@ void read_integrator(const Reader& reader, MjcfRobot& robot, const Element& e) {
   const char* ours = "semi_implicit_euler";
   if (name == "RK4") robot.integrator = DYN_INTEGRATOR_RK4, ours = "rk4";
   else if (name == "implicit" || name == "implicitfast") robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
-  else if (name != "Euler") reader.fail(DYN_ERROR_PARSE, e, "<option integrator> is " + load::quoted(given) + ": Euler, RK4, implicit or implicitfast is expected");
-  reader.report.info(line(e), "<option integrator> is " + std::string(name) + ": steps are those of " + ours + ", the nearest integrator");
+  else if (name != "Euler")
+    reader.fail(DYN_ERROR_PARSE, e,
+                "<option integrator> is " + load::quoted(given) + ": Euler, RK4, implicit or implicitfast is expected");
+  reader.report.info(line(e),
+                     "<option integrator> is " + std::string(name) + ": steps are those of " + ours + ", the nearest integrator");
 }
 
 }  // namespace
 
 void read_mjcf_option(MjcfFile& file, Element& e) {
   const Reader reader = file.source.reader(e, "the model");
-  reader.unread(e, {"gravity", "timestep", "integrator", "cone", "solver", "iterations", "tolerance", "jacobian", "ls_iterations", "ls_tolerance", "noslip_iterations",
-                    "noslip_tolerance", "ccd_iterations", "ccd_tolerance", "sdf_iterations", "sdf_initpoints", "impratio", "apirate", "actuatorgroupdisable", "magnetic",
-                    "o_margin", "o_solref", "o_solimp", "o_friction", "wind", "density", "viscosity", "sleep_tolerance"}, {"flag"});
+  reader.unread(e,
+                {"gravity",
+                 "timestep",
+                 "integrator",
+                 "cone",
+                 "solver",
+                 "iterations",
+                 "tolerance",
+                 "jacobian",
+                 "ls_iterations",
+                 "ls_tolerance",
+                 "noslip_iterations",
+                 "noslip_tolerance",
+                 "ccd_iterations",
+                 "ccd_tolerance",
+                 "sdf_iterations",
+                 "sdf_initpoints",
+                 "impratio",
+                 "apirate",
+                 "actuatorgroupdisable",
+                 "magnetic",
+                 "o_margin",
+                 "o_solref",
+                 "o_solimp",
+                 "o_friction",
+                 "wind",
+                 "density",
+                 "viscosity",
+                 "sleep_tolerance"},
+                {"flag"});
   if (const auto g = reader.vector3(e, "gravity")) file.robot.gravity = *g;
   if (const auto x = reader.optional_number(e, "density")) file.robot.density = *x;
   if (const auto x = reader.optional_number(e, "viscosity")) file.robot.viscosity = *x;
@@ -62,8 +102,11 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
   read_integrator(reader, file.robot, e);
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     const std::string_view name = a->Name();
-    if (name == "actuatorgroupdisable") reader.report.physics(a->GetLineNum(), "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
-    else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" && name != "integrator")
+    if (name == "actuatorgroupdisable")
+      reader.report.physics(a->GetLineNum(),
+                            "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
+    else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" &&
+             name != "integrator")
       reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
   }
   for (const Element* flag : file.source.children(e, "flag")) read_flags(reader, file.robot, *flag);
@@ -75,7 +118,8 @@ void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {
     const Reader reader = file.source.reader(*c, "<" + std::string(kind) + ">");
     if (kind == "exclude") {
       reader.unread(*c, {"name", "class", "body1", "body2"}, {});
-      file.robot.excludes.push_back({{&reader.report, line(*c), reader.owner}, {context.name(reader.name(*c, "body1")), context.name(reader.name(*c, "body2"))}});
+      file.robot.excludes.push_back({{&reader.report, line(*c), reader.owner},
+                                     {context.name(reader.name(*c, "body1")), context.name(reader.name(*c, "body2"))}});
     } else if (kind == "pair") {
       read_mjcf_pair(file, *c, context);
     } else {
@@ -87,7 +131,8 @@ void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {
 void report_mjcf_section(MjcfFile& file, Element& e) {
   const std::string kind = e.Name();
   Report& report = file.source.report(e);
-  if (kind == "visual" || kind == "statistic" || kind == "size" || kind == "custom") return report.count("<" + kind + ">: not used", line(e));
+  if (kind == "visual" || kind == "statistic" || kind == "size" || kind == "custom")
+    return report.count("<" + kind + ">: not used", line(e));
   for (Element* c : file.source.children(e)) {
     const std::string name = attribute(*c, "name");
     const std::string what = "<" + kind + ">: " + c->Name() + (name.empty() ? "" : " " + load::quoted(name));

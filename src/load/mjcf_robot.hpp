@@ -22,7 +22,9 @@ struct MjcfPlace {
   int line = 0;
   std::string owner;  // "body 'arm'"
 
-  [[noreturn]] void fail(dynStatus status, const std::string& message) const { report->fail(status, line, owner + ": " + message); }
+  [[noreturn]] void fail(dynStatus status, const std::string& message) const {
+    report->fail(status, line, owner + ": " + message);
+  }
   void physics(const std::string& message) const { report->physics(line, owner + ": " + message); }
   void info(const std::string& message) const { report->info(line, owner + ": " + message); }
   void warning(const std::string& message) const { report->warning(line, owner + ": " + message); }
@@ -147,7 +149,8 @@ struct MjcfRobot {
 // Meshes and height fields by the names that geoms use.
 class MjcfAssets {
  public:
-  MjcfAssets(MjcfSource& source, const MjcfCompiler& compiler, const LoadOptions& options) : source_(source), compiler_(compiler), options_(options) {}
+  MjcfAssets(MjcfSource& source, const MjcfCompiler& compiler, const LoadOptions& options)
+      : source_(source), compiler_(compiler), options_(options) {}
   void add(Element& asset, const MjcfDefaults& defaults);
   // The file of a <model> of <asset>.
   const Element& model(const Element& e, const std::string& name) const;

@@ -27,7 +27,9 @@ Mat rotation_about(const Vec& axis, double angle) {
 
 }  // namespace
 
-Mat3<double> from_quaternion(double w, double x, double y, double z) { return rotation(Quaternion<double>{Vec::make(x, y, z), w}); }
+Mat3<double> from_quaternion(double w, double x, double y, double z) {
+  return rotation(Quaternion<double>{Vec::make(x, y, z), w});
+}
 
 std::optional<bool> read_switch(const Reader& reader, const Element& e, const char* attribute, std::optional<bool> missing) {
   const char* text = e.Attribute(attribute);
@@ -36,38 +38,47 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
   if (value == "true" || value == "enable") return true;
   if (value == "false" || value == "disable") return false;
   if (value == "auto") return std::nullopt;
-  reader.fail(DYN_ERROR_PARSE, e, "<" + std::string(e.Name()) + " " + attribute + "> is " + load::quoted(text) + ": true or false is expected");
+  reader.fail(DYN_ERROR_PARSE, e,
+              "<" + std::string(e.Name()) + " " + attribute + "> is " + load::quoted(text) + ": true or false is expected");
 }
 
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes) {
   for (const char* name : attributes)
-    if (e.Attribute(name)) reader.report.count("<" + std::string(kind) + " " + name + ">: not used: contacts and limits are rigid", line(e));
+    if (e.Attribute(name))
+      reader.report.count("<" + std::string(kind) + " " + name + ">: not used: contacts and limits are rigid", line(e));
 }
 
 void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
   const Reader reader = source.reader(e, "the model");
-  reader.unread(e, {"angle", "eulerseq", "autolimits", "inertiafromgeom", "inertiagrouprange", "boundmass", "boundinertia", "settotalmass", "balanceinertia",
-                    "discardvisual", "meshdir", "assetdir", "texturedir", "strippath", "coordinate", "fusestatic", "usethread", "fitaabb", "saveinertial",
-                    "alignfree", "exactmeshinertia", "convexhull"}, {"lengthrange"});
+  reader.unread(e, {"angle",        "eulerseq",     "autolimits",       "inertiafromgeom", "inertiagrouprange", "boundmass",
+                    "boundinertia", "settotalmass", "balanceinertia",   "discardvisual",   "meshdir",           "assetdir",
+                    "texturedir",   "strippath",    "coordinate",       "fusestatic",      "usethread",         "fitaabb",
+                    "saveinertial", "alignfree",    "exactmeshinertia", "convexhull"},
+                {"lengthrange"});
   if (const char* angle = e.Attribute("angle")) {
     const std::string_view unit = angle;
-    if (unit != "degree" && unit != "radian") reader.fail(DYN_ERROR_PARSE, e, "<compiler angle> is " + load::quoted(angle) + ": degree or radian is expected");
+    if (unit != "degree" && unit != "radian")
+      reader.fail(DYN_ERROR_PARSE, e, "<compiler angle> is " + load::quoted(angle) + ": degree or radian is expected");
     compiler.angle = unit == "radian" ? 1 : MjcfCompiler().angle;
   }
   if (const char* sequence = e.Attribute("eulerseq")) {
     compiler.euler = sequence;
     if (compiler.euler.size() != 3 || compiler.euler.find_first_not_of("xyzXYZ") != std::string::npos)
-      reader.fail(DYN_ERROR_PARSE, e, "<compiler eulerseq> is " + load::quoted(sequence) + ": three of x, y, z (turned axes), X, Y, Z (fixed ones) are expected");
+      reader.fail(DYN_ERROR_PARSE, e,
+                  "<compiler eulerseq> is " + load::quoted(sequence) +
+                      ": three of x, y, z (turned axes), X, Y, Z (fixed ones) are expected");
   }
   compiler.align_free = *read_switch(reader, e, "alignfree", compiler.align_free);
   if (const char* frame = e.Attribute("coordinate"); frame && std::string_view(frame) != "local")
-    reader.fail(DYN_ERROR_UNSUPPORTED, e, "<compiler coordinate> is " + load::quoted(frame) + ": local coordinates alone are read");
+    reader.fail(DYN_ERROR_UNSUPPORTED, e,
+                "<compiler coordinate> is " + load::quoted(frame) + ": local coordinates alone are read");
   compiler.autolimits = *read_switch(reader, e, "autolimits", compiler.autolimits);
   if (e.Attribute("inertiafromgeom")) {
     const auto from = read_switch(reader, e, "inertiafromgeom", std::nullopt);
     compiler.masses.from_geoms = !from ? FromGeoms::WhenMissing : *from ? FromGeoms::Always : FromGeoms::Never;
   }
-  if (const auto range = reader.numbers(e, "inertiagrouprange", 2)) compiler.masses.groups[0] = (*range)[0], compiler.masses.groups[1] = (*range)[1];
+  if (const auto range = reader.numbers(e, "inertiagrouprange", 2))
+    compiler.masses.groups[0] = (*range)[0], compiler.masses.groups[1] = (*range)[1];
   compiler.masses.min_mass = reader.optional_number(e, "boundmass").value_or(compiler.masses.min_mass);
   compiler.masses.min_inertia = reader.optional_number(e, "boundinertia").value_or(compiler.masses.min_inertia);
   compiler.total_mass = reader.optional_number(e, "settotalmass").value_or(compiler.total_mass);
@@ -110,7 +121,9 @@ SE3<double> read_rotation(const Reader& reader, const Element& e, const MjcfComp
   const char* given = nullptr;
   for (const char* name : rotation_attributes)
     if (e.Attribute(name)) {
-      if (given) reader.fail(DYN_ERROR_INVALID, e, "<" + std::string(e.Name()) + "> gives the rotation twice: keep one of " + given + " and " + name);
+      if (given)
+        reader.fail(DYN_ERROR_INVALID, e,
+                    "<" + std::string(e.Name()) + "> gives the rotation twice: keep one of " + given + " and " + name);
       given = name;
     }
   if (const auto q = reader.numbers(e, "quat", 4)) {

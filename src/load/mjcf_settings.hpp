@@ -44,8 +44,8 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
 // Counts attributes that are not used, one report line each.
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes);
 
-// mjcf_law.cpp: is_actuator tells whether an actuator is supported. as_general rewrites a shortcut such as <position> as <general>,
-// after its class was applied.
+// mjcf_law.cpp: is_actuator tells whether an actuator is supported. as_general rewrites a shortcut such as <position> as
+// <general>, after its class was applied.
 bool is_actuator(const Element& e);
 void as_general(const Reader& reader, Element& e);
 
@@ -55,7 +55,8 @@ class MjcfDefaults {
   MjcfDefaults() : classes_{{"main", {}}} {}
   // Reads a <default> of the root. Several of them add up.
   void read(MjcfSource& source, Element& e);
-  // Writes into e the attributes of its class, or of the class around it, that e does not have. kind: element name in the defaults.
+  // Writes into e the attributes of its class, or of the class around it, that e does not have. kind: element name in the
+  // defaults.
   void apply(const MjcfSource& source, Element& e, const std::string& kind, const std::string& around) const;
   // Returns the default class of the content of an element with childclass. Throws if the class does not exist.
   std::string around(const MjcfSource& source, const Element& e, const std::string& outside) const;

@@ -30,7 +30,8 @@ class MjcfSource {
   std::filesystem::path path(const Element& e, const std::string& name) const {
     const std::filesystem::path file = folder_ / name, next_to = std::filesystem::path(report(e).file()).parent_path() / name;
     std::error_code none;
-    const std::filesystem::path& found = !std::filesystem::exists(file, none) && std::filesystem::exists(next_to, none) ? next_to : file;
+    const std::filesystem::path& found =
+        !std::filesystem::exists(file, none) && std::filesystem::exists(next_to, none) ? next_to : file;
     return confined_.check(found.string()), found;
   }
 

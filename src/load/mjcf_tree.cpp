@@ -17,7 +17,8 @@ void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   file.defaults.apply(file.source, e, "site", context.childclass);
   MjcfSite site;
   site.name = context.name(attribute(e, "name"));
-  const Reader reader = file.source.reader(e, site.name.empty() ? body.place.owner + ": a site" : "site " + load::quoted(site.name));
+  const Reader reader =
+      file.source.reader(e, site.name.empty() ? body.place.owner + ": a site" : "site " + load::quoted(site.name));
   site.place = {&reader.report, line(e), reader.owner};
   SE3<double> X = read_pose(reader, e, file.compiler);
   if (const auto ends = reader.numbers(e, "fromto", 6)) {
@@ -30,7 +31,8 @@ void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (!site.name.empty()) body.sites.push_back(std::move(site));
 }
 
-// Elements whose content is read next, each with its context; the last one comes first. A list, so that nesting needs no recursion.
+// Elements whose content is read next, each with its context; the last one comes first. A list, so that nesting needs no
+// recursion.
 struct Todo {
   Element* e;
   std::shared_ptr<const MjcfContext> context;
@@ -45,7 +47,8 @@ void add_content(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo
 void read_frame(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo) {
   const Reader reader = file.source.reader(e, "a <frame>");
   reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"},
-                {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp", "composite", "inertial", "plugin"});
+                {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp",
+                 "composite", "inertial", "plugin"});
   context.X = context.X * read_pose(reader, e, file.compiler);
   context.childclass = file.defaults.around(file.source, e, context.childclass);
   add_content(file, e, std::move(context), todo);
@@ -55,10 +58,13 @@ void read_frame(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo)
 void read_replicate(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo) {
   const Reader reader = file.source.reader(e, "a <replicate>");
   reader.unread(e, {"count", "sep", "offset", "euler", "childclass"},
-                {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp", "composite", "plugin"});
+                {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp",
+                 "composite", "plugin"});
   const double count = reader.number(e, "count");
-  if (!(count >= 1 && count <= max_bodies && count == std::floor(count))) reader.bad_numbers(e, "count", "an integer from 1 to " + std::to_string(max_bodies) + " is expected");
-  const auto offset = reader.vector3(e, "offset").value_or(std::array<double, 3>{0, 0, 0}), angles = reader.vector3(e, "euler").value_or(std::array<double, 3>{0, 0, 0});
+  if (!(count >= 1 && count <= max_bodies && count == std::floor(count)))
+    reader.bad_numbers(e, "count", "an integer from 1 to " + std::to_string(max_bodies) + " is expected");
+  const auto offset = reader.vector3(e, "offset").value_or(std::array<double, 3>{0, 0, 0}),
+             angles = reader.vector3(e, "euler").value_or(std::array<double, 3>{0, 0, 0});
   const SE3<double> first = context.X;
   SE3<double> place = SE3<double>::identity();
   context.childclass = file.defaults.around(file.source, e, context.childclass);
@@ -99,11 +105,14 @@ void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList&
   const Reader reader = file.source.reader(e, "body " + load::quoted(body.name));
   body.place = {&reader.report, line(e), reader.owner};
   if (at > max_bodies) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_bodies) + " bodies");
-  reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "user", "mocap", "sleep", "gravcomp"},
-                {"inertial", "joint", "freejoint", "geom", "site", "camera", "light", "body", "frame", "replicate", "attach", "composite", "flexcomp", "plugin"});
+  reader.unread(
+      e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "user", "mocap", "sleep", "gravcomp"},
+      {"inertial", "joint", "freejoint", "geom", "site", "camera", "light", "body", "frame", "replicate", "attach", "composite",
+       "flexcomp", "plugin"});
   if (read_switch(reader, e, "mocap", false).value_or(false)) {
     if (context.body != 0) reader.fail(DYN_ERROR_INVALID, e, "a mocap body is a child of the world");
-    if (!file.source.children(e, "joint").empty() || !file.source.children(e, "freejoint").empty()) reader.fail(DYN_ERROR_INVALID, e, "a mocap body has no joints");
+    if (!file.source.children(e, "joint").empty() || !file.source.children(e, "freejoint").empty())
+      reader.fail(DYN_ERROR_INVALID, e, "a mocap body has no joints");
     body.place.physics("a mocap body stands still: it is fixed to the world");
   }
   if (body.name == "world" || body.name == "universe") reader.fail(DYN_ERROR_NAME, e, "the world has this name");
@@ -137,13 +146,16 @@ void read_all(MjcfFile& file, TodoList todo) {
     else if (kind == "attach") read_attach(file, e, context);
     else if (kind == "camera" || kind == "light") file.source.report(e).count("<" + std::string(kind) + ">: not used", line(e));
     else if (kind == "composite" || kind == "flexcomp" || kind == "plugin")
-      file.source.report(e).physics(line(e), "<" + std::string(kind) + "> is not used: what it would make is missing from the model");
+      file.source.report(e).physics(line(e),
+                                    "<" + std::string(kind) + "> is not used: what it would make is missing from the model");
   }
 }
 
 }  // namespace
 
-void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) { read_all(file, {{&e, std::make_shared<const MjcfContext>(context)}}); }
+void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
+  read_all(file, {{&e, std::make_shared<const MjcfContext>(context)}});
+}
 
 void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context) {
   TodoList todo;

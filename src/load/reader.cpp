@@ -72,15 +72,17 @@ std::optional<std::vector<double>> Reader::numbers(const Element& e, const char*
   const auto parts = split(all);
   std::vector<double> values(parts.size());
   for (size_t i = 0; i < parts.size(); ++i)
-    if (const std::string wrong = parse_number(parts[i], values[i]); !wrong.empty()) bad_numbers(e, attribute, "'" + shown(parts[i]) + "' " + wrong);
+    if (const std::string wrong = parse_number(parts[i], values[i]); !wrong.empty())
+      bad_numbers(e, attribute, "'" + shown(parts[i]) + "' " + wrong);
   return values;
 }
 
 std::optional<std::vector<double>> Reader::numbers(const Element& e, const char* attribute, size_t count) const {
   auto values = numbers(e, attribute);
   if (values && values->size() != count)
-    bad_numbers(e, attribute, std::to_string(values->size()) + (values->size() == 1 ? " number where " : " numbers where ") + std::to_string(count) +
-                                  (count == 1 ? " is expected" : " are expected"));
+    bad_numbers(e, attribute,
+                std::to_string(values->size()) + (values->size() == 1 ? " number where " : " numbers where ") +
+                    std::to_string(count) + (count == 1 ? " is expected" : " are expected"));
   return values;
 }
 
@@ -124,7 +126,8 @@ void Reader::unread(const Element& e, std::initializer_list<std::string_view> at
   }
   for (const tinyxml2::XMLNode* n = e.FirstChild(); n; n = n->NextSibling()) {
     if (const Element* c = n->ToElement()) {
-      if (!among(children, c->Name()) && std::string_view(c->Name()) != part_name) drop(line(*c), c->Name(), at(e) + ": element <" + shown(c->Name()) + "> is not used");
+      if (!among(children, c->Name()) && std::string_view(c->Name()) != part_name)
+        drop(line(*c), c->Name(), at(e) + ": element <" + shown(c->Name()) + "> is not used");
     } else if (n->ToText()) {
       if (const auto words = split(n->Value()); !words.empty())
         drop(n->GetLineNum(), "", at(e) + ": the text '" + shown(words[0]) + "' is not used");

@@ -72,7 +72,8 @@ std::vector<Report::Entry> Report::finish() {
     throw Error(DYN_ERROR_STRICT, "strict: " + all + " (without strict these are warnings of the load report)");
   }
   if (unlisted_) entries_.push_back({DYN_REPORT_LEVEL_WARNING, 0, std::to_string(unlisted_) + " more entries are not listed"});
-  for (const auto& [what, c] : counts_) entries_.push_back({DYN_REPORT_LEVEL_INFO, c.line, std::to_string(c.times) + " x " + what});
+  for (const auto& [what, c] : counts_)
+    entries_.push_back({DYN_REPORT_LEVEL_INFO, c.line, std::to_string(c.times) + " x " + what});
   std::stable_sort(entries_.begin(), entries_.end(), by_line);
   return entries_;
 }

@@ -23,7 +23,8 @@ std::string target_of(const std::string& path) {
   constexpr int max_links = 40;
   std::error_code ignored;
   fs::path target = path;
-  for (int links = 0; links < max_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links) target = target.parent_path() / fs::read_symlink(target, ignored);
+  for (int links = 0; links < max_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links)
+    target = target.parent_path() / fs::read_symlink(target, ignored);
   return target.string();
 }
 
@@ -71,14 +72,18 @@ std::string save_string(const Model& m, dynFormat format, bool strict, SaveRepor
   std::string first;
   size_t count = 0;
   for (const SaveEntry& e : report)
-    if (e.level == DYN_REPORT_LEVEL_WARNING && count++ == 0) first = e.message;
-  if (count) throw Error(DYN_ERROR_STRICT, first + (count > 1 ? " (and " + std::to_string(count - 1) + " more)" : "") + ": the format cannot hold it (strict)");
+    if (e.level == DYN_REPORT_LEVEL_DROPPED && count++ == 0) first = e.message;
+  if (count)
+    throw Error(DYN_ERROR_STRICT, first + (count > 1 ? " (and " + std::to_string(count - 1) + " more)" : "") +
+                                      ": the format cannot hold it (strict)");
   return out;
 }
 
 void save_file(const Model& m, const std::string& path, bool strict, SaveReport& report) {
   const std::string text = save_string(m, format_of(path), strict, report);
-  const auto fail = [&](const char* what, const char* why) { throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + ": " + what + ": " + why); };
+  const auto fail = [&](const char* what, const char* why) {
+    throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + ": " + what + ": " + why);
+  };
   const std::string target = target_of(path);
   struct stat old{};
   const bool there = stat(target.c_str(), &old) == 0;

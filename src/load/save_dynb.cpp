@@ -116,6 +116,8 @@ std::string image(const Model& m, bool names) {
 
 }  // namespace
 
-std::string save_dynb(const Model& m, bool narrow, bool names) { return narrow ? image<NarrowLayout>(m, names) : image<OwnLayout>(m, names); }
+std::string save_dynb(const Model& m, bool narrow, bool names) {
+  return narrow ? image<NarrowLayout>(m, names) : image<OwnLayout>(m, names);
+}
 
 }  // namespace dyn

@@ -34,7 +34,8 @@ void put_pose(XmlElement& e, const Pose& X) {
   put(e, "quat", {u.w, u.v[0], u.v[1], u.v[2]});
 }
 
-MjcfWriter::MjcfWriter(const Model& model, SaveReport& report) : m(model), losses(report), on(frames_by_joint(model)), children(on.size()), attachments(on.size()) {
+MjcfWriter::MjcfWriter(const Model& model, SaveReport& report)
+    : m(model), losses(report), on(frames_by_joint(model)), children(on.size()), attachments(on.size()) {
   root = doc.NewElement("mujoco");
   doc.InsertEndChild(root);
   put(*root, "model", std::string(m.string(m.model_name)));
@@ -153,10 +154,13 @@ std::vector<MjcfWriter::Piece> MjcfWriter::pieces_of(const std::vector<Index>& g
         out.push_back({j, s, before});
         continue;
       }
-      losses.loss("free joints not on the world become three slides and a ball: their velocities are along its axes, not the body's", s.name);
+      losses.loss(
+          "free joints not on the world become three slides and a ball: their velocities are along its axes, not the body's",
+          s.name);
       SimpleJoint part = s;
       for (int k = 0; k < 3; ++k) {
-        part.type = DYN_JOINT_TYPE_PRISMATIC, part.axis = {double(k == 0), double(k == 1), double(k == 2)}, part.name = joints.claim(s.name + "_" + "xyz"[k]);
+        part.type = DYN_JOINT_TYPE_PRISMATIC, part.axis = {double(k == 0), double(k == 1), double(k == 2)},
+        part.name = joints.claim(s.name + "_" + "xyz"[k]);
         part.q = s.q + k, part.v = s.v + k;
         out.push_back({j, part, k == 0 ? before : Pose::identity()});
       }
@@ -174,7 +178,8 @@ void MjcfWriter::add_moving(Index first) {
   const std::vector<Piece> chain = pieces_of(group);
   Index main = -1;  // the body itself: the first one with the joint's axes
   for (const Index f : on[size_t(last)])
-    if (main < 0 && m.frames()[f].type == DYN_FRAME_TYPE_BODY && is_identity_rotation(load_se3(m.frames()[f].placement).R)) main = f;
+    if (main < 0 && m.frames()[f].type == DYN_FRAME_TYPE_BODY && is_identity_rotation(load_se3(m.frames()[f].placement).R))
+      main = f;
   const Pose in_joint = main < 0 ? Pose::identity() : Pose{Mat3<double>::identity(), load3(m.frames()[main].placement + 9)};
   const Attachment& parent = attachments[size_t(m.joints()[first].parent)];
   XmlElement* at = parent.element;
@@ -190,7 +195,9 @@ void MjcfWriter::add_moving(Index first) {
     for (size_t k = begin; k < end; ++k) X = X * chain[k].before * drawn_motion(chain[k].joint, chain[k].simple);
     const Pose frame = whole ? in_joint : Pose::identity();
     XmlElement& body = *at->InsertNewChildElement("body");
-    if (++depth > max_depth) throw Error(DYN_ERROR_LIMIT, "bodies are nested more than " + std::to_string(max_depth) + " deep, which readers of MJCF refuse: save as URDF or .dynb");
+    if (++depth > max_depth)
+      throw Error(DYN_ERROR_LIMIT, "bodies are nested more than " + std::to_string(max_depth) +
+                                       " deep, which readers of MJCF refuse: save as URDF or .dynb");
     if (whole && main >= 0) {
       put(body, "name", body_name(main));
     } else {
@@ -201,7 +208,8 @@ void MjcfWriter::add_moving(Index first) {
     if (chain[begin].simple.type == DYN_JOINT_TYPE_FREE_FLYER) {
       const double* q = drawn >= 0 ? m.configurations() + std::ptrdiff_t(drawn) * m.n.nq + m.joints()[first].idx_q : nullptr;
       pose = q ? Pose{rotation(Quaternion<double>{load3(q + 3), q[6]}), load3(q)} * frame : frame;
-      if (!is_identity_pose(frame)) losses.loss("free joints whose frame is not their body's: their coordinates become the body's", chain[begin].simple.name);
+      if (!is_identity_pose(frame))
+        losses.loss("free joints whose frame is not their body's: their coordinates become the body's", chain[begin].simple.name);
     }
     put_pose(body, pose);
     if (whole && main >= 0) add_link(body, main);
@@ -270,7 +278,8 @@ void MjcfWriter::add_content(Index joint, Index main) {
 
 std::string MjcfWriter::write() {
   XmlElement& compiler = section("compiler");
-  put(compiler, "angle", std::string("radian")), put(compiler, "autolimits", std::string("true")), put(compiler, "inertiafromgeom", std::string("false"));
+  put(compiler, "angle", std::string("radian")), put(compiler, "autolimits", std::string("true")),
+      put(compiler, "inertiafromgeom", std::string("false"));
   add_option();
   section("asset");
   XmlElement& world = section("worldbody");

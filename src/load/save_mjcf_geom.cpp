@@ -25,10 +25,12 @@ void put_friction(XmlElement& e, const dynMaterial& x, bool of_pair) {
 }  // namespace
 
 void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
-  const std::string name = m.string(s.name), called = name.empty() ? (body.Attribute("name") ? body.Attribute("name") : "world") : name;
+  const std::string name = m.string(s.name),
+                    called = name.empty() ? (body.Attribute("name") ? body.Attribute("name") : "world") : name;
   const bool visual = s.role == DYN_SHAPE_ROLE_VISUAL;
   const std::optional<ShapeForm> form = shape_form(RobotFormat::Mjcf, s.type);
-  if (!form && shape::size_count(s.type) > 0) return losses.loss(std::string("shapes of type ") + name_of(s.type) + " are left out", called);
+  if (!form && shape::size_count(s.type) > 0)
+    return losses.loss(std::string("shapes of type ") + name_of(s.type) + " are left out", called);
   XmlElement& e = *body.InsertNewChildElement("geom");
   if (!name.empty()) {
     geom_names[k] = geoms.claim(name);
@@ -51,7 +53,8 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
     }
     case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES:
       type("mesh"), put(e, "mesh", mesh_asset(s));
-      if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles become meshes: load the file with meshes as hulls or triangles", called);
+      if (s.type != DYN_SHAPE_TYPE_MESH)
+        losses.note("hulls and triangles become meshes: load the file with meshes as hulls or triangles", called);
       break;
     default: {  // a primitive
       std::vector<double> size(form->sizes);
@@ -72,7 +75,8 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   if (std::memcmp(&rest, &material, sizeof rest) != 0) put(e, "surfacevel", std::span(material.surface_velocity));
   if (!is_default(rest, false)) losses.loss("restitution, stiffness and damping of materials", called);
   bool wanted = false;
-  for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p) wanted |= p->wanted() && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
+  for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)
+    wanted |= p->wanted() && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
   if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes with empty masks become visual", called);
 }
 
@@ -96,9 +100,12 @@ double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
   return least;
 }
 
-// Pairs of links that MuJoCo would test and the model does not: a link of the world with one on its joints, and those that overlap.
+// Pairs of links that MuJoCo would test and the model does not: a link of the world with one on its joints, and those that
+// overlap.
 std::set<std::pair<Index, Index>> MjcfWriter::untested_links() {
-  const auto is_geom = [&](const ShapeRecord& s) { return s.role == DYN_SHAPE_ROLE_COLLISION && s.frame != 0 && s.filter < std::uint32_t(PairFilter::Mujoco); };
+  const auto is_geom = [&](const ShapeRecord& s) {
+    return s.role == DYN_SHAPE_ROLE_COLLISION && s.frame != 0 && s.filter < std::uint32_t(PairFilter::Mujoco);
+  };
   std::set<Index> fixed, moving;
   for (Index k = 0; k < m.n.shapes; ++k)
     if (const ShapeRecord& s = m.shapes()[k]; is_geom(s)) (m.frames()[s.frame].joint == 0 ? fixed : moving).insert(s.frame);
@@ -113,7 +120,8 @@ std::set<std::pair<Index, Index>> MjcfWriter::untested_links() {
       const auto links = std::minmax({frame(p.a), frame(p.b)});
       if (!overlap && p.reason == DYN_PAIR_REASON_TESTED) tested.insert(links);
       if (!overlap || p.reason != DYN_PAIR_REASON_OVERLAPS) continue;
-      if (tested.count(links)) losses.loss("pairs of shapes that overlap, of links of which others are tested", frame_name(links.first));
+      if (tested.count(links))
+        losses.loss("pairs of shapes that overlap, of links of which others are tested", frame_name(links.first));
       else out.insert(links);
     }
   return out;

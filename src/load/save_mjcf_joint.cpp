@@ -26,7 +26,8 @@ void MjcfWriter::add_joint(XmlElement& body, const Piece& p, const Pose& end) {
   const SimpleJoint& s = p.simple;
   XmlElement& e = *body.InsertNewChildElement("joint");
   put(e, "name", s.name);
-  const bool slides = s.type == DYN_JOINT_TYPE_PRISMATIC, ball = s.type == DYN_JOINT_TYPE_SPHERICAL, free = s.type == DYN_JOINT_TYPE_FREE_FLYER;
+  const bool slides = s.type == DYN_JOINT_TYPE_PRISMATIC, ball = s.type == DYN_JOINT_TYPE_SPHERICAL,
+             free = s.type == DYN_JOINT_TYPE_FREE_FLYER;
   put(e, "type", std::string(slides ? "slide" : ball ? "ball" : free ? "free" : "hinge"));
   const Vec3<double> anchor = end.inverse().p;
   if (!free && (anchor[0] != 0 || anchor[1] != 0 || anchor[2] != 0)) put(e, "pos", {anchor[0], anchor[1], anchor[2]});
@@ -36,8 +37,10 @@ void MjcfWriter::add_joint(XmlElement& body, const Piece& p, const Pose& end) {
   }
   if (const double x = reference(p.joint, s); x != 0) put(e, "ref", x);
   add_numbers(e, p);
-  if (s.type == DYN_JOINT_TYPE_CONTINUOUS) losses.note("continuous joints become hinges without a range: differences of their angles are not wrapped", s.name);
-  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) become hinges with an angle", s.name);
+  if (s.type == DYN_JOINT_TYPE_CONTINUOUS)
+    losses.note("continuous joints become hinges without a range: differences of their angles are not wrapped", s.name);
+  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED)
+    losses.note("joints that store (cos, sin) become hinges with an angle", s.name);
   if (s.leader.empty()) return;
   losses.loss("mimic joints become equalities, which are no exact reduction: each adds a degree of freedom", s.name);
   XmlElement& equality = *section("equality").InsertNewChildElement("joint");
@@ -61,17 +64,23 @@ void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
     const int nv = joint_nv(s.type), nq = joint_nq(s.type);
     for_each_coefficient([&]<class E>() {
       const std::vector<double>& x = E::of(spec);
-      if (!alike(x, s.v, nv)) losses.loss("armature, damping or dry friction that differs between a joint's degrees of freedom: the first one counts", s.name);
+      if (!alike(x, s.v, nv))
+        losses.loss("armature, damping or dry friction that differs between a joint's degrees of freedom: the first one counts",
+                    s.name);
       put_coefficient<E>(e, x[size_t(s.v)], s.name);
     });
     if (spec.stiffness[size_t(s.v)] != 0) {
       const double* rest = spec.spring_reference.data() + s.q;
       if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("rest orientations of ball joint springs", s.name);
     }
-    const auto limited = [&](const std::vector<double>& x, int first, int n) { return std::any_of(x.begin() + first, x.begin() + first + n, [](double l) { return std::isfinite(l); }); };
+    const auto limited = [&](const std::vector<double>& x, int first, int n) {
+      return std::any_of(x.begin() + first, x.begin() + first + n, [](double l) { return std::isfinite(l); });
+    };
     const bool ball = s.type == DYN_JOINT_TYPE_SPHERICAL;
-    if (const double half = ball ? spec.lower[size_t(s.q) + 3] : -1; half >= 0) put(e, "range", {0, 2 * math::atan2(std::sqrt(1 - half * half), half)});
-    if ((!ball && limited(spec.lower, s.q, nq)) || limited(spec.upper, s.q, nq) || limited(spec.velocity, s.v, nv) || limited(spec.effort, s.v, nv))
+    if (const double half = ball ? spec.lower[size_t(s.q) + 3] : -1; half >= 0)
+      put(e, "range", {0, 2 * math::atan2(std::sqrt(1 - half * half), half)});
+    if ((!ball && limited(spec.lower, s.q, nq)) || limited(spec.upper, s.q, nq) || limited(spec.velocity, s.v, nv) ||
+        limited(spec.effort, s.v, nv))
       losses.loss("limits of free joints, and of a ball joint's velocity and effort", s.name);
     return;
   }

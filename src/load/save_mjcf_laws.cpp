@@ -12,7 +12,8 @@ namespace {
 constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
 
 void put_range(XmlElement& e, const char* attribute, const double (&range)[2]) {
-  if (std::isfinite(range[0]) || std::isfinite(range[1])) put(e, attribute, {std::max(range[0], -most), std::min(range[1], most)});
+  if (std::isfinite(range[0]) || std::isfinite(range[1]))
+    put(e, attribute, {std::max(range[0], -most), std::min(range[1], most)});
 }
 
 }  // namespace
@@ -38,8 +39,14 @@ void MjcfWriter::add_actuators() {
       losses.loss("actuators that push a free joint along its own axes are left out", name);
       continue;
     }
-    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_TYPE_AFFINE || ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
-    XmlElement& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_TYPE_MOTOR ? "motor" : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity" : a.integrates ? "intvelocity" : "position");
+    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_TYPE_AFFINE ||
+                                                        ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
+    XmlElement& e = *section("actuator")
+                         .InsertNewChildElement(affine                                 ? "general"
+                                                : a.type == DYN_ACTUATOR_TYPE_MOTOR    ? "motor"
+                                                : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity"
+                                                : a.integrates                         ? "intvelocity"
+                                                                                       : "position");
     put(e, "name", name), put(e, "joint", s.name);
     written_actuators.push_back(k);
     if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
@@ -69,7 +76,8 @@ void MjcfWriter::add_actuators() {
 // Returns the name of a site at the placement: the frame itself or an added one.
 std::string MjcfWriter::site(Index frame, const double (&placement)[12], const std::string& wanted) {
   const FrameRecord& r = m.frames()[frame];
-  if (frame != 0 && r.type != DYN_FRAME_TYPE_BODY && r.type != DYN_FRAME_TYPE_JOINT && is_identity(placement)) return frame_name(frame);
+  if (frame != 0 && r.type != DYN_FRAME_TYPE_BODY && r.type != DYN_FRAME_TYPE_JOINT && is_identity(placement))
+    return frame_name(frame);
   const Attachment& attachment = attachments[size_t(r.joint)];
   const std::string name = joints.claim(wanted);
   XmlElement& e = *attachment.element->InsertNewChildElement("site");
@@ -89,7 +97,10 @@ void MjcfWriter::add_constraints() {
       continue;
     }
     if (c.stiffness != 0 || c.damping != 0 || c.restitution != 0) losses.loss("gains and restitution of constraints", name);
-    XmlElement& e = *section("equality").InsertNewChildElement(coupling ? "joint" : c.type == DYN_CONSTRAINT_TYPE_WELD ? "weld" : "connect");
+    XmlElement& e = *section("equality")
+                         .InsertNewChildElement(coupling                             ? "joint"
+                                                : c.type == DYN_CONSTRAINT_TYPE_WELD ? "weld"
+                                                                                     : "connect");
     put(e, "name", name);
     if (!c.enabled) put(e, "active", std::string("false"));
     if (coupling) {

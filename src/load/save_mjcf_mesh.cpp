@@ -35,7 +35,8 @@ void MjcfWriter::put_mesh(XmlElement& mesh, std::span<const double> vertices, co
 XmlElement& MjcfWriter::new_mesh(const std::string& wish, std::string& name) {
   name = assets.claim(wish);
   XmlElement& mesh = *section("asset").InsertNewChildElement("mesh");
-  put(mesh, "name", name), put(mesh, "inertia", std::string("shell"));  // masses stand in <inertial>; a solid's volume may be too small for MuJoCo
+  put(mesh, "name", name),
+      put(mesh, "inertia", std::string("shell"));  // masses stand in <inertial>; a solid's volume may be too small for MuJoCo
   return mesh;
 }
 

@@ -1,5 +1,5 @@
-// Model to URDF. Each joint has a main link, whose frame is the joint's. Other links attach to it by fixed joints. Joint types that
-// URDF lacks become chains of joints with massless links between them.
+// Model to URDF. Each joint has a main link, whose frame is the joint's. Other links attach to it by fixed joints. Joint types
+// that URDF lacks become chains of joints with massless links between them.
 #include <cmath>
 
 #include "collision/pair_search.hpp"
@@ -28,17 +28,21 @@ bool all(const std::vector<double>& x, double value) {
 }
 
 bool unlimited(const JointSpec& s) {
-  const auto infinite = [](const std::vector<double>& x) { return std::none_of(x.begin(), x.end(), [](double e) { return std::isfinite(e); }); };
+  const auto infinite = [](const std::vector<double>& x) {
+    return std::none_of(x.begin(), x.end(), [](double e) { return std::isfinite(e); });
+  };
   return infinite(s.lower) && infinite(s.upper) && infinite(s.velocity) && infinite(s.effort);
 }
 
 }  // namespace
 
-UrdfWriter::UrdfWriter(const Model& model, SaveReport& report) : m(model), losses(report), on(frames_by_joint(model)), main(size_t(model.n.joints), -1) {
+UrdfWriter::UrdfWriter(const Model& model, SaveReport& report)
+    : m(model), losses(report), on(frames_by_joint(model)), main(size_t(model.n.joints), -1) {
   robot = doc.NewElement("robot");
   doc.InsertEndChild(robot);
   put(*robot, "name", std::string(m.string(m.model_name)));
-  for (Index f = 1; f < m.n.frames; ++f) (m.frames()[f].type == DYN_FRAME_TYPE_BODY ? links : joints).reserve(m.string(m.frames()[f].name));
+  for (Index f = 1; f < m.n.frames; ++f)
+    (m.frames()[f].type == DYN_FRAME_TYPE_BODY ? links : joints).reserve(m.string(m.frames()[f].name));
   for (size_t j = 0; j < on.size(); ++j)
     for (const Index f : on[j])
       if (main[j] < 0 && m.frames()[f].type == DYN_FRAME_TYPE_BODY && is_identity(m.frames()[f].placement)) main[j] = f;
@@ -49,12 +53,14 @@ UrdfWriter::UrdfWriter(const Model& model, SaveReport& report) : m(model), losse
   }
   bool shapes_on_world = false;
   for (Index k = 0; k < m.n.shapes; ++k) shapes_on_world |= m.shapes()[k].frame == 0;
-  floating = m.n.joints > 1 && on[0].empty() && !shapes_on_world && m.joints()[1].type == DYN_JOINT_TYPE_FREE_FLYER && is_identity(m.joints()[1].placement) &&
-             std::string_view(m.string(m.joints()[1].name)) == "root_joint" && main[1] >= 0;
+  floating = m.n.joints > 1 && on[0].empty() && !shapes_on_world && m.joints()[1].type == DYN_JOINT_TYPE_FREE_FLYER &&
+             is_identity(m.joints()[1].placement) && std::string_view(m.string(m.joints()[1].name)) == "root_joint" &&
+             main[1] >= 0;
   for (Index j = 2; j < m.n.joints; ++j) floating &= m.joints()[j].parent != 0;
 }
 
-XmlElement& UrdfWriter::add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X) {
+XmlElement& UrdfWriter::add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child,
+                                  const SE3<double>& X) {
   XmlElement& e = *robot->InsertNewChildElement("joint");
   put(e, "name", name), put(e, "type", std::string(type));
   put_origin(e, X);
@@ -76,7 +82,9 @@ void UrdfWriter::add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJ
   };
   if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER || s.type == DYN_JOINT_TYPE_PLANAR) {
     const size_t nv = size_t(joint_nv(s.type)), first = size_t(s.v);
-    const auto own = [&](const std::vector<double>& x) { return x.empty() ? std::vector<double>(nv, 0) : std::vector<double>(x.begin() + first, x.begin() + first + nv); };
+    const auto own = [&](const std::vector<double>& x) {
+      return x.empty() ? std::vector<double>(nv, 0) : std::vector<double>(x.begin() + first, x.begin() + first + nv);
+    };
     bool alike = s.type == DYN_JOINT_TYPE_SPHERICAL, any = false;
     for_each_coefficient([&]<class E>() {
       const auto x = own(E::of(spec));
@@ -101,7 +109,8 @@ void UrdfWriter::add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJ
   for_each_coefficient([&]<class E>() {
     if (!E::urdf && E::of(x) != 0) losses.loss(std::string(E::quantity) + " of joints", name);
   });
-  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) become continuous: load the file with cos_sin", name);
+  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED)
+    losses.note("joints that store (cos, sin) become continuous: load the file with cos_sin", name);
   if (!s.leader.empty()) {
     XmlElement& mimic = *e.InsertNewChildElement("mimic");
     put(mimic, "joint", s.leader), put(mimic, "multiplier", s.ratio), put(mimic, "offset", s.offset);
@@ -111,7 +120,9 @@ void UrdfWriter::add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJ
 // A link of the world without shapes.
 std::string UrdfWriter::bare_world() {
   const auto has_shapes = [&](Index frame) {
-    return frame >= 0 && std::any_of(m.shapes(), m.shapes() + m.n.shapes, [&](const ShapeRecord& s) { return s.frame == frame && s.role == DYN_SHAPE_ROLE_COLLISION; });
+    return frame >= 0 && std::any_of(m.shapes(), m.shapes() + m.n.shapes, [&](const ShapeRecord& s) {
+             return s.frame == frame && s.role == DYN_SHAPE_ROLE_COLLISION;
+           });
   };
   if (bare.empty()) {
     bare = main_name[0];
@@ -129,7 +140,8 @@ void UrdfWriter::add_moving(Index j) {
   JointSpec spec = spec_of(m, r);
   std::vector<SimpleJoint> chain = chain_of(m, j, joints);
   if (r.type == DYN_JOINT_TYPE_PLANAR && unlimited(spec) && all(spec.damping, 0) && all(spec.friction, 0))
-    chain = {{DYN_JOINT_TYPE_PLANAR, {r.axis[0], r.axis[1], r.axis[2]}, SE3<double>::identity(), m.string(r.name), 0, 0, "", 1, 0}};
+    chain = {
+        {DYN_JOINT_TYPE_PLANAR, {r.axis[0], r.axis[1], r.axis[2]}, SE3<double>::identity(), m.string(r.name), 0, 0, "", 1, 0}};
   if (chain.size() > 1) losses.note("joint types that URDF lacks become chains of joints", m.string(r.name));
   std::string parent = main_name[size_t(r.parent)];
   SE3<double> X = load_se3(r.placement);
@@ -163,7 +175,8 @@ void UrdfWriter::add_fixed(Index f, std::set<Index>& done) {
   }
   if (r.type == DYN_FRAME_TYPE_FIXED_JOINT)
     for (const Index b : on[size_t(r.joint)])
-      if (m.frames()[b].type == DYN_FRAME_TYPE_BODY && b != main[size_t(r.joint)] && std::equal(r.placement, r.placement + 12, m.frames()[b].placement) && done.insert(b).second) {
+      if (m.frames()[b].type == DYN_FRAME_TYPE_BODY && b != main[size_t(r.joint)] &&
+          std::equal(r.placement, r.placement + 12, m.frames()[b].placement) && done.insert(b).second) {
         add_joint(name, "fixed", parent, frame_name(b), X), add_link(frame_name(b), b);
         return;
       }

@@ -14,7 +14,8 @@ class UrdfWriter {
   std::string frame_name(Index f) const { return m.string(m.frames()[f].name); }
   XmlElement& add_link(const std::string& name, Index frame);  // frame: BODY, 0: the world, -1: none
   void add_shape(XmlElement& link, const ShapeRecord& s);
-  XmlElement& add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X);
+  XmlElement& add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child,
+                        const SE3<double>& X);
   void add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJoint& s);
   std::string bare_world();
   void add_moving(Index j);

@@ -27,7 +27,8 @@ XmlElement& UrdfWriter::add_link(const std::string& name, Index frame) {
       put(*inertial.InsertNewChildElement("mass"), "value", l.mass);
       XmlElement& I = *inertial.InsertNewChildElement("inertia");
       const double* x = l.inertia;
-      put(I, "ixx", x[0]), put(I, "ixy", x[3]), put(I, "ixz", x[6]), put(I, "iyy", x[4]), put(I, "iyz", x[7]), put(I, "izz", x[8]);
+      put(I, "ixx", x[0]), put(I, "ixy", x[3]), put(I, "ixz", x[6]), put(I, "iyy", x[4]), put(I, "iyz", x[7]),
+          put(I, "izz", x[8]);
     }
   }
   for (Index k = 0; k < m.n.shapes; ++k)
@@ -50,14 +51,18 @@ void UrdfWriter::add_shape(XmlElement& link, const ShapeRecord& s) {
     XmlElement& e = shape("mesh");
     put(e, "filename", mesh);
     if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(e, "scale", std::span(s.size));
-    if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles of mesh files are saved by file name: load the file with the same option for meshes", called);
+    if (s.type != DYN_SHAPE_TYPE_MESH)
+      losses.note("hulls and triangles of mesh files are saved by file name: load the file with the same option for meshes",
+                  called);
   } else {
     losses.loss("shapes that are no mesh file and none of " + shape_names(RobotFormat::Urdf) + " are left out", called);
     return doc.DeleteNode(geometry);
   }
   const dynMaterial& material = m.materials()[s.material];
-  if (s.role == DYN_SHAPE_ROLE_COLLISION && !is_default(material, true)) losses.loss("materials of shapes (friction, restitution, ...)", called);
-  if (s.role == DYN_SHAPE_ROLE_COLLISION && (s.contype != 1 || s.conaffinity != 1)) losses.loss("collision masks of shapes", called);
+  if (s.role == DYN_SHAPE_ROLE_COLLISION && !is_default(material, true))
+    losses.loss("materials of shapes (friction, restitution, ...)", called);
+  if (s.role == DYN_SHAPE_ROLE_COLLISION && (s.contype != 1 || s.conaffinity != 1))
+    losses.loss("collision masks of shapes", called);
   if (s.radius > 0) losses.loss("rounding of shapes", called);
   XmlElement& e = *link.InsertNewChildElement(s.role == DYN_SHAPE_ROLE_COLLISION ? "collision" : "visual");
   if (!name.empty()) put(e, "name", name);

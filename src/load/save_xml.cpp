@@ -56,7 +56,15 @@ std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names) {
   for (const PlacedElement& p : elements) {
     const Element& e = p.element;
     const bool last = &p == &elements.back();
-    SimpleJoint s{DYN_JOINT_TYPE_REVOLUTE, e.axis, p.before, last ? name : names.claim(name + "_" + std::to_string(out.size() + 1)), q, v, leader, r.ratio, r.offset};
+    SimpleJoint s{DYN_JOINT_TYPE_REVOLUTE,
+                  e.axis,
+                  p.before,
+                  last ? name : names.claim(name + "_" + std::to_string(out.size() + 1)),
+                  q,
+                  v,
+                  leader,
+                  r.ratio,
+                  r.offset};
     q += primitive_nq(e.type), v += primitive_nv(e.type);
     switch (e.type) {
       case BodyType::Revolute: s.type = e.wraps ? DYN_JOINT_TYPE_CONTINUOUS : DYN_JOINT_TYPE_REVOLUTE; break;
@@ -74,10 +82,14 @@ std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names) {
 }
 
 ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& s) {
-  const auto at = [](const std::vector<double>& x, int k, double missing) { return size_t(k) < x.size() ? x[size_t(k)] : missing; };
+  const auto at = [](const std::vector<double>& x, int k, double missing) {
+    return size_t(k) < x.size() ? x[size_t(k)] : missing;
+  };
   constexpr double inf = std::numeric_limits<double>::infinity();
   if (!s.leader.empty() && s.leader != spec.mimic) return {-inf, inf, inf, inf, 0};  // the slide of a helical joint
-  return {at(spec.lower, s.q, -inf), at(spec.upper, s.q, inf), at(spec.velocity, s.v, inf), at(spec.effort, s.v, inf), at(spec.spring_reference, s.q, 0),
+  return {
+      at(spec.lower, s.q, -inf), at(spec.upper, s.q, inf),          at(spec.velocity, s.v, inf),
+      at(spec.effort, s.v, inf), at(spec.spring_reference, s.q, 0),
 #define COEFFICIENT(name, has, sentence) at(spec.name, s.v, 0),
 #include "effect/coefficients.def"
   };
@@ -86,7 +98,8 @@ ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& s) {
 std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R) {
   const double yaw = R(0, 0) == 0 && R(1, 0) == 0 ? 0 : math::atan2(R(1, 0), R(0, 0)), c = math::cos(yaw), s = math::sin(yaw);
   // from the rotation that remains after the yaw, which keeps the angles consistent where cos(pitch) is near 0
-  return {math::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1)), math::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0)), yaw};
+  return {math::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1)), math::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0)),
+          yaw};
 }
 
 bool is_default(const dynMaterial& material, bool with_friction) {

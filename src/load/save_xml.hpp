@@ -20,8 +20,12 @@ using XmlElement = tinyxml2::XMLElement;
 // Numbers separated by spaces, each as the shortest text that reads back as the same double.
 std::string number_list(std::span<const double> x);
 inline std::string number_list(std::initializer_list<double> x) { return number_list({x.begin(), x.size()}); }
-inline void put(XmlElement& e, const char* attribute, std::span<const double> x) { e.SetAttribute(attribute, number_list(x).c_str()); }
-inline void put(XmlElement& e, const char* attribute, std::initializer_list<double> x) { e.SetAttribute(attribute, number_list(x).c_str()); }
+inline void put(XmlElement& e, const char* attribute, std::span<const double> x) {
+  e.SetAttribute(attribute, number_list(x).c_str());
+}
+inline void put(XmlElement& e, const char* attribute, std::initializer_list<double> x) {
+  e.SetAttribute(attribute, number_list(x).c_str());
+}
 inline void put(XmlElement& e, const char* attribute, double x) { put(e, attribute, {x}); }
 inline void put(XmlElement& e, const char* attribute, const std::string& x) { e.SetAttribute(attribute, x.c_str()); }
 // Three digits suffice for 8 bits.
@@ -38,7 +42,7 @@ class Losses {
   explicit Losses(SaveReport& report) : report_(report) {}
   void write_report() const;  // to the report
   Losses(const Losses&) = delete;
-  void loss(const std::string& what, const std::string& name = "") { add(DYN_REPORT_LEVEL_WARNING, what, name); }
+  void loss(const std::string& what, const std::string& name = "") { add(DYN_REPORT_LEVEL_DROPPED, what, name); }
   void note(const std::string& what, const std::string& name = "") { add(DYN_REPORT_LEVEL_INFO, what, name); }
 
  private:
@@ -83,7 +87,9 @@ struct ScalarNumbers {
 };
 ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& joint);
 
-inline bool is_identity(const double (&placement)[12]) { return std::equal(placement, placement + 12, identity_placement.begin()); }
+inline bool is_identity(const double (&placement)[12]) {
+  return std::equal(placement, placement + 12, identity_placement.begin());
+}
 // Angles of rotations about the fixed axes x, y, z in this order.
 std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R);
 bool is_default(const dynMaterial& material, bool with_friction);

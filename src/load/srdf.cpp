@@ -12,18 +12,20 @@ namespace dyn::load {
 namespace {
 
 const std::initializer_list<std::string_view> known_elements = {
-    "group_state", "disable_collisions", "enable_collisions", "disable_default_collisions", "virtual_joint", "group", "end_effector", "passive_joint",
-    "joint_property", "link_sphere_approximation", "gripper", "handle", "contact", "specificities", "rotor_params"};
+    "group_state",  "disable_collisions", "enable_collisions", "disable_default_collisions", "virtual_joint", "group",
+    "end_effector", "passive_joint",      "joint_property",    "link_sphere_approximation",  "gripper",       "handle",
+    "contact",      "specificities",      "rotor_params"};
 
 template <class Item, class Name>
-bool known(const Element& e, const char* kind, const std::string& name, const std::string& owner, const SrdfContext& context, const std::vector<Item>& items,
-           const Name& name_of) {
+bool known(const Element& e, const char* kind, const std::string& name, const std::string& owner, const SrdfContext& context,
+           const std::vector<Item>& items, const Name& name_of) {
   std::vector<const std::string*> all;
   for (const Item& t : items) {
     if (name_of(t) == name) return true;
     all.push_back(&name_of(t));
   }
-  context.report.physics(line(e), owner + ": there is no " + kind + " " + quoted(name) + " in the robot" + did_you_mean(name, all));
+  context.report.physics(line(e),
+                         owner + ": there is no " + kind + " " + quoted(name) + " in the robot" + did_you_mean(name, all));
   return false;
 }
 
@@ -46,7 +48,8 @@ void list_unused(const Element& root, const SrdfContext& context) {
     const std::string name = e->Attribute("name") ? e->Attribute("name") : "";
     const std::string owner = kind + (name.empty() ? "" : " " + quoted(name));
     if (kind == "virtual_joint") {
-      context.report.info(line(*e), owner + ": the base is " + (context.floating ? "floating" : "fixed") + ", as chosen at loading");
+      context.report.info(line(*e),
+                          owner + ": the base is " + (context.floating ? "floating" : "fixed") + ", as chosen at loading");
       check_references(*e, owner, context);
     } else if (kind == "group" || kind == "end_effector" || kind == "link_sphere_approximation") {
       context.report.info(line(*e), owner + ": not used");
@@ -73,20 +76,25 @@ bool is_virtual(const Element& root, const std::string& joint) {
 }
 
 bool known_link(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context) {
-  return known(e, "link", name, owner, context, context.robot.links, [](const UrdfLink& l) -> const std::string& { return l.name; });
+  return known(e, "link", name, owner, context, context.robot.links,
+               [](const UrdfLink& l) -> const std::string& { return l.name; });
 }
 bool known_joint(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context) {
-  return known(e, "joint", name, owner, context, context.robot.joints, [](const UrdfJoint& j) -> const std::string& { return j.spec.name; });
+  return known(e, "joint", name, owner, context, context.robot.joints,
+               [](const UrdfJoint& j) -> const std::string& { return j.spec.name; });
 }
 
-Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict, std::vector<Report::Entry>& entries) {
+Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict,
+               std::vector<Report::Entry>& entries) {
   Report report(file, strict);
   const std::string text = read_file(file, "an SRDF file");
   check_xml(text, report);
   const Document document(text, report);
   const Element& root = document.root();
   if (std::string_view(root.Name()) != "robot" || first(root, "link"))
-    report.fail(DYN_ERROR_PARSE, line(root), first(root, "link") ? "this is a URDF: an SRDF has no links of its own" : "<" + std::string(root.Name()).substr(0, 60) + ">: an SRDF begins with <robot>");
+    report.fail(DYN_ERROR_PARSE, line(root),
+                first(root, "link") ? "this is a URDF: an SRDF has no links of its own"
+                                    : "<" + std::string(root.Name()).substr(0, 60) + ">: an SRDF begins with <robot>");
   Reader{report, "the SRDF"}.unread(root, {"name", "version"}, known_elements);
   if (const char* name = root.Attribute("name"); name && name != robot.name)
     report.warning(line(root), "this SRDF is for robot " + quoted(name) + ", and the robot is " + quoted(robot.name));

@@ -27,7 +27,8 @@ struct SrdfContext {
 };
 
 // Reads the file. Report entries begin with its name.
-Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict, std::vector<Report::Entry>& entries);
+Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict,
+               std::vector<Report::Entry>& entries);
 
 // srdf_states.cpp
 std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& context);

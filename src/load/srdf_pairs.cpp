@@ -23,7 +23,8 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
   std::set<Names> disabled, enabled;
   const auto add = [&](const Element& e, const std::string& a, const std::string& b, const std::string& reason) {
     if (!disabled.insert(ordered(a, b)).second) return false;
-    if (out.size() == max_pairs) report.fail(DYN_ERROR_LIMIT, line(e), "more than " + std::to_string(max_pairs) + " disabled pairs, which is the limit");
+    if (out.size() == max_pairs)
+      report.fail(DYN_ERROR_LIMIT, line(e), "more than " + std::to_string(max_pairs) + " disabled pairs, which is the limit");
     out.push_back({a, b, printable(reason)});
     return true;
   };
@@ -33,7 +34,8 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
     reader.unread(e, {"link1", "link2", "reason"}, {});
     names = {reader.name(e, "link1"), reader.name(e, "link2")};
     const bool one = known_link(e, names.first, reader.owner, context), two = known_link(e, names.second, reader.owner, context);
-    if (one && names.first == names.second) report.warning(line(e), reader.owner + ": link " + quoted(names.first) + " and itself: not used");
+    if (one && names.first == names.second)
+      report.warning(line(e), reader.owner + ": link " + quoted(names.first) + " and itself: not used");
     return one && two && names.first != names.second;
   };
 

@@ -18,8 +18,8 @@ const JointSpec* find(const UrdfRobot& robot, const std::string& name) {
   return nullptr;
 }
 
-// A joint's coordinates from the file's numbers. Converts between an angle and (cos, sin). Returns an empty vector if the count is
-// wrong.
+// A joint's coordinates from the file's numbers. Converts between an angle and (cos, sin). Returns an empty vector if the count
+// is wrong.
 std::vector<double> coordinates(dynJointType type, const std::vector<double>& given) {
   if (type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED && given.size() == 1) return {math::cos(given[0]), math::sin(given[0])};
   if (type == DYN_JOINT_TYPE_CONTINUOUS && given.size() == 2) return {math::atan2(given[1], given[0])};
@@ -28,7 +28,8 @@ std::vector<double> coordinates(dynJointType type, const std::vector<double>& gi
 
 // A quaternion or (cos, sin) of norm 0 is invalid.
 bool is_zero_rotation(dynJointType type, const std::vector<double>& given) {
-  const bool rotates = type == DYN_JOINT_TYPE_FREE_FLYER || type == DYN_JOINT_TYPE_SPHERICAL || ((type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED || type == DYN_JOINT_TYPE_CONTINUOUS) && given.size() == 2);
+  const bool rotates = type == DYN_JOINT_TYPE_FREE_FLYER || type == DYN_JOINT_TYPE_SPHERICAL ||
+                       ((type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED || type == DYN_JOINT_TYPE_CONTINUOUS) && given.size() == 2);
   const auto begin = given.begin() + (type == DYN_JOINT_TYPE_FREE_FLYER ? 3 : 0);
   return rotates && std::all_of(begin, given.end(), [](double x) { return x == 0; });
 }
@@ -50,17 +51,21 @@ struct StateReader {
     }
     if (!spec) return void(known_joint(e, name, reader.owner, context));
     if (spec->type == DYN_JOINT_TYPE_FIXED) return context.report.info(line(e), who + " is fixed: its value is not used");
-    if (!spec->mimic.empty()) return context.report.info(line(e), who + " follows " + quoted(spec->mimic) + ": its value is not used");
+    if (!spec->mimic.empty())
+      return context.report.info(line(e), who + " follows " + quoted(spec->mimic) + ": its value is not used");
     const auto value = reader.numbers(e, "value");
     if (!value) return context.report.physics(line(e), who + " has no value: not used");
     const std::vector<double> q = coordinates(spec->type, *value);
     if (q.empty())
-      return context.report.physics(line(e), who + " has " + std::to_string(value->size()) + " numbers and needs " + std::to_string(joint_nq(spec->type)) + ": not used");
-    if (is_zero_rotation(spec->type, *value)) reader.fail(DYN_ERROR_QUATERNION, e, "joint " + quoted(name) + ": its quaternion or (cos, sin) is zero: give norm 1");
+      return context.report.physics(line(e), who + " has " + std::to_string(value->size()) + " numbers and needs " +
+                                                 std::to_string(joint_nq(spec->type)) + ": not used");
+    if (is_zero_rotation(spec->type, *value))
+      reader.fail(DYN_ERROR_QUATERNION, e, "joint " + quoted(name) + ": its quaternion or (cos, sin) is zero: give norm 1");
     for (const auto& [other, numbers] : state.joints)
       if (other == spec->name) return context.report.physics(line(e), who + " occurs twice: the first value is used");
     if (!spec->lower.empty() && (q[0] < spec->lower[0] || q[0] > spec->upper[0]))
-      context.report.warning(line(e), who + " is at " + text(q[0]) + ", outside of its limits, " + text(spec->lower[0]) + " to " + text(spec->upper[0]));
+      context.report.warning(line(e), who + " is at " + text(q[0]) + ", outside of its limits, " + text(spec->lower[0]) + " to " +
+                                          text(spec->upper[0]));
     state.joints.push_back({spec->name, q});
   }
 };
@@ -86,7 +91,8 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
       context.report.physics(line(*e), in.reader.owner + ": there is no group " + quoted(group) + did_you_mean(group, all));
     }
     Srdf::State s{groups[state] > 1 || state == "neutral" ? group + "/" + state : state, line(*e), {}};
-    if (printable(s.name) != s.name) in.reader.fail(DYN_ERROR_NAME, *e, "its name is not UTF-8, or has a control character in it: rename it");
+    if (printable(s.name) != s.name)
+      in.reader.fail(DYN_ERROR_NAME, *e, "its name is not UTF-8, or has a control character in it: rename it");
     for (const Element* j = first(*e, "joint"); j; j = next(*j, "joint")) in.joint(*j, s);
     if (!taken.insert(s.name).second) {
       context.report.physics(line(*e), in.reader.owner + " of group " + quoted(group) + " occurs twice: the first one is used");

@@ -46,7 +46,10 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   const Srdf srdf = options.srdf.empty() ? Srdf() : load_srdf(options.srdf, robot, tree, floating, options.strict, entries);
 
   Builder builder(robot.name);
-  with_location(report, 0, [&] { builder.gravity(options.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity); });
+  with_location(report, 0, [&] {
+    builder.gravity(options.gravity), builder.constraint_slots(options.constraint_slots),
+        builder.contact_capacity(options.contact_capacity);
+  });
   if (!options.strict) builder.allow_massless_joints();
   Parent base;
   if (floating) {
@@ -62,11 +65,13 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
     UrdfJoint& joint = robot.joints[i];
     joint.spec.parent = {joint.parent, DYN_FRAME_TYPE_BODY};
     with_location(report, joint.line, [&] { builder.joint(joint.spec); });
-    add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_TYPE_JOINT | DYN_FRAME_TYPE_FIXED_JOINT}, filter, report);
+    add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_TYPE_JOINT | DYN_FRAME_TYPE_FIXED_JOINT}, filter,
+             report);
   }
   for (const UrdfConstraint& c : robot.constraints)
     with_location(report, c.line, [&] { builder.constraint(c.name, c.spec, {c.first, 0}, {c.second, 0}); });
-  for (const Srdf::State& s : srdf.states) with_location(Report(options.srdf, false), s.line, [&] { builder.configuration_of_joints(s.name, s.joints); });
+  for (const Srdf::State& s : srdf.states)
+    with_location(Report(options.srdf, false), s.line, [&] { builder.configuration_of_joints(s.name, s.joints); });
   for (const Srdf::Pair& p : srdf.pairs) builder.disabled_pair(p.link1, p.link2, p.reason);
   for (const Report::Entry& e : entries) builder.report(e.level, e.line, e.message);
   return with_location(report, 0, [&] { return builder.finish(); });

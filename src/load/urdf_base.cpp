@@ -36,7 +36,8 @@ bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, R
     case DYN_BASE_FLOATING:
       break;
     default:
-      report.fail(DYN_ERROR_ARGUMENT, 0, "base " + std::to_string(int(base)) + " does not exist: choose base fixed or base floating");
+      report.fail(DYN_ERROR_ARGUMENT, 0,
+                  "base " + std::to_string(int(base)) + " does not exist: choose base fixed or base floating");
   }
 
   if (free_child)

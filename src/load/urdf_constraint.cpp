@@ -4,8 +4,8 @@
 //     <second link="ground"/>                                  (none: the world)
 //     <axis xyz="0 0 1"/>
 //   </constraint>
-// type: point, frame, connect, weld, distance (length), a joint type that closes a loop (pitch; <axis2>), coupling (coefficients),
-// limit, friction (force). The last three have <first joint="..."/>.
+// type: point, frame, connect, weld, distance (length), a joint type that closes a loop (pitch; <axis2>), coupling
+// (coefficients), limit, friction (force). The last three have <first joint="..."/>.
 #include <algorithm>
 
 #include "constraint/loop.hpp"
@@ -36,17 +36,20 @@ UrdfConstraint read_constraint(const Element& e, Report& report) {
   out.line = line(e);
   out.name = Reader{report, "a constraint"}.name(e, "name");
   const Reader reader{report, "constraint " + quoted(out.name)};
-  reader.unread(e, {"name", "type", "stiffness", "damping", "restitution", "length", "pitch", "force", "coefficients"}, {"first", "second", "axis", "axis2"});
+  reader.unread(e, {"name", "type", "stiffness", "damping", "restitution", "length", "pitch", "force", "coefficients"},
+                {"first", "second", "axis", "axis2"});
   dynConstraint& c = out.spec;
   c = of_type(e, reader, reader.name(e, "type"));
   const bool joints = between_joints(c.type);
   const struct {
     const char* name;
     double* to;
-  } numbers[] = {{"stiffness", &c.stiffness}, {"damping", &c.damping}, {"restitution", &c.restitution}, {"length", &c.length}, {"pitch", &c.pitch}, {"force", &c.force}};
+  } numbers[] = {{"stiffness", &c.stiffness}, {"damping", &c.damping}, {"restitution", &c.restitution},
+                 {"length", &c.length},       {"pitch", &c.pitch},     {"force", &c.force}};
   for (const auto& n : numbers) *n.to = reader.optional_number(e, n.name).value_or(*n.to);
   if (const auto p = reader.numbers(e, "coefficients")) {
-    if (p->empty() || p->size() > 5) reader.bad_numbers(e, "coefficients", "has " + std::to_string(p->size()) + " numbers: give 1 to 5");
+    if (p->empty() || p->size() > 5)
+      reader.bad_numbers(e, "coefficients", "has " + std::to_string(p->size()) + " numbers: give 1 to 5");
     std::fill(c.coefficients, c.coefficients + 5, 0.0);
     std::copy(p->begin(), p->end(), c.coefficients);
   }
@@ -59,7 +62,8 @@ UrdfConstraint read_constraint(const Element& e, Report& report) {
     std::copy(X.begin(), X.end(), placement);
   };
   end("first", out.first, c.placement1), end("second", out.second, c.placement2);
-  if (out.first.empty()) reader.fail(DYN_ERROR_PARSE, e, std::string("no <first> element: add <first ") + (joints ? "joint" : "link") + "=\"...\"/>");
+  if (out.first.empty())
+    reader.fail(DYN_ERROR_PARSE, e, std::string("no <first> element: add <first ") + (joints ? "joint" : "link") + "=\"...\"/>");
   auto vector = [&](const char* name, double* to) {
     const Element* x = reader.only(e, name);
     if (!x) return;

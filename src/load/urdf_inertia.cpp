@@ -107,10 +107,13 @@ void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fix
     const Vector3 whole = Eigen::SelfAdjointEigenSolver<Matrix3>(I, Eigen::EigenvaluesOnly).eigenvalues();
     const bool welded_to_world = fixed_base && g == tree.root;
     const bool made_up = welded_to_world || whole[0] >= -tolerance(mass[g], whole[2]);
-    report.physics(l.inertial_line, moments_of(l) + ", and a body has no negative one: kept as given" +
-                                        (made_up ? ", because the links it is welded to make up for it"
-                                                 : "; correct <inertia> (about the centre of mass, in the axes of the inertial's <origin>); nearest possible: " +
-                                                       formatted(nearest_possible(l.moments))));
+    report.physics(
+        l.inertial_line,
+        moments_of(l) + ", and a body has no negative one: kept as given" +
+            (made_up
+                 ? ", because the links it is welded to make up for it"
+                 : "; correct <inertia> (about the centre of mass, in the axes of the inertial's <origin>); nearest possible: " +
+                       formatted(nearest_possible(l.moments))));
   }
 }
 

@@ -26,7 +26,8 @@ constexpr Type types[] = {
 constexpr double no_limit = std::numeric_limits<double>::max();
 
 bool one_axis(dynJointType t) {
-  return t == DYN_JOINT_TYPE_REVOLUTE || t == DYN_JOINT_TYPE_CONTINUOUS || t == DYN_JOINT_TYPE_PRISMATIC || t == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
+  return t == DYN_JOINT_TYPE_REVOLUTE || t == DYN_JOINT_TYPE_CONTINUOUS || t == DYN_JOINT_TYPE_PRISMATIC ||
+         t == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
 }
 
 dynJointType read_type(const Element& e, const Reader& reader, const std::string& name) {

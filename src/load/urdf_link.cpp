@@ -131,12 +131,14 @@ bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths&
 
   const std::string_view kind = g->Name();
   if (const auto form = shape_form(RobotFormat::Urdf, kind)) {
-    if (kind == "sphere" && reader.optional_number(*g, "radius") == 0) return skip(*g, "a sphere of radius 0 is a point: not used");
+    if (kind == "sphere" && reader.optional_number(*g, "radius") == 0)
+      return skip(*g, "a sphere of radius 0 is a point: not used");
     read_sizes(*g, reader, *form, physics, shape);
   } else if (kind == "mesh") {
     read_mesh(*g, reader, shape, meshes);
   } else {
-    return skip(*g, "shape <" + std::string(kind.substr(0, 60)) + "> is not known (" + shape_names(RobotFormat::Urdf) + ", mesh): not used");
+    return skip(*g, "shape <" + std::string(kind.substr(0, 60)) + "> is not known (" + shape_names(RobotFormat::Urdf) +
+                        ", mesh): not used");
   }
   return true;
 }

@@ -45,9 +45,9 @@ int find_link(const Index& links, const UrdfRobot& robot, const UrdfJoint& j, co
   names.push_back(robot.links[start].name);
   std::reverse(names.begin(), names.end());
   const UrdfJoint& j = robot.joints[parent_joint[start]];
-  report.fail(
-      DYN_ERROR_INVALID, j.line,
-      joint_label(j) + ": the links form a cycle: " + first_names(names, " -> ") + ": a URDF is a tree, so remove one of these joints");
+  report.fail(DYN_ERROR_INVALID, j.line,
+              joint_label(j) + ": the links form a cycle: " + first_names(names, " -> ") +
+                  ": a URDF is a tree, so remove one of these joints");
 }
 
 }  // namespace
@@ -130,7 +130,8 @@ void check_mimic(UrdfRobot& robot, Report& report) {
     if (size_t(found->second) == i) report.fail(DYN_ERROR_INVALID, j.mimic_line, joint_label(j) + " mimics itself");
     if (l.spec.type == DYN_JOINT_TYPE_FIXED)
       report.fail(DYN_ERROR_INVALID, j.mimic_line, begin + ", which is fixed: make both fixed, or free the leader");
-    if (l.spec.type == DYN_JOINT_TYPE_FREE_FLYER || l.spec.type == DYN_JOINT_TYPE_PLANAR || l.spec.type == DYN_JOINT_TYPE_SPHERICAL)
+    if (l.spec.type == DYN_JOINT_TYPE_FREE_FLYER || l.spec.type == DYN_JOINT_TYPE_PLANAR ||
+        l.spec.type == DYN_JOINT_TYPE_SPHERICAL)
       report.fail(DYN_ERROR_INVALID, j.mimic_line,
                   begin + ", a " + l.type + " joint: only revolute, continuous and prismatic ones can lead");
     for (UrdfJoint* side : {&j, &l})  // the relation is between angles

@@ -7,7 +7,9 @@
 namespace dyn::load {
 
 void report_unused_data(const UrdfRobot& robot, Report& report) {
-  const auto nonzero = [](const std::vector<double>& x) { return std::any_of(x.begin(), x.end(), [](double e) { return e != 0; }); };
+  const auto nonzero = [](const std::vector<double>& x) {
+    return std::any_of(x.begin(), x.end(), [](double e) { return e != 0; });
+  };
   int damping = 0, friction = 0, velocity = 0, effort = 0;
   for (const UrdfJoint& j : robot.joints) {
     const JointSpec& s = j.spec;

@@ -78,7 +78,8 @@ bool good_reference(std::string_view text) {
   unsigned long c = 0;
   const auto [end, error] = std::from_chars(digits, last, c, hexadecimal ? 16 : 10);
   if (*last != ';' || end != last || end == digits || error != std::errc()) return false;
-  return c == '\t' || c == '\n' || c == '\r' || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) || (c >= 0x10000 && c < 0x110000);
+  return c == '\t' || c == '\n' || c == '\r' || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) ||
+         (c >= 0x10000 && c < 0x110000);
 }
 
 std::string shown(std::string_view name) { return std::string(name.substr(0, 60)); }
@@ -103,7 +104,9 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
     const std::string_view part = std::string_view(text).substr(from, to - from);
     for (size_t at = part.find("&#"); at != part.npos; at = part.find("&#", at + 2))
       if (!good_reference(part.substr(at)))
-        fail(DYN_ERROR_PARSE, from + at, "'" + std::string(part.substr(at, std::min<size_t>(part.find(';', at) - at, 20) + 1)) + "' is not a character of XML");
+        fail(DYN_ERROR_PARSE, from + at,
+             "'" + std::string(part.substr(at, std::min<size_t>(part.find(';', at) - at, 20) + 1)) +
+                 "' is not a character of XML");
   };
 
   Markup m;
@@ -121,7 +124,8 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
     switch (kind) {
       case Markup::end:
         if (!opened.empty())
-          fail(DYN_ERROR_PARSE, opened.back().at, "<" + shown(opened.back().name) + "> is never closed: the file is cut off or an end tag is missing");
+          fail(DYN_ERROR_PARSE, opened.back().at,
+               "<" + shown(opened.back().name) + "> is never closed: the file is cut off or an end tag is missing");
         return;
       case Markup::other:
         break;
@@ -168,13 +172,16 @@ std::vector<std::string> split_deep(const std::string& text, const Report& repor
   std::vector<Part> open = {{0, 0, 0}};
   size_t depth = 0, lines = 0;
   const auto pad = [&](size_t part, size_t n) {
-    if ((lines += n) > max_lines) report.fail(DYN_ERROR_LIMIT, 0, "too many lines for elements that are nested more than " + std::to_string(part_depth) + " deep");
+    if ((lines += n) > max_lines)
+      report.fail(DYN_ERROR_LIMIT, 0,
+                  "too many lines for elements that are nested more than " + std::to_string(part_depth) + " deep");
     out[part].append(n, '\n');
   };
   Markup m;
   m.text = text;
   for (Markup::Kind kind = m.next(); kind != Markup::end; kind = m.next()) {
-    if (kind == Markup::open && m.name == part_name) report.fail(DYN_ERROR_PARSE, line_at(text, m.begin), "<" + std::string(part_name) + "> is not an element of MJCF");
+    if (kind == Markup::open && m.name == part_name)
+      report.fail(DYN_ERROR_PARSE, line_at(text, m.begin), "<" + std::string(part_name) + "> is not an element of MJCF");
     if (kind == Markup::open && !m.empty && ++depth % part_depth == 0) {
       const size_t number = out.size();
       out[open.back().number].append(text, open.back().from, m.begin - open.back().from);
@@ -186,7 +193,8 @@ std::vector<std::string> split_deep(const std::string& text, const Report& repor
       const Part part = open.back();
       out[part.number].append(text, part.from, m.at - part.from);
       open.pop_back();
-      pad(open.back().number, size_t(std::count(text.begin() + std::ptrdiff_t(part.begin), text.begin() + std::ptrdiff_t(m.at), '\n')));
+      pad(open.back().number,
+          size_t(std::count(text.begin() + std::ptrdiff_t(part.begin), text.begin() + std::ptrdiff_t(m.at), '\n')));
       open.back().from = m.at;
     }
   }

@@ -20,8 +20,9 @@ inline constexpr int max_split_depth = 10010;  // of a text that split_deep divi
 // Throws through the report.
 void check_xml(const std::string& text, const Report& report, int deepest = max_depth);
 
-// Divides a checked text that is nested deeper than the parser allows. Each element at a depth that is a multiple of 64 becomes a text
-// of its own, with its line number, and <dyn:part n="its number"/> stands for it. The first text is the main one; a shallow text is alone.
+// Divides a checked text that is nested deeper than the parser allows. Each element at a depth that is a multiple of 64 becomes a
+// text of its own, with its line number, and <dyn:part n="its number"/> stands for it. The first text is the main one; a shallow
+// text is alone.
 inline constexpr const char* part_name = "dyn:part";
 std::vector<std::string> split_deep(const std::string& text, const Report& report);
 

@@ -189,7 +189,7 @@ bool BlockChecker::rest() {
   return each(n.reports, [&](Index k) {
     const ReportRecord& r = m.reports()[k];
     return text(r.message) &&
-           require(r.level >= DYN_REPORT_LEVEL_INFO && r.level <= DYN_REPORT_LEVEL_DROPPED, "level of a line of the load report");
+           require(is_value(dynReportLevel(r.level)), "level of a line of the load report");
   }) && each(n.disabled, [&](Index k) {
     const DisabledRecord& d = m.disabled_pairs()[k];
     if (!text(d.reason)) return false;

@@ -19,18 +19,22 @@ void record_ledger_step(const Model& m, Data<T>& d, T h) {
     if (simulation::has_open_ledger(d)) simulation::record_step(m, d, h);
 }
 
-// Advances d by duration. accuracy 0: to rounding. A step may use up to three times its share of the error if earlier steps left it.
-// Returns 0, the joint whose forward dynamics failed, or no_step_left, also after max_steps; the state is then that of report.time.
+// Advances d by duration. accuracy 0: to rounding. A step may use up to three times its share of the error if earlier steps left
+// it. Returns 0, the joint whose forward dynamics failed, or no_step_left, also after max_steps; the state is then that of
+// report.time.
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report,
                           std::int64_t max_steps = std::numeric_limits<std::int64_t>::max()) {
   T h = duration, t = 0, left = 0;
-  if (const Index joint = project_to_constraints(m, d)) return joint;  // initial velocities that violate the constraints jump at once
-  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h)) return joint;
+  if (const Index joint = project_to_constraints(m, d))
+    return joint;  // initial velocities that violate the constraints jump at once
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h))
+    return joint;
   report.evaluations += 2;
   const T max_noise = std::max(accuracy / (tuning::noise_share * duration), T(tuning::max_noise));
   RoundingFloor<T> rounding{active_rows(m, d) > 0, max_noise};
-  StepSizeController<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), T(rounding.held ? tuning::max_factor_rows : tuning::max_factor)};
+  StepSizeController<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0),
+                                   T(rounding.held ? tuning::max_factor_rows : tuning::max_factor)};
   SingularityRetry<T> passing{max_noise, h};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - tuning::last_step);
@@ -42,8 +46,9 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     const T most = rounding.held ? allowed : std::max(allowed, share + std::min(left, tuning::saved_shares * share));
     T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
-    if (rounding.held && !joint && passing.again(error, raw, moved, most,
-                                                  std::max(tuning::usual_share * share, T(tuning::usual_rounding) * RoundingFloor<T>::of_motion(m, d)), h)) {
+    if (rounding.held && !joint &&
+        passing.again(error, raw, moved, most,
+                      std::max(tuning::usual_share * share, T(tuning::usual_rounding) * RoundingFloor<T>::of_motion(m, d)), h)) {
       h = std::min(h, duration - t);
       s.undo(m, d);
       ++report.rejected;
@@ -68,8 +73,8 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
 }
 
 // Returns whether contacts, limits, dry friction or open constraints act in a step of h, so that smooth methods lose their order.
-// until: time at which the first open gap reaches `closed` at its current speed, or shapes may have passed each other, capped at h.
-// depth: of the deepest contact.
+// until: time at which the first open gap reaches `closed` at its current speed, or shapes may have passed each other, capped at
+// h. depth: of the deepest contact.
 template <class T>
 bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until, T& depth) {
   until = h, depth = 0;
@@ -102,10 +107,13 @@ bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
 
 // The same where velocities may jump. Steps without contact use the tableau.
 template <class Tableau>
-Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
-  const double closed = std::max(tuning::closed_share * accuracy, tuning::closed_rounding * RoundingFloor<double>::of_state(m, d));
+Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy,
+                              dynStepReport& report) {
+  const double closed =
+      std::max(tuning::closed_share * accuracy, tuning::closed_rounding * RoundingFloor<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
-  const double deep = tuning::deep * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
+  const double deep =
+      tuning::deep * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
   // with active rows: below it errors no longer fall
   const double smallest = std::max(tuning::smallest_share * std::min(accuracy, 1.0), tuning::smallest) * std::min(duration, 1.0);
   const double first = tuning::first_step * std::max(1.0, std::cbrt(tuning::accuracy_scale * accuracy));  // of order 3
@@ -114,10 +122,12 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * tuning::no_step)) return no_step_left;
     double until, depth, ignored;
-    const bool rows = meets_constraints(m, d, s, h, closed, until, depth), near = d.step->time_to_pass < HUGE_VAL, sunk = depth > deep;
+    const bool rows = meets_constraints(m, d, s, h, closed, until, depth),
+               near = d.step->time_to_pass<HUGE_VAL, sunk = depth> deep;
     h = std::min(h, sunk ? first : std::max(until, smallest));
     const bool last = h >= (duration - t) * (1 - tuning::last_step), cut = h < whole;
-    double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
+    double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)),
+           power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
     if (sunk) {
       joint = euler_step(m, d, s, h, false);
@@ -156,19 +166,22 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
-      if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 && d.step->overshoot_time < h) {  // the contact was found too late
+      if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 &&
+          d.step->overshoot_time < h) {  // the contact was found too late
         h = std::max(h - d.step->overshoot_time * (1 - tuning::arrival * closed / d.step->overshoot), smallest);
         continue;
       }
     }
     const double factor = error > 0 ? tuning::safety * math::pow(allowed / error, power) : tuning::max_factor;
-    h *= error < HUGE_VAL ? std::clamp(factor, tuning::min_factor, rows ? tuning::max_factor_rows : tuning::max_factor) : tuning::failed_factor;
+    h *= error < HUGE_VAL ? std::clamp(factor, tuning::min_factor, rows ? tuning::max_factor_rows : tuning::max_factor)
+                          : tuning::failed_factor;
     if (rows) h = std::max(h, smallest);
   }
   return 0;
 }
 
-// Fixed steps leave out rows that are redundant up to a misalignment anew in each evaluation; others settle them at their beginning.
+// Fixed steps leave out rows that are redundant up to a misalignment anew in each evaluation; others settle them at their
+// beginning.
 template <class T>
 DYN_INLINE void begin_rows(const Model& m, Data<T>& d, bool fixed) {
   if constexpr (std::is_same_v<T, double>) {
@@ -189,7 +202,8 @@ Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, 
         return advance_through_contact<Tableau>(m, d, s, duration, accuracy, report);
     return advance_to_accuracy<Tableau>(m, d, s, duration, accuracy, report);
   };
-  const Index failed = integrator == DYN_INTEGRATOR_RK45 ? by.template operator()<DormandPrince5>() : by.template operator()<DormandPrince8>();
+  const Index failed =
+      integrator == DYN_INTEGRATOR_RK45 ? by.template operator()<DormandPrince5>() : by.template operator()<DormandPrince8>();
   keep_all_rows(m, d);
   return failed;
 }
@@ -206,7 +220,8 @@ template <class Tableau, class T>
 Index stable_explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if (const Index joint = explicit_step<Tableau>(m, d, s, h)) return joint;
   if constexpr (std::is_same_v<T, double>)
-    if (d.step && (d.step->failed_joint = simulation::unstable_joint(m, d, h, Tableau::stability, d.step->stable_dt))) return unstable;
+    if (d.step && (d.step->failed_joint = simulation::unstable_joint(m, d, h, Tableau::stability, d.step->stable_dt)))
+      return unstable;
   return 0;
 }
 
@@ -218,7 +233,8 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
   if constexpr (std::is_same_v<T, double>)
     if (d.step) d.step->rows_add_energy = false, d.step->rows_work = 0;
   begin_rows(m, d, integrator != DYN_INTEGRATOR_REFERENCE);
-  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_constraints(m, d, s, h))
+  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST &&
+      meets_constraints(m, d, s, h))
     integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, true);
   switch (integrator) {
     case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
@@ -238,7 +254,8 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
       break;
     }
   }
-  if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) failed = project_to_constraints(m, d);
+  if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
+    failed = project_to_constraints(m, d);
   keep_all_rows(m, d);
   return failed;
 }
@@ -280,7 +297,8 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
     });
     std::copy_n(start + m.n.nq + 3 * m.n.nv, m.n.na, d.act);
     ++report.rejected, reset_impulse_work(d), forget_forces(w);
-    if (k == 0) w.options.solver = solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
+    if (k == 0)
+      w.options.solver = solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
     const double part = h / (1 << k);
     StepEnergy from = first;
     bool good = true;

@@ -66,7 +66,8 @@ struct BlockFactor {
     return true;
   }
 
-  // fill(position): adds the blocks of A at the position, diagonal and entries. They are zero before; where[] gives entries by later position.
+  // fill(position): adds the blocks of A at the position, diagonal and entries. They are zero before; where[] gives entries by
+  // later position.
   template <class Fill>
   bool operator()(Fill&& fill) const {
     for (Index i = 0; i < order.size; ++i) {

@@ -8,7 +8,8 @@ namespace dyn::simulation {
 bool Island::sparse() {
   has_runs();
   const double whole = double(rows) * rows * rows;
-  const double block = rows > segment_lanes * w.elimination.size ? tuning::newton::redundant_block_price : tuning::newton::block_price;
+  const double block =
+      rows > segment_lanes * w.elimination.size ? tuning::newton::redundant_block_price : tuning::newton::block_price;
   if (!large() && whole <= block * w.elimination.size) return false;
   return ordered() && (large() || whole > block * (w.elimination.size + w.elimination.entries()));
 }

@@ -10,12 +10,14 @@ namespace {
 
 using namespace tuning::advancement;
 
-// Bound of the motion so far (a) and in this step (b): |a| + |b| <= sqrt(2 (a^2 + b^2)), sum of n sizes <= sqrt(n sum of squares).
+// Bound of the motion so far (a) and in this step (b): |a| + |b| <= sqrt(2 (a^2 + b^2)), sum of n sizes <= sqrt(n sum of
+// squares).
 double squares(const Model& m, const AdvancementCache& c, const double* q, const double* v, double h) {
   using P = Simd<double, 4>;
   P sums = P::zero();
   for (Index k = 0; k < m.n.nv; k += 4) {
-    const P l = P::load(c.lever + k), a = (P::load(q + k) - P::load(c.q + k)) * l, b = P::load(v + k) * (tuning::speed_growth * h) * l;
+    const P l = P::load(c.lever + k), a = (P::load(q + k) - P::load(c.q + k)) * l,
+            b = P::load(v + k) * (tuning::speed_growth * h) * l;
     sums = sums + a * a + b * b;
   }
   return sum(sums);
@@ -52,14 +54,16 @@ void update_advancement_cache(const Model& m, Data<double>& d, const double* v, 
   }
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
-    const double gap = std::min(d.q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - d.q[r.q]) - tuning::limit_margin * margin * unit_of(m, *d.step, r);
+    const double gap = std::min(d.q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - d.q[r.q]) -
+                       tuning::limit_margin * margin * unit_of(m, *d.step, r);
     if (!(gap > 0)) return;
     c.lever[r.dof] = std::max(c.lever[r.dof], min_distance / gap);
   }
   std::copy_n(d.q, m.n.nq, c.q);
   const double square = min_distance * min_distance / (2 * m.n.nv);
   double next = 0;
-  for (Index k = 0; k < m.n.nv; ++k) next += tuning::speed_growth * tuning::speed_growth * h * h * v[k] * v[k] * c.lever[k] * c.lever[k];
+  for (Index k = 0; k < m.n.nv; ++k)
+    next += tuning::speed_growth * tuning::speed_growth * h * h * v[k] * v[k] * c.lever[k] * c.lever[k];
   if (min_steps_saved * min_steps_saved * next < square) c.square = square;
 }
 
@@ -71,7 +75,8 @@ bool limits_inactive(const Model& m, const Data<double>& d, const double* v, dou
       if (ball_gap(m, d, r, v).gap <= tuning::speed_growth * h * ball_speed(r, v) + tuning::limit_margin) return false;
       continue;
     }
-    const double q = d.q[r.q], reach = tuning::speed_growth * h * std::abs(v[r.dof]) + tuning::limit_margin * unit_of(m, *d.step, r);
+    const double q = d.q[r.q],
+                 reach = tuning::speed_growth * h * std::abs(v[r.dof]) + tuning::limit_margin * unit_of(m, *d.step, r);
     if (q - m.lower_limit()[r.q] <= reach || m.upper_limit()[r.q] - q <= reach) return false;
   }
   return true;

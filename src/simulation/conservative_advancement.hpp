@@ -17,7 +17,8 @@ struct AdvancementCache {
 // Returns whether nothing can act in a step of h that ends with the velocities of d.
 bool cache_excludes_contact(const Model& m, const Data<double>& d, double h);
 
-// Stores the result of a search at velocities v that found nothing. min_distance: lower bound of all distances; not positive: unknown.
+// Stores the result of a search at velocities v that found nothing. min_distance: lower bound of all distances; not positive:
+// unknown.
 void update_advancement_cache(const Model& m, Data<double>& d, const double* v, double h, double min_distance);
 
 bool can_cache_advancement(const Model& m);

@@ -54,7 +54,8 @@ Ball within(const Model& m, const Data<double>& d, Index geom) {
   double radius = shape::norm(g.X.p) + g.bounding_radius;
   for (Index i = g.body;; i = m.bodies()[i].parent) {
     const Body& b = m.bodies()[i];
-    if (b.type != BodyType::Revolute && b.type != BodyType::RevoluteUnbounded && b.type != BodyType::Spherical) return {d.p[i], shape::infinity};
+    if (b.type != BodyType::Revolute && b.type != BodyType::RevoluteUnbounded && b.type != BodyType::Spherical)
+      return {d.p[i], shape::infinity};
     if (b.parent == 0) return {d.p[i], radius};
     radius += shape::norm(d.p[i] - d.p[b.parent]);
   }
@@ -120,7 +121,9 @@ struct Search {
     return dot(found.normal, velocity_at(d, d.geoms[ib].body, at) - velocity_at(d, d.geoms[ia].body, at));
   }
   static bool may_pass_by(const Geom& a, const Geom& b) {
-    const auto plain = [](const Geom& g) { return g.shape.type != shape::Type::HalfSpace && !collision::is_surface(g.shape.type); };
+    const auto plain = [](const Geom& g) {
+      return g.shape.type != shape::Type::HalfSpace && !collision::is_surface(g.shape.type);
+    };
     return plain(a) && plain(b);
   }
   collision::Moving moving(Index geom) const {
@@ -133,7 +136,8 @@ struct Search {
   // If the pair only grazes at the end, the normal of the end counts, with gaps extrapolated back from there.
   void see_where_it_leads(Index ia, Index ib, double near, double gap) {
     bool closes = false;
-    for (int i = 0; i < found.count; ++i) closes = closes || found.points[i].distance + h * opening(ia, ib, found.points[i].position) < 0;
+    for (int i = 0; i < found.count; ++i)
+      closes = closes || found.points[i].distance + h * opening(ia, ib, found.points[i].position) < 0;
     if (!closes) return;
     const collision::Moving a = moving(ia), b = moving(ib);
     collision::contacts(a.shape, a.at(h), b.shape, b.at(h), near, *d.collision_workspace, end);
@@ -144,7 +148,8 @@ struct Search {
       found = end;
       for (int i = 0; i < found.count; ++i) {
         auto& point = found.points[i];
-        const Vec3<double> of_a = velocity_at(d, d.geoms[ia].body, point.position), of_b = velocity_at(d, d.geoms[ib].body, point.position);
+        const Vec3<double> of_a = velocity_at(d, d.geoms[ia].body, point.position),
+                           of_b = velocity_at(d, d.geoms[ib].body, point.position);
         point.distance -= h * dot(found.normal, of_b - of_a), point.position = point.position - (of_a + of_b) * (0.5 * h);
       }
     } else if (gap > near) {
@@ -162,7 +167,9 @@ struct Search {
     // impulses change velocities within the step, so shapes as near as this always count
     const double near = std::min(search::near * std::min(a.bounding_radius, b.bounding_radius), contact_margin(w, h, fast));
     const double margin = near + search::speed_margin * h * (w.speeds[ia] + w.speeds[ib]);
-    if (!(near < shape::infinity) || (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body))) return;
+    if (!(near < shape::infinity) ||
+        (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body)))
+      return;
     const double distance = collision::distance_lower_bound(a, A, b, B);
     min_distance = std::min(min_distance, distance - near);
     Index pair = -1;
@@ -171,7 +178,8 @@ struct Search {
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
     const double reach = std::min(a.bounding_radius, b.bounding_radius);
-    w.time_to_pass = std::min(w.time_to_pass, (gap > search::near * reach ? std::max(gap, search::min_pass * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
+    w.time_to_pass = std::min(w.time_to_pass, (gap > search::near * reach ? std::max(gap, search::min_pass * reach) : reach) /
+                                                  (w.speeds[ia] + w.speeds[ib]));
     if (gap > search::touching * reach && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];
@@ -201,7 +209,9 @@ struct Search {
     w.row_count = 0;
     for (Index n = 0; n < count; ++n) {
       const NearPair& p = pairs[n];
-      if (PairRow* const last = w.row_count ? w.rows + w.row_count - 1 : nullptr; last && last->a == p.a && last->b + last->count == p.b) ++last->count;
+      if (PairRow* const last = w.row_count ? w.rows + w.row_count - 1 : nullptr;
+          last && last->a == p.a && last->b + last->count == p.b)
+        ++last->count;
       else w.rows[w.row_count++] = {p.a, p.b, n, 1};
     }
     for (Index i = 0; i < w.geom_count; ++i) place(w.geoms[i]), enter_center(w.geoms[i]);  // once, for shapes that do not move
@@ -212,7 +222,8 @@ struct Search {
     const Pose& A = d.geom_poses[row.a];
     const std::ptrdiff_t next = geom_capacity(m);
     const double* const x = w.centers + row.b + k;
-    const Vec3<Double4> to = Vec3<Double4>::make(Double4::load(x) - A.p[0], Double4::load(x + next) - A.p[1], Double4::load(x + 2 * next) - A.p[2]);
+    const Vec3<Double4> to =
+        Vec3<Double4>::make(Double4::load(x) - A.p[0], Double4::load(x + next) - A.p[1], Double4::load(x + 2 * next) - A.p[2]);
     const Double4 reach = Double4::load(x + 3 * next);
     const auto along = [&](const Vec3<double>& axis) { return to.v[0] * axis[0] + to.v[1] * axis[1] + to.v[2] * axis[2]; };
     Double4 distance;
@@ -241,7 +252,8 @@ struct Search {
     if (w.sleep.any_asleep && w.awake_pair_count < 0) list_awake();
     const NearPair* const pairs = w.sleep.any_asleep ? w.awake_pairs : w.pairs;
     if (w.row_count < 0) list_rows(pairs, w.sleep.any_asleep ? w.awake_pair_count : w.pair_count);
-    const Index *const geoms = w.sleep.any_asleep ? w.awake_geoms : w.geoms, geom_count = w.sleep.any_asleep ? w.awake_geom_count : w.geom_count;
+    const Index *const geoms = w.sleep.any_asleep ? w.awake_geoms : w.geoms,
+                       geom_count = w.sleep.any_asleep ? w.awake_geom_count : w.geom_count;
     for (Index i = 0; i < geom_count; ++i)
       if (d.geoms[geoms[i]].body) place(geoms[i]), enter_center(geoms[i]);
     for (Index r = 0; r < w.row_count; ++r)
@@ -273,7 +285,8 @@ struct Search {
       near = true;
     }
     if (!near) return;
-    const bool ascending = search.for_each(d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::is_tested(m, d, a, b, pair); }); });
+    const bool ascending = search.for_each(
+        d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::is_tested(m, d, a, b, pair); }); });
     const auto before = [](const dynContactForce& x, const dynContactForce& y) { return comes_before(x.contact, y.contact); };
     if (!ascending) std::sort(w.contacts, w.contacts + w.contact_count, before);
   }

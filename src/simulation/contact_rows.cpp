@@ -33,11 +33,12 @@ bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, 
   const collision::Geom &a = d.geoms[law.geom_a], &b = d.geoms[law.geom_b];
   const double opening = h * opening_speed(d, c, a.body, b.body), gap = std::max(0.0, c.distance);
   if (c.distance + opening < -tuning::slop * w.length) return false;
-  return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.bounding_radius, b.bounding_radius), h);
+  return law.material.restitution > 0 ? c.distance + opening > 0
+                                      : gap + opening >= -standstill(d, std::min(a.bounding_radius, b.bounding_radius), h);
 }
 
-// Returns whether no impulse along the normal moves anything: joints let the bodies slide along one another only. Then an impulse from
-// rounding would be one of any size.
+// Returns whether no impulse along the normal moves anything: joints let the bodies slide along one another only. Then an impulse
+// from rounding would be one of any size.
 bool has_immovable_normal(const Model& m, const Data<double>& d, const ActiveConstraint& x) {
   using P = Simd<double, row_lanes>;
   const double* Dinv = inverse_pivots(m, d);
@@ -51,7 +52,9 @@ bool has_immovable_normal(const Model& m, const Data<double>& d, const ActiveCon
   return !(sum[int(normal_row(x.s->rows))] > tuning::immovable_normal * most);
 }
 
-Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity); }
+Vec3<double> surface_velocity(const Data<double>& d, Index geom) {
+  return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity);
+}
 
 }  // namespace
 
@@ -64,7 +67,8 @@ void init_contact(const Model& m, Data<double>& d, Index contact, double h, Cons
     return Index(std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, before) - m.geoms());
   };
   const bool listed = c.pair >= 0;
-  const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom(c.shape_a), b = law.geom_b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
+  const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom(c.shape_a),
+              b = law.geom_b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
   const Index own = listed ? m.pairs()[c.pair].material() : 0;
   law.material = own ? m.materials()[own - 1] : shape::combined(w.materials[a], w.materials[b]);
   law.rows = shape::contact_rows(law.material);

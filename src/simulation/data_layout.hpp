@@ -1,5 +1,5 @@
-// Lays out Data: the one place that knows the types of all modules' buffers. data_layout.cpp instantiates it for double and all parts; a program with
-// other scalars or fewer parts (microcontrollers) includes this file.
+// Lays out Data: the one place that knows the types of all modules' buffers. data_layout.cpp instantiates it for double and all
+// parts; a program with other scalars or fewer parts (microcontrollers) includes this file.
 #pragma once
 
 #include <cmath>
@@ -32,7 +32,8 @@ inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit vi
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
-#define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(count) : 0);
+#define BUFFER(type, name, count, part, sentence) \
+  visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(count) : 0);
 #include "model/data_fields.def"
 }
 }  // namespace detail
@@ -72,21 +73,23 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   if constexpr (possible & DYN_PART_SIMULATION)
     if (d.step_memory) d.step = simulation::place(m, d.step_memory);
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
-  for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
-               d.lambda_d2tau_dadq})
+  for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv,
+               d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx, d.d2x})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.Linv) std::fill_n(d.Linv, m.n.nv * padded_factor(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
-  for (Index j = 0; j < m.n.joints; ++j) d.chosen_effects[j] = DYN_EFFECT_DEFAULT, d.effects[j] = DYN_EFFECT_DEFAULT & DYN_EFFECT_ALL;
+  for (Index j = 0; j < m.n.joints; ++j)
+    d.chosen_effects[j] = DYN_EFFECT_DEFAULT, d.effects[j] = DYN_EFFECT_DEFAULT & DYN_EFFECT_ALL;
   apply_effects(m, d);
   if constexpr (possible & DYN_PART_COLLISION)
     if (d.geoms) collision::set_up(m, d);
   if constexpr (possible & DYN_PART_CONSTRAINTS)
     if (d.slots) set_up_constraints(m, d);
   d.R[0] = Mat3<T>::identity();
-  for (Vec3<T>* x : {d.p, d.r, d.rel, d.omega, d.vel, d.alpha, d.acc, d.omega_rnea, d.alpha_rnea, d.acc_rnea, d.omega_centroidal, d.vel_centroidal, d.alpha_centroidal, d.acc_centroidal})
+  for (Vec3<T>* x : {d.p, d.r, d.rel, d.omega, d.vel, d.alpha, d.acc, d.omega_rnea, d.alpha_rnea, d.acc_rnea, d.omega_centroidal,
+                     d.vel_centroidal, d.alpha_centroidal, d.acc_centroidal})
     if (x) x[0] = Vec3<T>::zero();
   for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;

@@ -66,7 +66,8 @@ void Elimination::begin(Index constraints) {
     const ConstraintRun* own = runs + first_run[k];
     const auto same_segment = [](const ConstraintRun& a, const ConstraintRun& b) { return a.segment == b.segment; };
     merged[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, same_segment);
-    for (Index r = first_run[k]; r < first_run[k + 1] && !merged[k]; ++r) next_list[r] = lists[runs[r].segment], lists[runs[r].segment] = r;
+    for (Index r = first_run[k]; r < first_run[k + 1] && !merged[k]; ++r)
+      next_list[r] = lists[runs[r].segment], lists[runs[r].segment] = r;
   }
   for (Index s = size - 1; s >= 0; --s) degree[s] = count(constraints, s, s), link(s);
   std::fill_n(mark, size, -1);

@@ -1,7 +1,7 @@
 // Elimination order of the degrees of freedom of an island for the Newton matrix, and its fill-in.
-// A vertex is a segment: up to six consecutive degrees of freedom of a tree without a fork. A constraint couples all segments that support it.
-// Eliminating a segment couples its neighbours. The order is minimum degree
-// (George and Liu 1989, "The evolution of the minimum degree ordering algorithm") on a quotient graph.
+// A vertex is a segment: up to six consecutive degrees of freedom of a tree without a fork. A constraint couples all segments
+// that support it. Eliminating a segment couples its neighbours. The order is minimum degree (George and Liu 1989, "The evolution
+// of the minimum degree ordering algorithm") on a quotient graph.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,9 @@ struct Segments {
   Index count = 0;
   Index *of = nullptr, *first = nullptr;  // of: segment of a degree of freedom. first: first degree of freedom of a segment
 };
-inline Index segment_capacity(const Model& m) { return m.has_mimic ? m.n.nv : std::min(m.n.nv, m.n.bodies - 1 + m.n.nv / segment_size); }
+inline Index segment_capacity(const Model& m) {
+  return m.has_mimic ? m.n.nv : std::min(m.n.nv, m.n.bodies - 1 + m.n.nv / segment_size);
+}
 void find_segments(const Model& m, Segments& s);
 
 // Rows of a constraint within one segment: in lanes by degree of freedom, in the units of island_rows.cpp.
@@ -30,7 +32,8 @@ struct ConstraintRun {
   double* rows;
 };
 
-// Segments and constraints are numbered within the island. An entry is a pair of coupled positions; entries of a position are ascending.
+// Segments and constraints are numbered within the island. An entry is a pair of coupled positions; entries of a position are
+// ascending.
 struct Elimination {
   Index size = 0;               // segments of the island
   Index *segment, *local;       // the model's segments of the island, and the inverse map
@@ -52,14 +55,17 @@ struct Elimination {
   }
   // Room for eight segments a constraint on average; larger islands use another solver.
   static std::ptrdiff_t run_capacity(const Model& m, Index constraints) {
-    return std::ptrdiff_t(std::min(m.n.carriers / segment_size + 2, tuning::elimination::runs_a_constraint)) * constraints + m.n.nv;
+    return std::ptrdiff_t(std::min(m.n.carriers / segment_size + 2, tuning::elimination::runs_a_constraint)) * constraints +
+           m.n.nv;
   }
 
   template <class F>
   void arrays(const Model& m, Index constraints, F&& f) {
     const Index count = segment_capacity(m);
     max_entries = Index(entry_capacity(count)), max_runs = Index(run_capacity(m, constraints));
-    for (Index** a : {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists}) f(*a, count + 2);
+    for (Index** a :
+         {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists})
+      f(*a, count + 2);
     for (Index** a : {&later, &earlier, &in}) f(*a, max_entries);
     f(first_run, constraints + 1), f(runs, max_runs), f(next_of, max_runs);
     f(next_list, std::ptrdiff_t(max_runs) + max_entries), f(merged, std::ptrdiff_t(constraints) + count);

@@ -11,7 +11,8 @@
 
 namespace dyn::simulation {
 
-// The share for methods of order 2 and more, whose error is far smaller: a larger gain is an oscillation that they do not resolve.
+// The share for methods of order 2 and more, whose error is far smaller: a larger gain is an oscillation that they do not
+// resolve.
 inline constexpr double high_order_share = 1e-3;
 
 struct StepEnergy {
@@ -32,16 +33,16 @@ struct EnergyGain {
   // share: of the base
   bool exceeds(double share) const { return !(gain <= share * base); }
 };
-// Adds a part of h that ended at the state in d. v0: its velocity at the beginning. stored: what V rises by counts, too; not where
-// corrections of overlaps stretch springs.
+// Adds a part of h that ended at the state in d. v0: its velocity at the beginning. stored: what V rises by counts, too; not
+// where corrections of overlaps stretch springs.
 void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, const StepEnergy& after, const double* v0,
               double h, bool stored, EnergyGain& sum);
 // Sets the forces of all contacts to zero: a step that is repeated begins without a guess.
 void forget_forces(Workspace& w);
 
 // An explicit method whose amplification factor is R multiplies oscillations of springs, damping and gains by |R(h s)| in each
-// step, with s^2 + (c / D) s + k / D = 0 and D the joint's inertia with the joints beyond it free: at least its effective inertia.
-// Returns the joint at which |R| is too large, or 0. length: step below which it would not be.
+// step, with s^2 + (c / D) s + k / D = 0 and D the joint's inertia with the joints beyond it free: at least its effective
+// inertia. Returns the joint at which |R| is too large, or 0. length: step below which it would not be.
 Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<const double> R, double& length);
 
 }  // namespace dyn::simulation

@@ -35,10 +35,11 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
   s.begin(m, d);
   const double* const v0 = s.y0 + m.n.nv;
   for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];
-  for_each_single_flyer(m, [&](const Body& b, const Vec3<double>&, const Mat3<double>& I) {  // drift integrated the gyroscopic term
-    const Vec3<double> w = load3(v0 + b.user_v + 3);
-    store3(load3(d.v + b.user_v + 3) + solve3(I, cross(w, I * w)) * h, d.v + b.user_v + 3);
-  });
+  for_each_single_flyer(m,
+                        [&](const Body& b, const Vec3<double>&, const Mat3<double>& I) {  // drift integrated the gyroscopic term
+                          const Vec3<double> w = load3(v0 + b.user_v + 3);
+                          store3(load3(d.v + b.user_v + 3) + solve3(I, cross(w, I * w)) * h, d.v + b.user_v + 3);
+                        });
   for_each_free_flyer<double>(m, AllTrees{}, [&](const Body& b, Index, const Vec3<double>& c) {
     const Vec3<double> u = load3(v0 + b.user_v), w = load3(v0 + b.user_v + 3), dw = load3(d.ddq + b.user_v + 3);
     const Vec3<double> a = load3(d.ddq + b.user_v) + cross(w, u) + cross(dw, c) + cross(w, cross(w, c));
@@ -57,20 +58,24 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
 class Extrapolated {
  public:
   static constexpr int order = 3, evaluations = 6;
-  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_) : m(m_), d(d_), s(s_), closed(closed_) {
+  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_)
+      : m(m_), d(d_), s(s_), closed(closed_) {
     double* next = s.stage(1);
     for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
     for (double*& x : by_three) x = next, next += m.n.nv;
   }
 
-  // One extrapolated step and its error. d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed (state restored).
+  // One extrapolated step and its error. d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed
+  // (state restored).
   Index step(double h, double& error) {
     keep(before), simulation::save_contacts(*d.step);
     d.step->closed_gap = closed;
     // the solver's residual does not extrapolate: it must be far below the error, or no step is short enough
     const double given = d.step->options.tolerance, asked = d.step->tolerance();
     const double fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
-    if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(integrator::tuning::solver_floor, integrator::tuning::solver_share * closed / fast));
+    if (fast > 0)
+      d.step->options.tolerance =
+          std::min(asked, std::max(integrator::tuning::solver_floor, integrator::tuning::solver_share * closed / fast));
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
     if (!joint) keep(two), restore(), d.step->overshoot = 0, joint = substeps(h, 3);
@@ -116,12 +121,18 @@ class Extrapolated {
   void rotate_to_start_axes(double* v) const {
     std::copy_n(d.v, m.n.nv, v);
     for_each_free_flyer<double>(m, AllTrees{}, [&](const Body& b, Index, const Vec3<double>&) {
-      const Mat3<double> R0 = rotation(load_quaternion(before.q + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
-      for (double* part : {v + b.user_v, v + b.user_v + 3}) store3(transpose_times(R0, R * load3(static_cast<const double*>(part))), part);
+      const Mat3<double> R0 = rotation(load_quaternion(before.q + b.user_q + 3)),
+                         R = rotation(load_quaternion(d.q + b.user_q + 3));
+      for (double* part : {v + b.user_v, v + b.user_v + 3})
+        store3(transpose_times(R0, R * load3(static_cast<const double*>(part))), part);
     });
   }
-  void keep(const State& x) const { std::copy_n(d.q, m.n.nq, x.q), std::copy_n(d.v, m.n.nv, x.v), std::copy_n(d.act, m.n.na, x.act); }
-  void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
+  void keep(const State& x) const {
+    std::copy_n(d.q, m.n.nq, x.q), std::copy_n(d.v, m.n.nv, x.v), std::copy_n(d.act, m.n.na, x.act);
+  }
+  void take(const State& x) const {
+    std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act);
+  }
   Index substeps(double h, int n) const {
     Index joint = 0;
     simulation::reset_impulse_work(d);

@@ -46,7 +46,8 @@ struct Finder {
   }
   ConstraintInstance<double>& next() { return w.instances[added]; }
   void append_next(RowKind kind, Index index) {
-    append(next(), w.support + added * std::ptrdiff_t(m.n.carriers), w.Y + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind, index);
+    append(next(), w.support + added * std::ptrdiff_t(m.n.carriers), w.Y + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind,
+           index);
     ++added;
   }
 
@@ -76,7 +77,8 @@ struct Finder {
         continue;
       }
       const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q];
-      const double near = w.closed_gap > 0 ? reached : tuning::limit_margin * unit_of(m, w, r), reach = tuning::speed_growth * h * std::abs(v[r.dof]) + near;
+      const double near = w.closed_gap > 0 ? reached : tuning::limit_margin * unit_of(m, w, r),
+                   reach = tuning::speed_growth * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
       ConstraintInstance<double>& s = next();
@@ -94,7 +96,8 @@ struct Finder {
     if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) return;
     ConstraintInstance<double>& s = next();
     s.c = Constraint{};
-    s.c.type = DYN_CONSTRAINT_TYPE_LIMIT, s.c.joint_type = DYN_JOINT_TYPE_SPHERICAL, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q, s.c.axis = -x.axis;
+    s.c.type = DYN_CONSTRAINT_TYPE_LIMIT, s.c.joint_type = DYN_JOINT_TYPE_SPHERICAL, s.c.body1 = r.body, s.c.v1 = r.dof,
+    s.c.q1 = r.q, s.c.axis = -x.axis;
     s.rows = 1, s.g1 = 1, s.g2 = 0;
     s.error[0] = x.gap, s.lower[0] = 0, s.upper[0] = HUGE_VAL;
     s.rate[0] = limit_rate(s, v);
@@ -119,7 +122,9 @@ BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, co
   const Vec3<double> u = load3(q), turning = load3(v + r.dof);
   const double size = shape::norm(u), w = q[3];
   const double speed = shape::norm(turning);
-  return {most - 2 * math::atan2(size, std::abs(w)), size > 0 ? u * ((w < 0 ? -1 : 1) / size) : speed > 0 ? turning * (1 / speed) : u};
+  return {most - 2 * math::atan2(size, std::abs(w)), size > 0    ? u * ((w < 0 ? -1 : 1) / size)
+                                                     : speed > 0 ? turning * (1 / speed)
+                                                                 : u};
 }
 
 double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v) {

@@ -1,5 +1,5 @@
-// Interior point method with de Saxce's correction fixed: U_0 = c_n / mu + s is a convex problem, whose solution gives the next s = |c_t|
-// (Cadoux 2009; Acary, Cadoux, Lemarechal and Malick 2011). Newton's method is tried after each problem.
+// Interior point method with de Saxce's correction fixed: U_0 = c_n / mu + s is a convex problem, whose solution gives the next s
+// = |c_t| (Cadoux 2009; Acary, Cadoux, Lemarechal and Malick 2011). Newton's method is tried after each problem.
 #include "simulation/interior.hpp"
 
 namespace dyn::simulation {
@@ -14,7 +14,9 @@ using namespace tuning::fixed_correction;
 void Interior::update_correction() {
   for_each([&](const ActiveConstraint& a, State& s, Index) {
     const double step = solver::norm(c + a.s->first + 1, s.rows - 1) - s.correction;
-    s.relaxed = step * s.corrected > 0 && std::abs(step) > same_change * std::abs(s.corrected) ? std::min(max_relaxation, 2 * s.relaxed) : 1;
+    s.relaxed = step * s.corrected > 0 && std::abs(step) > same_change * std::abs(s.corrected)
+                    ? std::min(max_relaxation, 2 * s.relaxed)
+                    : 1;
     s.corrected = step;
     s.correction = std::max(0.0, s.correction + s.relaxed * step);
   });
@@ -32,7 +34,9 @@ bool Interior::run_fixed_correction(dynContactReport& report) {
     const double wrong = error().own / x.rows;
     start_inside(tuning::interior::inside * std::sqrt(wrong)), velocities();
     short_steps = 0;
-    for (Index i = 0; i < tuning::interior::max_steps && x.within_budget(report) && step(report) && complementarity() > solved * wrong; ++i) {}
+    for (Index i = 0;
+         i < tuning::interior::max_steps && x.within_budget(report) && step(report) && complementarity() > solved * wrong; ++i) {
+    }
     if (newton_refine(newton_steps, 1, report)) return true;
   }
   return false;

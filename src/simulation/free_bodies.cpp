@@ -37,7 +37,8 @@ bool is_identity(const SE3<double>& X) {
 }
 
 static_assert(effect_bits([]<class E>() { return !effect::HasCoefficient<E>; }) ==
-                  (DYN_EFFECT_LIMITS | DYN_EFFECT_ACTUATORS | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION | DYN_EFFECT_SLEEPING),
+                  (DYN_EFFECT_LIMITS | DYN_EFFECT_ACTUATORS | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION |
+                   DYN_EFFECT_SLEEPING),
               "an effect that acts at a joint or on its link keeps a body from being a free body: list it below");
 bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
@@ -90,7 +91,8 @@ Vec3<Double4> first3(const Double4* x) { return Vec3<Double4>::make(x[0], x[1], 
 [[gnu::cold, gnu::noinline]] Quaternion<Double4> no_overflow_lanes(Quaternion<Double4> a, const Double4::Mask& bad) {
   for (int k = 0; k < lanes; ++k) {
     if (!bad[k]) continue;
-    const Quaternion<double> one = normalized(Quaternion<double>{Vec3<double>::make(a.v.v[0][k], a.v.v[1][k], a.v.v[2][k]), a.w[k]});
+    const Quaternion<double> one =
+        normalized(Quaternion<double>{Vec3<double>::make(a.v.v[0][k], a.v.v[1][k], a.v.v[2][k]), a.w[k]});
     set(a.v, k, one.v), a.w.set(k, one.w);
   }
   return a;
@@ -144,15 +146,19 @@ struct RotationExp {
 };
 
 // Solves the lanes in which the fixed-point iteration does not converge.
-[[gnu::cold, gnu::noinline]] void solve_lanes_by_newton(const FreeBodySet& e, const Vec3<Double4>& L, double h, const Vec3<Double4>& guess,
-                                                 const Double4::Mask& far, Vec3<Double4>& w) {
+[[gnu::cold, gnu::noinline]] void solve_lanes_by_newton(const FreeBodySet& e, const Vec3<Double4>& L, double h,
+                                                        const Vec3<Double4>& guess, const Double4::Mask& far, Vec3<Double4>& w) {
   const auto lane = [](const Vec3<Double4>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
   for (int k = 0; k < lanes; ++k)
-    if (far[k]) set(w, k, integrator::implicit_angular_velocity_newton(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k), h, lane(guess, k)));
+    if (far[k])
+      set(w, k,
+          integrator::implicit_angular_velocity_newton(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k),
+                                                       h, lane(guess, k)));
 }
 
 // Solves I w' = exp(-h w') L by fixed-point iteration; converged lanes stay as they are.
-DYN_INLINE Vec3<Double4> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Double4>& L, double step, const Vec3<Double4>& guess) {
+DYN_INLINE Vec3<Double4> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Double4>& L, double step,
+                                                   const Vec3<Double4>& guess) {
   const Double4 h(step);
   Vec3<Double4> w = guess;
   Double4::Mask going = ~Double4::Mask{};
@@ -171,7 +177,8 @@ DYN_INLINE Vec3<Double4> implicit_angular_velocity(const FreeBodySet& e, const V
 
 // Writes the numbers of each active lane to to(lane).
 template <class To>
-DYN_INLINE void scatter_four(const FreeBodySet& e, const Double4& a, const Double4& b, const Double4& c, const Double4& d, To&& to) {
+DYN_INLINE void scatter_four(const FreeBodySet& e, const Double4& a, const Double4& b, const Double4& c, const Double4& d,
+                             To&& to) {
   for_each_lane(a, b, c, d, [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
     if (e.active_lanes >> lane & 1u) four.store(to(lane));
   });

@@ -1,4 +1,5 @@
-// Actuators in an Euler step of h, which takes their force at its end. With K = max(0, -bias1), D = max(0, -bias2) and l'' = gear ddq:
+// Actuators in an Euler step of h, which takes their force at its end. With K = max(0, -bias1), D = max(0, -bias2) and l'' = gear
+// ddq:
 //   f_end = f - h K l' - (h D + h^2 K) l''
 //   (M + gear^2 (h D + h^2 K)) ddq = tau + gear (f - h K l') - nle
 // Actuators that this drives beyond their range are then fixed at its end.
@@ -43,7 +44,8 @@ class ImplicitActuators {
     bool any = false;
     each([&](const ActuatorRecord& r, Index k) {
       if (d.saturated[k]) return;
-      const T gear = T(r.spec.gear), f = d.actuator_force[k] - h * K(r) * gear * d.v[r.v] - (h * D(r) + h * h * K(r)) * gear * ddq[r.v];
+      const T gear = T(r.spec.gear),
+              f = d.actuator_force[k] - h * K(r) * gear * d.v[r.v] - (h * D(r) + h * h * K(r)) * gear * ddq[r.v];
       if (const T held = clamp_to(f, r.spec.force_range); held != f) d.actuator_force[k] = held, d.saturated[k] = 1, any = true;
     });
     return any;

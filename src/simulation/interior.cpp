@@ -20,7 +20,8 @@ void Interior::start_inside(double shift) {
       for (Index i = 0; i < s.rows; ++i) {
         const bool l = std::isfinite(s.lower), u = std::isfinite(s.upper);
         Uk[i] = top[i] = 0;
-        if (l && u) yk[i] = std::clamp(yk[i], s.lower + box_inset * (s.upper - s.lower), s.upper - box_inset * (s.upper - s.lower));
+        if (l && u)
+          yk[i] = std::clamp(yk[i], s.lower + box_inset * (s.upper - s.lower), s.upper - box_inset * (s.upper - s.lower));
         else if (l) yk[i] = std::max(yk[i], s.lower + shift);
         else if (u) yk[i] = std::min(yk[i], s.upper - shift);
         if (l) Uk[i] = std::max(ck[i], shift);
@@ -156,7 +157,8 @@ void Interior::direction_to(double sigma) {
     });
   }
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first, *dyk = dy + a.s->first, *dck = dc + a.s->first;
+    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first,
+                 *dyk = dy + a.s->first, *dck = dc + a.s->first;
     double *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
     if (!s.cone) {
       for (Index i = 0; i < s.rows; ++i) {
@@ -167,7 +169,8 @@ void Interior::direction_to(double sigma) {
     }
     const double Y0 = s.mu * yk[0];
     dUk[0] = (ck[0] + dck[0]) / s.mu + (fixed_correction ? s.correction : 0) - Uk[0];
-    for (Index i = 1; !fixed_correction && i < s.rows; ++i) dUk[0] -= (yk[i] * (ck[i] + dck[i]) + ck[i] * (dyk[i] - yk[i] / yk[0] * dyk[0])) / Y0;
+    for (Index i = 1; !fixed_correction && i < s.rows; ++i)
+      dUk[0] -= (yk[i] * (ck[i] + dck[i]) + ck[i] * (dyk[i] - yk[i] / yk[0] * dyk[0])) / Y0;
     for (Index i = 1; i < s.rows; ++i) dUk[i] = ck[i] + dck[i] - Uk[i];
   });
 }

@@ -1,9 +1,9 @@
 // An interior-point method for Coulomb's law. Y = (mu y_n, y_t) and U lie in the cone |.| <= ._0 and follow Y o U = sigma (1, 0)
 // to sigma = 0, with
 //   U_0 = c_n / mu - y_t . c_t / Y_0,   U_t = c_t
-// De Saxce's correction is |c_t| in place of - y_t . c_t / Y_0. Both agree for stick (c_t = 0) and slip (y_t = - Y_0 c_t / |c_t|);
-// this one has no kink at stick, and Y . U = y_n c_n.
-// Steps use Nesterov-Todd scaling and the centring of Mehrotra (1992):
+// De Saxce's correction is |c_t| in place of - y_t . c_t / Y_0. Both agree for stick (c_t = 0) and slip (y_t = - Y_0 c_t /
+// |c_t|); this one has no kink at stick, and Y . U = y_n c_n. Steps use Nesterov-Todd scaling and the centring of Mehrotra
+// (1992):
 //   (B G + W^2 S + N) dy = sigma Y^-1 - U        S = dY/dy,  B = dU/dc,  N = dU/dy,  W^2 Y = U
 // The start is the guess, moved inside by its error. Boxes y in [l, u]: z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
 // With a fixed correction s, U_0 = c_n / mu + s: a convex problem (fixed_correction.cpp).

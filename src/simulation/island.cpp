@@ -10,7 +10,8 @@ namespace {
 // Speed at which a gap may close: exactly within the step.
 // In steps that follow from an accuracy a closed gap may not close, and an open one may close freely (bounded by 10 max speed).
 // In steps without a tolerance the gaps that the solver's residual leaves stay: closing them would be the next step's residual.
-// Otherwise velocities would depend on gaps that are errors, and on the step. Hysteresis: an active contact opens at a larger gap.
+// Otherwise velocities would depend on gaps that are errors, and on the step. Hysteresis: an active contact opens at a larger
+// gap.
 double gap_bias(const Island& x, double gap, double rate, bool pressed) {
   if (x.w.closed_gap == 0) return pressed && gap <= x.slack ? 0 : std::max(0.0, gap) / x.h;
   const bool stays_closed = pressed && (gap <= tuning::reopen_factor * x.w.closed_gap || gap + x.h * rate <= x.w.closed_gap);
@@ -38,12 +39,15 @@ void fill_box(const Island& x, const ConstraintInstance<double>& s, Index k) {
   const Index i = s.first;
   x.g[i] = s.rate[0], x.bias[i] = gap_bias(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
-  if (x.w.closed_gap > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) record_contact_overshoot(x, s.error[0], limit_rate(s, x.v_before));
+  if (x.w.closed_gap > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT)
+    record_contact_overshoot(x, s.error[0], limit_rate(s, x.v_before));
   x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
 }
 
 // At the beginning of the step.
-Motion<double> velocity(const Island& x, Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; }
+Motion<double> velocity(const Island& x, Index body) {
+  return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V;
+}
 
 // Normal velocity at the beginning of the step and its change by the step's own acceleration.
 // If the world supports the island, the change is the sum over both bodies; otherwise that of their relative motion.
@@ -54,7 +58,8 @@ Approach approach(const Island& x, const ConstraintInstance<double>& s, Index no
   using Six = SixEights<double>;
   const auto along = [&](const double* F, const Motion<double>& V) { return Six::load(F).dot(V)[int(normal)]; };
   const double first = along(s.F1, velocity(x, s.c.body1)), second = along(s.F2, velocity(x, s.c.body2));
-  const double by_first = along(s.F1, x.w.root_velocity[s.c.body1]) - first, by_second = along(s.F2, x.w.root_velocity[s.c.body2]) - second;
+  const double by_first = along(s.F1, x.w.root_velocity[s.c.body1]) - first,
+               by_second = along(s.F2, x.w.root_velocity[s.c.body2]) - second;
   return {first + second, x.supported ? std::abs(by_first) + std::abs(by_second) : std::abs(by_first + by_second)};
 }
 
@@ -82,7 +87,8 @@ void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
   x.bias[n] = gap_bias(x, gap, s.rate[normal], pressed) + rolling_gap_rate(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
-    x.compliance[n] = 1 / (x.h * total), x.bias[n] = gap > 0 ? gap / x.h : material.stiffness * gap / total;  // the damper acts only while shapes touch
+    x.compliance[n] = 1 / (x.h * total),
+    x.bias[n] = gap > 0 ? gap / x.h : material.stiffness * gap / total;  // the damper acts only while shapes touch
   } else if (material.restitution > 0 && (x.w.closed_gap > 0 ? gap <= x.w.closed_gap : gap + x.h * s.rate[normal] <= 0)) {
     const auto [before, gained] = approach(x, s, normal);
     // slower approach is rest, not an impact: gravity in one step makes it, or it would not rebound above closed_gap

@@ -26,11 +26,13 @@ struct Island {
   enum class Eliminated { Not, Runs, Fits, DoesNotFit };
   Eliminated eliminated = Eliminated::Not;
   double tolerance = w.tolerance();  // of the residual that ends the solve
-  Index allowance = std::min(w.max_iterations(), tuning::island::rounds * w.method_iterations());  // iterations, summed over all methods
+  Index allowance =
+      std::min(w.max_iterations(), tuning::island::rounds* w.method_iterations());  // iterations, summed over all methods
 
   double* vector(int k) const { return w.vectors + k * padded_rows(step_rows(m)); }
-  double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
-         *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10), *restitution = vector(11), *kept = vector(12);
+  double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5),
+         *lower = vector(6), *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10),
+         *restitution = vector(11), *kept = vector(12);
 
   ActiveConstraint& constraint(Index k) const { return w.active[order[k]]; }
   std::ptrdiff_t stride() const { return padded_rows(rows); }
@@ -100,7 +102,8 @@ struct Island {
     using P = Simd<double, row_lanes>;
     P sum = P::zero();
     const double* y = a.Y;
-    for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
+    for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes)
+      sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
     return sum;
   }
   bool is_angle(const ActiveConstraint& x, Index row) const;

@@ -52,7 +52,8 @@ void Island::build_rows() {
     if (!s.is_cone()) {
       for (Index i = 0; i < s.rows; ++i) {
         const Index at = s.order[i];
-        s.unit[i] = unit_of(own.diagonal[at] + compliance[first + at]), s.soft[i] = compliance[first + at] * s.unit[i] * s.unit[i];
+        s.unit[i] = unit_of(own.diagonal[at] + compliance[first + at]),
+        s.soft[i] = compliance[first + at] * s.unit[i] * s.unit[i];
       }
       if (a.kind == RowKind::Box) s.lower = lower[in_boxes] / s.unit[0], s.upper = upper[in_boxes] / s.unit[0], ++in_boxes;
       s.speed[0] = s.unit[0];
@@ -102,7 +103,8 @@ void Newton::times(const double* of, double* G_of) const {
 void Newton::velocities() const {
   times(y, c);
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    for (Index i = 0; i < s.rows; ++i) c[a.s->first + i] += s.unit[i] * (x.g[a.s->first + s.order[i]] + x.bias[a.s->first + s.order[i]]);
+    for (Index i = 0; i < s.rows; ++i)
+      c[a.s->first + i] += s.unit[i] * (x.g[a.s->first + s.order[i]] + x.bias[a.s->first + s.order[i]]);
   });
 }
 

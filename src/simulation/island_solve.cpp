@@ -13,7 +13,8 @@ bool share_no_tree(const ActiveConstraint& a, const ActiveConstraint& b) {
 }
 
 template <int columns>
-void couple_constraints(const ActiveConstraint& a, const ActiveConstraint& b, const double* Dinv, double* block, std::ptrdiff_t ld) {
+void couple_constraints(const ActiveConstraint& a, const ActiveConstraint& b, const double* Dinv, double* block,
+                        std::ptrdiff_t ld) {
   couple<columns>(a.support, a.s->support_count, a.Y, b.support, b.s->support_count, b.Y, Dinv, block, ld);
 }
 
@@ -28,7 +29,8 @@ dynContactProblem problem(const Island& x) {
 
 }  // namespace
 
-// If few degrees of freedom support most constraints (one tree): G = Z^T Z, Z = D^-1/2 Y row by row. Returns false if they are many.
+// If few degrees of freedom support most constraints (one tree): G = Z^T Z, Z = D^-1/2 Y row by row. Returns false if they are
+// many.
 bool Island::dense_matrix() {
   using P = Simd<double, row_lanes>;
   Index low = m.n.nvx, high = 0;
@@ -39,7 +41,9 @@ bool Island::dense_matrix() {
     low = std::min(low, a.support[a.s->support_count - 1]), high = std::max(high, a.support[0]), carried += a.s->support_count;
   }
   const Index dofs = high - low + 1;
-  if (dofs < 1 || dofs > tuning::island::dense_dofs || std::ptrdiff_t(dofs) * constraint_count > tuning::island::dense_fill * carried) return false;
+  if (dofs < 1 || dofs > tuning::island::dense_dofs ||
+      std::ptrdiff_t(dofs) * constraint_count > tuning::island::dense_fill * carried)
+    return false;
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d) + low;
   double *const Z = w.dense, *const G = w.matrix, root[tuning::island::dense_dofs];
@@ -99,7 +103,8 @@ void Island::project_rhs_to_range() {
   const Index n = equalities;
   const double round_off = tuning::island::round_off * n;  // of the unit diagonal, in pivots
   const std::ptrdiff_t ld = padded_rows(n);
-  double *const block = work.factor, *const asked = work.vector(1), *const consistent = work.vector(2), *const scale = work.vector(3);
+  double *const block = work.factor, *const asked = work.vector(1), *const consistent = work.vector(2),
+                *const scale = work.vector(3);
   for (Index j = 0; j < n; ++j) {
     std::copy_n(w.matrix + stride() * j, n, block + ld * j);
     block[j + ld * j] += compliance[j];
@@ -127,7 +132,8 @@ void Island::solve(dynContactReport& best) {
   dynContactProblem p = problem(*this);
   p.friction = friction, p.torsion = torsion, p.rolling = rolling, p.compliance = compliance;
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
-  const dynContactSolverType other = w.options.solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
+  const dynContactSolverType other =
+      w.options.solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
   const struct {
     dynContactSolverType solver;
     bool warm, sweeps;
@@ -135,20 +141,24 @@ void Island::solve(dynContactReport& best) {
   std::int32_t iterations = best.iterations, newton_steps = best.newton_steps;  // counts what was tried before
   for (const auto& t : tries) {
     solver::Budget b;
-    b.tolerance = tolerance, b.max_iterations = std::min(w.method_iterations(), std::max<Index>(1, w.max_iterations() - iterations - newton_steps)), b.warm = t.warm, b.sweeps = t.sweeps;
+    b.tolerance = tolerance,
+    b.max_iterations = std::min(w.method_iterations(), std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
+    b.warm = t.warm, b.sweeps = t.sweeps;
     b.brief = true, b.expired = w.expired, b.clock = w.clock;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
     if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
-    if (iterations + newton_steps >= w.max_iterations() || best.residual <= tolerance || w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS || w.time_is_up()) break;
+    if (iterations + newton_steps >= w.max_iterations() || best.residual <= tolerance ||
+        w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS || w.time_is_up())
+      break;
   }
   best.iterations = iterations, best.newton_steps = newton_steps;
   std::copy_n(asked, equalities, g);
 }
 
-// Smallest displacement that removes the error in bias, without friction. Rows are a little soft: where they are inconsistent or almost
-// dependent, the displacement is a least-squares one, at most sqrt(1 / softness) / 2 times what an error moves by itself.
+// Smallest displacement that removes the error in bias, without friction. Rows are a little soft: where they are inconsistent or
+// almost dependent, the displacement is a least-squares one, at most sqrt(1 / softness) / 2 times what an error moves by itself.
 void Island::solve_displacement() {
   constexpr double softness = tuning::island::correction_softness;
   matrix();
@@ -160,7 +170,8 @@ void Island::solve_displacement() {
   dynContactProblem p = problem(*this);
   p.compliance = compliance;
   solver::Budget b;
-  b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.method_iterations(), b.brief = true, b.expired = w.expired, b.clock = w.clock;
+  b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.method_iterations(), b.brief = true,
+  b.expired = w.expired, b.clock = w.clock;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
   solver::unscale(p, w.solver.problem, w.solver.y, lambda);

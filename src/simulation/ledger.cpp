@@ -108,7 +108,8 @@ void record_step(const Model& m, Data<double>& d, double h) {
   out.energy_change += change, out.energy_defect += change - sum;
   const bool free = has_free_roots(m);
   for (int i = 0; free && i < 3; ++i)
-    out.momentum_defect[i] += after.momentum[i] - l.before.momentum[i] - h / 2 * (l.before.force[i] + after.force[i]) - l.rows.impulse[i];
+    out.momentum_defect[i] +=
+        after.momentum[i] - l.before.momentum[i] - h / 2 * (l.before.force[i] + after.force[i]) - l.rows.impulse[i];
   out.constraint_drift = std::max(out.constraint_drift, l.rows.drift), out.cone = std::max(out.cone, l.rows.cone);
   out.complementarity = std::max(out.complementarity, l.rows.complementarity);
   ++out.steps;
@@ -134,7 +135,8 @@ void record_impulses(const Island& x) {
     double across = 0, pressed = 0;
     for (Index r = 0; r < s.rows; ++r) {
       const Index i = s.first + r;
-      const double slip = a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // velocity of a belt
+      const double slip =
+          a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // velocity of a belt
       const double work = x.lambda[i] * (c0[r] + x.c[i] - slip) / 2;
       if (a.kind == RowKind::Equality) l.constraints += work, l.drift = std::max(l.drift, std::abs(s.error[r]));
       else if (a.kind == RowKind::Box) l.limits += work;

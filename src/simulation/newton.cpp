@@ -67,7 +67,8 @@ Newton::Error Newton::error(double t) const {
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     double yk[6] = {}, ak[6] = {};
-    for (Index i = 0; i < s.rows; ++i) yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
+    for (Index i = 0; i < s.rows; ++i)
+      yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
     auto take = [&](double e, Index i) {
       const double velocity = e / (s.cone ? s.speed[i > 0] : s.unit[i]);
       out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity, out.own += e * e;
@@ -76,7 +77,8 @@ Newton::Error Newton::error(double t) const {
       for (Index i = 0; i < s.rows; ++i) take(yk[i] - std::clamp(ak[i], s.lower, s.upper), i);
       return;
     }
-    const double r = std::max(0.0, ak[0]), length = solver::norm(ak + 1, s.rows - 1), within = length > s.mu * r ? s.mu * r / length : 1;
+    const double r = std::max(0.0, ak[0]), length = solver::norm(ak + 1, s.rows - 1),
+                 within = length > s.mu * r ? s.mu * r / length : 1;
     take(yk[0] - r, 0);
     for (Index i = 1; i < s.rows; ++i) take(yk[i] - within * ak[i], i);
   });
@@ -172,7 +174,8 @@ bool Newton::direction() {
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     double minus[max_rows] = {};
-    for (Index i = 0; i < s.rows; ++i) minus[i] = -dc[first + i] - (s.mode == solver::ConeState::slip && i > 0 ? c[first + i] / s.across : c[first + i]);
+    for (Index i = 0; i < s.rows; ++i)
+      minus[i] = -dc[first + i] - (s.mode == solver::ConeState::slip && i > 0 ? c[first + i] / s.across : c[first + i]);
     to_unknowns(s, minus, wanted + first);
     std::copy_n(wanted + first, s.unknowns, left + first);
     std::fill_n(found + first, s.rows, 0.0);
@@ -199,7 +202,8 @@ bool Newton::direction() {
       const Index first = a.s->first;
       double by[max_rows];
       to_unknowns(s, G_step + first, by);
-      for (Index i = 0; i < s.unknowns; ++i) left[first + i] = wanted[first + i] - by[i] - (1 / s.stiffness[i] - compliant - soft(a, s, i)) * found[first + i];
+      for (Index i = 0; i < s.unknowns; ++i)
+        left[first + i] = wanted[first + i] - by[i] - (1 / s.stiffness[i] - compliant - soft(a, s, i)) * found[first + i];
     });
   }
   for (Index i = 0; i < x.rows; ++i) dy[i] += step[i], dc[i] += G_step[i];
@@ -228,9 +232,15 @@ void Newton::to_impulses(const double* from) const {
 }
 
 Newton::Newton(const Island& island)
-    : x(island), w(x.w), e(w.elimination),
-      factor{e, w.diagonal, w.blocks_above, w.blocks_above + BlockFactor::size * std::ptrdiff_t(e.entries()), w.where, w.newton_acts, w.newton_filled},
-      room(padded_rows(x.rows)), speed(x.speed()), bound(0), compliant(min_compliance) {
+    : x(island),
+      w(x.w),
+      e(w.elimination),
+      factor{e,       w.diagonal,    w.blocks_above, w.blocks_above + BlockFactor::size * std::ptrdiff_t(e.entries()),
+             w.where, w.newton_acts, w.newton_filled},
+      room(padded_rows(x.rows)),
+      speed(x.speed()),
+      bound(0),
+      compliant(min_compliance) {
   load();
   std::fill_n(y, x.rows, 0.0), velocities();
   for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);

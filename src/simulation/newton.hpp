@@ -2,7 +2,8 @@
 // With Y the columns at the supporting dofs over the roots of their pivots, G = Y^T Y, and K the stiffness of active rows
 // (a small compliance where a contact sticks):
 //   (G + K^-1) a = r        (1 + Y K Y^T) z = Y K r,   a = K (r - Y^T z)
-// The factorised matrix has the size of the degrees of freedom, however many rows there are, in blocks of segments (elimination.hpp).
+// The factorised matrix has the size of the degrees of freedom, however many rows there are, in blocks of segments
+// (elimination.hpp).
 #pragma once
 
 #include "simulation/block_factor.hpp"
@@ -61,7 +62,9 @@ class Newton {
     });
     for (Index i = 0; i < rows; ++i) velocity[i] = dyn::sum(sum[i]);
   }
-  double soft(const ActiveConstraint& a, const State& s, Index i) const { return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i]; }
+  double soft(const ActiveConstraint& a, const State& s, Index i) const {
+    return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i];
+  }
   void activate(Index constraint) const {
     e.for_each_run(constraint, [&](const ConstraintRun& r) { w.newton_acts[e.position[r.segment]] = true; });
   }

@@ -164,7 +164,8 @@ void Island::prepare_blocks() {
     for (Index i = 0; i < rows_; ++i) s.scale[i] = i < 3 ? 1 : (i == rows_ - 1 ? torsion[contact] : rolling[contact]) / mu;
     for (Index j = 0; j < rows_; ++j)
       for (Index i = 0; i < rows_; ++i)
-        s.G[i + row_lanes * j] = s.scale[i] * s.scale[j] * (block[order[i] + row_lanes * order[j]] + (i == j ? compliance[a.s->first + order[i]] : 0));
+        s.G[i + row_lanes * j] =
+            s.scale[i] * s.scale[j] * (block[order[i] + row_lanes * order[j]] + (i == j ? compliance[a.s->first + order[i]] : 0));
   }
 }
 
@@ -191,7 +192,10 @@ double Island::speed() const {
     const ActiveConstraint& a = constraint(k);
     const bool touches = a.kind == RowKind::Contact;
     for (Index r = 0; r < a.s->rows; ++r) {
-      const double length = r < 3 || !touches ? 1 : friction[contact] > 0 ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact] : 0;
+      const double length = r < 3 || !touches ? 1
+                            : friction[contact] > 0
+                                ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact]
+                                : 0;
       most = std::max(most, length * std::abs(g[a.s->first + r] + bias[a.s->first + r]));
     }
     contact += touches;
@@ -219,7 +223,8 @@ bool Island::accept_guess(dynContactReport& report) {
   return report.residual <= tolerance;
 }
 
-// Sweeps until changes are small, then until the residual meets the tolerance. At least one: cones may have turned since the guess.
+// Sweeps until changes are small, then until the residual meets the tolerance. At least one: cones may have turned since the
+// guess.
 void Island::gauss_seidel(dynContactReport& report) {
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = tolerance * speed();
@@ -260,7 +265,8 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, kept);
-  for (Index worse = 0, k = 0; worse < max_stalls && k < w.method_iterations() / 2 && report.residual > tolerance && !w.time_is_up(); ++k) {
+  for (Index worse = 0, k = 0;
+       worse < max_stalls && k < w.method_iterations() / 2 && report.residual > tolerance && !w.time_is_up(); ++k) {
     sweep.start();
     for (int i = 0; i < batch; ++i) sweep();
     report.iterations += batch;
@@ -273,7 +279,8 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
 
 // Approximate frictionless solution for position corrections; later steps correct the rest. Needs by_dof = 0.
 void Island::gauss_seidel_frictionless() {
-  const double least = std::max(correction_change, uses_gauss_seidel_only() ? tolerance : 0);  // of the largest change in the first sweep
+  const double least =
+      std::max(correction_change, uses_gauss_seidel_only() ? tolerance : 0);  // of the largest change in the first sweep
   std::fill_n(lambda, rows, 0.0);
   if (!uses_gauss_seidel_only() && has_runs()) {
     build_rows();

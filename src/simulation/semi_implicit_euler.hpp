@@ -2,7 +2,8 @@
 //   v' = v + h ddq(q, v')      q' = q (+) h v'
 // Order 1. Damping, friction and actuator gains are implicit (taken at v'), so no coefficient is too large:
 //   (M + h D) ddq = tau - nle      (gains: implicit_actuators.hpp)
-// So are springs that explicit steps would resolve poorly (implicit_springs); the others keep the energy of their oscillations bounded.
+// So are springs that explicit steps would resolve poorly (implicit_springs); the others keep the energy of their oscillations
+// bounded.
 #pragma once
 
 #include "integrator/chart.hpp"
@@ -33,7 +34,8 @@ DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const
     w.constraint_count = simulation::find_constraints(m, d, d.v, h);
     if (w.sleep.touched || w.sleep.contacts_full) return ConstraintOutcome::Sleeper;
     if (w.constraint_count == 0) return ConstraintOutcome::Nothing;
-    return simulation::solve_constraints(m, d, w.constraint_count, s.y0 + m.n.nv, h, d.v, s.f) ? ConstraintOutcome::Correction : ConstraintOutcome::Rows;
+    return simulation::solve_constraints(m, d, w.constraint_count, s.y0 + m.n.nv, h, d.v, s.f) ? ConstraintOutcome::Correction
+                                                                                               : ConstraintOutcome::Rows;
   }
   return ConstraintOutcome::Nothing;
 }
@@ -41,8 +43,8 @@ DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const
 // Which springs are implicit.
 enum class Springs { None, Stiff, All };
 
-// Calls f(degree of freedom, stiffness) for the implicit springs of a step of h. Stiff: with h^2 k above a quarter of the body's own inertia
-// about its axis, which bounds the joint's inertia from below in every configuration.
+// Calls f(degree of freedom, stiffness) for the implicit springs of a step of h. Stiff: with h^2 k above a quarter of the body's
+// own inertia about its axis, which bounds the joint's inertia from below in every configuration.
 template <class T, class F>
 void implicit_springs(const Model& m, const Data<T>& d, T h, Springs which, F&& f) {
   if (which == Springs::All || m.has_mimic) {
@@ -70,11 +72,14 @@ void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, S
 // When an actuator saturates, d.armature is rebuilt from armature, so actuators do not affect other trees.
 // Returns 0 or the joint whose forward dynamics failed.
 template <class T, class Part>
-[[gnu::noinline]] Index actuated_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, Springs springs, const Part& part) {
+[[gnu::noinline]] Index actuated_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, Springs springs,
+                                          const Part& part) {
   const T* fext = forces_on_bodies(m, d);
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (int k = 0;; ++k) {
-    if (const Index joint = forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq)) return joint;
+    if (const Index joint =
+            forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq))
+      return joint;
     if (k == integrator::tuning::saturation_rounds || !actuators.saturate(d.ddq)) return 0;
     set_implicit_armature(m, d, armature, h, springs);  // again without the gains of saturated actuators
   }
@@ -101,13 +106,15 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
     }
     d.acting |= DYN_EFFECT_ARMATURE;
   }
-  const Index joint = d.acting & DYN_EFFECT_ACTUATORS ? actuated_dynamics(m, d, tau, armature, h, which, part)
-                                                      : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, forces_on_bodies(m, d), d.ddq);
+  const Index joint = d.acting & DYN_EFFECT_ACTUATORS
+                          ? actuated_dynamics(m, d, tau, armature, h, which, part)
+                          : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, forces_on_bodies(m, d), d.ddq);
   d.armature = armature, d.acting = acting;
   return joint;
 }
 
-// Ends an Euler step of some trees. rests: slow trees may come to rest. Returns false if a sleeping body was touched: v is then as before.
+// Ends an Euler step of some trees. rests: slow trees may come to rest. Returns false if a sleeping body was touched: v is then
+// as before.
 template <class T, class Part>
 bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const Part& part, bool rests) {
   s.keep(m, d, part);
@@ -165,7 +172,9 @@ template <class T>
 Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
   const AllTrees all;
   const FreeBodyScope flight(d);
-  if (const Index joint = with_unbatched_trees(d, all, [&](const auto& others) { return implicit_dynamics(m, d, s, h, springs, others); })) return joint;
+  if (const Index joint =
+          with_unbatched_trees(d, all, [&](const auto& others) { return implicit_dynamics(m, d, s, h, springs, others); }))
+    return joint;
   end_euler_step(m, d, s, h, all, false);
   return 0;
 }
@@ -176,7 +185,8 @@ inline Index euler_step_of_awake(const Model& m, Data<double>& d, const Stages<d
   const FreeBodyScope flight(d);
   for (;;) {
     const auto dynamics = [&](const auto& part) { return implicit_dynamics(m, d, s, h, springs, part); };
-    const Index joint = z.unconstrained ? with_unbatched_trees(d, z.awake, dynamics) : with_unbatched_trees(d, AllTrees{}, dynamics);
+    const Index joint =
+        z.unconstrained ? with_unbatched_trees(d, z.awake, dynamics) : with_unbatched_trees(d, AllTrees{}, dynamics);
     if (joint) return joint;
     if (end_euler_step(m, d, s, h, z.awake, true)) return 0;
     simulation::wake_touched(m, d);

@@ -16,7 +16,8 @@ enum : std::uint8_t { slow = 1, ready = 2, steady = 4, still_before = 8, alike =
 constexpr std::uint8_t at_rest = slow | ready | steady, stays = at_rest | still_before | alike;
 
 Index body_of(const Model& m, const Data<double>& d, Index shape) {
-  const GeomRecord* g = std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& x, Index s) { return x.shape < s; });
+  const GeomRecord* g =
+      std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& x, Index s) { return x.shape < s; });
   return d.geoms[g - m.geoms()].body;
 }
 // Returns a tree of the contact's island.
@@ -52,7 +53,8 @@ void move_contacts(dynContactForce* from, Index& from_count, dynContactForce* to
   from_count = kept;
   // merge two ascending parts
   if (before < to_count && before > 0 && collision::comes_before(to[before].contact, to[before - 1].contact))
-    std::sort(to, to + to_count, [](const dynContactForce& x, const dynContactForce& y) { return collision::comes_before(x.contact, y.contact); });
+    std::sort(to, to + to_count,
+              [](const dynContactForce& x, const dynContactForce& y) { return collision::comes_before(x.contact, y.contact); });
 }
 
 // Calls f(search, id, tree) for shapes of the broad phase: trees that fell asleep or woke move between its two halves.
@@ -105,7 +107,8 @@ void wake_driven(const Model& m, Data<double>& d, Sleep& z) {
   for (Index t = 0; t < (z.version[input_tau] != d.version[input_tau] ? z.count : 0); ++t)
     differ(d.tau_applied + z.trees[t].v, z.tau + z.trees[t].v, z.trees[t].v_end - z.trees[t].v, t);
   for (Index k = 0; k < m.n.actuators; ++k)
-    if (const ActuatorRecord& r = m.actuators()[k]; true) differ(d.ctrl + r.spec.idx_u, z.ctrl + r.spec.idx_u, r.spec.controls, tree_of(m, z, r));
+    if (const ActuatorRecord& r = m.actuators()[k]; true)
+      differ(d.ctrl + r.spec.idx_u, z.ctrl + r.spec.idx_u, r.spec.controls, tree_of(m, z, r));
   if (woke) update_awake(m, d);
 }
 
@@ -123,12 +126,14 @@ void begin_sleep(const Model& m, Data<double>& d, double h) {
   Sleep& z = w.sleep;
   z.touched = z.contacts_full = false;
   const dynIntegrator i = w.options.integrator;
-  if (z.count == 0 || !(d.acting & DYN_EFFECT_SLEEPING) || (i != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && i != DYN_INTEGRATOR_IMPLICIT_FAST)) {
+  if (z.count == 0 || !(d.acting & DYN_EFFECT_SLEEPING) ||
+      (i != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && i != DYN_INTEGRATOR_IMPLICIT_FAST)) {
     if (z.enabled || z.any_asleep) wake_all(m, d);
     return;
   }
   z.unconstrained = active_rows(m, d) == 0;
-  const bool same = z.enabled && z.inputs_known && z.h == h && z.version[input_q] == d.version[input_q] && z.version[input_v] == d.version[input_v];
+  const bool same = z.enabled && z.inputs_known && z.h == h && z.version[input_q] == d.version[input_q] &&
+                    z.version[input_v] == d.version[input_v];
   if (!same || !z.enabled || (z.any_asleep && (!z.unconstrained || w.options.visit_sleepers))) wake_all(m, d);
   if (!z.enabled) {
     list_awake(m, w);
@@ -208,12 +213,15 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
   }
   // an activation that still changes keeps its tree awake
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
-    if (const Index t = tree_of(m, z, r); r.act >= 0 && z.state[t] == Sleeper::Awake && activation_after(r, d, d.act[r.act], h) != d.act[r.act])
+    if (const Index t = tree_of(m, z, r);
+        r.act >= 0 && z.state[t] == Sleeper::Awake && activation_after(r, d, d.act[r.act], h) != d.act[r.act])
       z.flags[z.island[t]] &= std::uint8_t(~alike);
   });
   // contact forces must be those of the previous step, if inputs have not changed
   const auto island = [&](const dynContactForce& f) { return w.laws[&f - w.contacts].island; };
-  const auto stood = [&](const dynContactForce& f) { return (z.flags[island(f)] & (at_rest | still_before)) == (at_rest | still_before); };
+  const auto stood = [&](const dynContactForce& f) {
+    return (z.flags[island(f)] & (at_rest | still_before)) == (at_rest | still_before);
+  };
   const auto force = [](const dynContactForce& f, int i) { return (i < 3 ? f.force_on_b : f.moment_on_b)[i % 3]; };
   bool some = false;
   for (Index k = 0; k < w.contact_count; ++k) {
@@ -226,7 +234,8 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
     for_each_with_previous(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
       const Index t = island(f);
       for (int i = 0; i < 6; ++i)
-        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > tuning::same_force * z.max_force[t]) z.flags[t] &= std::uint8_t(~alike);
+        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > tuning::same_force * z.max_force[t])
+          z.flags[t] &= std::uint8_t(~alike);
     });
     for_each_with_previous(w, [&](const dynContactForce& f) { return (z.flags[island(f)] & stays) == stays; }, copy_force);
   }
@@ -240,7 +249,8 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
   }
   for (Index k = 0; k < z.awake_count; ++k)
     if (const Index t = z.awake_trees[k]; z.rest_steps[t] < 2) z.flags[z.island[t]] &= std::uint8_t(~deep);
-  for (Index k = 0; k < z.awake_count; ++k) w.report.sleeping += z.island[z.awake_trees[k]] == z.awake_trees[k] && (z.flags[z.awake_trees[k]] & deep);
+  for (Index k = 0; k < z.awake_count; ++k)
+    w.report.sleeping += z.island[z.awake_trees[k]] == z.awake_trees[k] && (z.flags[z.awake_trees[k]] & deep);
 }
 
 void hold_at_rest(const Model&, Data<double>& d, const double* q0) {

@@ -50,7 +50,8 @@ void end_sleep(const Model& m, Data<double>& d, double h);
 void wake_all(const Model& m, Data<double>& d);
 // Wakes the touched trees and restores the state from which the step begins.
 void wake_touched(const Model& m, Data<double>& d);
-// After impulses and corrections (dq, or nullptr): finds the islands that are at rest at the end of the step. v0: velocity before it.
+// After impulses and corrections (dq, or nullptr): finds the islands that are at rest at the end of the step. v0: velocity before
+// it.
 void detect_rest(const Model& m, Data<double>& d, const double* v0, const double* dq, double h);
 // Sets q = q0 and v = 0 for the trees at rest.
 void hold_at_rest(const Model& m, Data<double>& d, const double* q0);

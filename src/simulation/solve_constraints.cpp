@@ -20,7 +20,8 @@ void for_each_island(const Workspace& w, Index slots, F&& f) {
   }
 }
 
-// Puts the contacts that do not close within the step last; their forces are then zero. Impulses may make a tree as fast as the trees that it touches.
+// Puts the contacts that do not close within the step last; their forces are then zero. Impulses may make a tree as fast as the
+// trees that it touches.
 void drop_open(const Model& m, Data<double>& d, double h, Index begin, Index end) {
   Workspace& w = *d.step;
   if (w.closed_gap > 0) return;
@@ -164,7 +165,9 @@ void Island::impulses(dynContactReport& report) {
 bool Island::is_angle(const ActiveConstraint& x, Index row) const {
   const ConstraintInstance<double>& s = *x.s;
   if (between_joints(s.c.type)) return m.bodies()[body_of_dof(m, s.c.v1)].type != BodyType::Prismatic;
-  const auto pulls = [&](const double* F, Index body) { return body && (F[row] != 0 || F[row_lanes + row] != 0 || F[2 * row_lanes + row] != 0); };
+  const auto pulls = [&](const double* F, Index body) {
+    return body && (F[row] != 0 || F[row_lanes + row] != 0 || F[2 * row_lanes + row] != 0);
+  };
   return !pulls(s.F1, s.c.body1) && !pulls(s.F2, s.c.body2);
 }
 
@@ -241,7 +244,8 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
     w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.tolerance();
   });
   if (corrected)
-    with_active_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });
+    with_active_trees(
+        d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });
   for_each_impulse_range(m, d, [&](Index first, Index end) {
     scatter(m, d, impulse, first, end);
     for (Index k = first; k < end; ++k) v[k] += impulse[k];

@@ -39,7 +39,9 @@ inline Index body_of_dof(const Model& m, Index dof) {
 }
 
 // Returns the unit of a limited coordinate: 1 for an angle, else the model's length scale (m).
-inline double unit_of(const Model& m, const Workspace& w, const LimitRecord& r) { return m.bodies()[r.body].type == BodyType::Prismatic ? w.length : 1; }
+inline double unit_of(const Model& m, const Workspace& w, const LimitRecord& r) {
+  return m.bodies()[r.body].type == BodyType::Prismatic ? w.length : 1;
+}
 
 inline bool is_ball(const Model& m, const LimitRecord& r) { return m.bodies()[r.body].type == BodyType::Spherical; }
 // Gap of a ball joint's limit and its gradient: gap = max angle - a, a = 2 atan2(|u|, |w|), axis = da / d(rotation) in body axes.
@@ -51,7 +53,9 @@ struct BallGap {
 BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, const double* v);  // find_constraints.cpp
 inline double ball_speed(const LimitRecord& r, const double* v) { return shape::norm(load3(v + r.dof)); }
 // Velocity of a limit's row.
-inline double limit_rate(const ConstraintInstance<double>& s, const double* v) { return of_ball(s.c) ? dot(s.c.axis, load3(v + s.c.v1)) : s.g1 * v[s.c.v1]; }
+inline double limit_rate(const ConstraintInstance<double>& s, const double* v) {
+  return of_ball(s.c) ? dot(s.c.axis, load3(v + s.c.v1)) : s.g1 * v[s.c.v1];
+}
 
 // Speed (m/s) below which impacts are treated as rest: max(0.32 sqrt(g L), 1e-3 L/h), L the model's length scale.
 inline double slow_speed(const Data<double>& d, double h) {
@@ -59,11 +63,12 @@ inline double slow_speed(const Data<double>& d, double h) {
   return std::max(tuning::slow_fall * std::sqrt(g * length), tuning::slow_shift * length / h);
 }
 
-// Largest speed (m/s) at which overlaps and drift are removed: that of a fall over length / 20, 0.32 sqrt(g L), however short the step.
-// Without gravity nothing but the step sets a speed: 1e-3 L/h. So do steps chosen by an accuracy.
+// Largest speed (m/s) at which overlaps and drift are removed: that of a fall over length / 20, 0.32 sqrt(g L), however short the
+// step. Without gravity nothing but the step sets a speed: 1e-3 L/h. So do steps chosen by an accuracy.
 inline double correction_speed(const Data<double>& d, double h) {
   const double length = d.step->length, g = shape::norm(load3(d.world_gravity));
-  return g > 0 && d.step->closed_gap == 0 && d.step->options.accuracy == 0 ? tuning::slow_fall * std::sqrt(g * length) : tuning::slow_shift * length / h;
+  return g > 0 && d.step->closed_gap == 0 && d.step->options.accuracy == 0 ? tuning::slow_fall * std::sqrt(g * length)
+                                                                           : tuning::slow_shift * length / h;
 }
 
 // Whether a degree of freedom is a length: of a prismatic joint, or the first three of a free flyer.
@@ -117,7 +122,8 @@ void for_each_with_previous(Workspace& w, Asked&& asked, F&& f) {
 }
 // Copies force and moment from the previous step, zero if there was none.
 inline void copy_force(dynContactForce& f, const dynContactForce* before) {
-  for (int i = 0; i < 3; ++i) f.force_on_b[i] = before ? before->force_on_b[i] : 0, f.moment_on_b[i] = before ? before->moment_on_b[i] : 0;
+  for (int i = 0; i < 3; ++i)
+    f.force_on_b[i] = before ? before->force_on_b[i] : 0, f.moment_on_b[i] = before ? before->moment_on_b[i] : 0;
 }
 
 inline bool is_active(const dynContactForce& f) { return dot(load3(f.force_on_b), load3(f.force_on_b)) > 0; }
@@ -127,13 +133,16 @@ inline double gap_of(const Workspace& w, const ActiveConstraint& x) {
 }
 // Speed at which the gap shrinks. v: velocities of the expanded coordinates (Data::expand).
 double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v);
-// Enters in overshoot and overshoot_time by how much a further displacement dq takes inactive contacts and limits beyond closed_gap.
+// Enters in overshoot and overshoot_time by how much a further displacement dq takes inactive contacts and limits beyond
+// closed_gap.
 void record_overshoot(const Model& m, Data<double>& d, const double* dq, double closed);
 
 // Velocity of the point x (world axes) of a body. V: the body's twist at the tree's root, by default d.step->root_velocity.
 inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x, const Motion<double>& V) {
   return V.linear + cross(V.angular, x - (d.p[body] - d.rel[body]));
 }
-inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) { return velocity_at(d, body, x, d.step->root_velocity[body]); }
+inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) {
+  return velocity_at(d, body, x, d.step->root_velocity[body]);
+}
 
 }  // namespace dyn::simulation

@@ -1,4 +1,5 @@
-// Tuning constants of steps with contacts. "Radius" is that of the smaller shape's bounding sphere, "length" the model's length scale.
+// Tuning constants of steps with contacts. "Radius" is that of the smaller shape's bounding sphere,
+// "length" the model's length scale.
 #pragma once
 
 #include "base/types.hpp"
@@ -12,13 +13,13 @@ inline constexpr double speed_growth = 3;      // a joint may end a step this mu
 inline constexpr double slow_fall = 0.32;      // of sqrt(g length): speed after a fall over length / 20, sqrt(2 / 20)
 inline constexpr double slow_shift = 1e-3;     // of the length per step: slower motion is not resolved by the step
 inline constexpr double max_displacement = 0.1;  // of the length, or rad: no correction moves a coordinate further in a step
-inline constexpr double reopen_factor = 3;     // of closed_gap: hysteresis, an active contact opens at a larger gap than it closes at
+inline constexpr double reopen_factor = 3;     // of closed_gap: hysteresis, active contacts open at a larger gap
 inline constexpr double free_closing = 10;     // of the island's largest rate: bound on the closing speed of open gaps
 
 // Contact search (contact_points.cpp).
 namespace search {
-inline constexpr double near = 0.02;            // of the radius: shapes nearer than this are always tested, impulses may drive them together
-inline constexpr double box = 0.01;             // of the radius: share of `near` of each shape's box; half, so that two boxes cover it
+inline constexpr double near = 0.02;            // of the radius: nearer shapes are always tested
+inline constexpr double box = 0.01;             // of the radius: `near` of each shape's box; half, so that two boxes cover it
 inline constexpr double speed_margin = 1.5;     // of the motion in the step: impulses may speed shapes up
 inline constexpr double rounding = 1e-9;        // relative, of a distance between centres
 inline constexpr double same_normal = 0.9;      // cosine: below it the contact turned within the step
@@ -45,31 +46,31 @@ inline constexpr double margin = 1.01;          // of limit_margin: rounding of 
 inline constexpr double immovable_normal = 1e-16;  // of the largest translation's own G: less is rounding
 
 // Batched free bodies (free_bodies.cpp).
-inline constexpr double min_norm2 = 1e-60, max_norm2 = 1e60;  // squared norm of quaternions whose products neither overflow nor lose digits
+inline constexpr double min_norm2 = 1e-60, max_norm2 = 1e60;  // of quaternions whose products keep all digits
 
 // Islands (island.cpp, solve_constraints.cpp, workspace.hpp).
 namespace island {
 inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster approach rebounds however long the step
 inline constexpr double correction = 0.5;       // of the position error that a step removes
 inline constexpr double correction_tolerance = 1e-6;  // of its displacement: the next steps correct the rest
-inline constexpr double correction_softness = 1e-6;  // of a row's own G: bounds displacements of inconsistent or nearly dependent rows
+inline constexpr double correction_softness = 1e-6;  // of a row's own G: bounds displacements of contradictory rows
 inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps can reduce to the tolerance
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
-inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: above it zeros cost more than the product saves
+inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: beyond, zeros cost more
 inline constexpr double round_off = 1e-15;      // of the unit diagonal, a row: pivots below are rounding
-inline constexpr int rounds = 3;                // of method_iterations for all methods together: as three tries by the dense matrix
-inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: of steps of dt, and where a tolerance or an accuracy is given
+inline constexpr int rounds = 3;                // of method_iterations for all methods together: three tries by the dense matrix
+inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt, with an accuracy
 inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default
 inline constexpr double settled = 1e-8;         // residual of slow islands that may sleep, and of impacts, which may gain energy
 inline constexpr double slack = 0.05;           // of g h^2, what gravity closes in a step: gap that pressed contacts keep
-inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations; likewise
+inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations
 }  // namespace island
 
 // Matrix-free Gauss-Seidel (pgs_matrix_free.cpp).
 namespace gauss_seidel {
 inline constexpr int guess_sweeps = 4;          // over a nearly good guess: cheaper than a matrix
-inline constexpr Index first_sweeps = 5, max_small = 10;  // before the first Newton attempt; small islands have a matrix after max_small
+inline constexpr Index first_sweeps = 5, max_small = 10;  // before Newton; small islands have a matrix after max_small
 inline constexpr int batch = 20;                // sweeps between residuals
 inline constexpr int max_stalls = 3;            // batches in a row without progress
 inline constexpr double progress = 0.9;         // of the residual: a smaller reduction is no progress
@@ -90,10 +91,10 @@ inline constexpr Index small_sweeps = 50;       // where other methods follow
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {
-inline constexpr double near_guess = 0.02, far_guess = 1;  // residual of the guess: near, and far, beyond which Newton is not tried
+inline constexpr double near_guess = 0.02, far_guess = 1;  // residual of the guess; beyond far, no Newton
 inline constexpr Index near_steps = 16, far_steps = 8;     // Newton steps from a near and from a far guess
-inline constexpr double far_share = 0.5;        // of the squared error that each step from a far guess must reach; from a near one, less than all
-inline constexpr Index dense_rows = 64;         // rows up to which the dense matrix is tried last: beyond, a factorization takes a millisecond
+inline constexpr double far_share = 0.5;        // of the squared error: each step from a far guess ends below it
+inline constexpr Index dense_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
 
 // Elimination order (elimination.hpp).
@@ -112,7 +113,7 @@ inline constexpr double jammed = 100;           // of the impulses that stop all
 inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones
 inline constexpr Index max_steps = 15;          // of one attempt
 inline constexpr double near = 1e-2;            // error over speed below which the residual is evaluated
-inline constexpr double block_price = 16000, redundant_block_price = 4000;  // of a segment, in dense rows^3: measured, without and with redundant rows
+inline constexpr double block_price = 16000, redundant_block_price = 4000;  // of a segment, in dense rows^3: measured
 }  // namespace newton
 
 // Interior point method on segments (interior.cpp).
@@ -122,7 +123,7 @@ inline constexpr double min_centring = 1e-6;    // of sigma
 inline constexpr double min_compliance = 1e-6;  // of the unit diagonal: redundant rows
 inline constexpr double inside = 10;            // of the guess's error: distance of the start from the boundary
 inline constexpr double box_inset = 0.1;        // of a bounded row's range
-inline constexpr double min_pivot = 1e-3;       // of the rank-one update: below it the term changes the sign of the matrix and is dropped
+inline constexpr double min_pivot = 1e-3;       // of the rank-one update: below it the matrix changes sign, the term is dropped
 inline constexpr int refinements = 1;           // iterative refinements of a direction
 inline constexpr Index max_steps = 30, newton_steps = 6;  // of one path; of each Newton attempt
 inline constexpr double short_step = 0.1;       // step length that counts as short
@@ -145,12 +146,12 @@ inline constexpr Index near_rounds = 2, far_rounds = 9;  // of method_iterations
 }  // namespace fixed_correction
 
 // Springs (semi_implicit_euler.hpp).
-inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia: half a radian of the oscillation in a step; explicit steps need less than 4
+inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half a radian a step; explicit steps need less than 4
 
 // Energy guard (energy_guard.hpp).
 namespace guard {
-inline constexpr double motion = 0.1;           // rad, or of the length, in a step: below it terms that steps take at their beginning gain little
-inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: an integrator of order 1 errs by about motion^2
+inline constexpr double motion = 0.1;           // rad, or of the length, in a step: slower motion gains little by explicit terms
+inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: order 1 errs by about motion^2
 inline constexpr double part_share = 0.1;       // the same of all parts so far, and of the finest parts
 inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy

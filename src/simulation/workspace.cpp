@@ -23,7 +23,8 @@ void for_each_array(const Model& m, Sleep& z, F&& f) {
 
 template <class F>
 void for_each_array(const Model& m, FreeBodies& l, F&& f) {
-  const std::ptrdiff_t count = m.n.manifold_joints;  // upper bound of the number of free bodies; plan.cpp needs sizes that follow from counts alone
+  const std::ptrdiff_t count =
+      m.n.manifold_joints;  // upper bound of the number of free bodies; plan.cpp needs sizes that follow from counts alone
   if (count == 0) return;
   const std::ptrdiff_t sets = (count + Double4::lanes - 1) / Double4::lanes;
   f(l.sets, sets), f(l.active_sets, sets);
@@ -34,12 +35,14 @@ void for_each_array(const Model& m, FreeBodies& l, F&& f) {
 
 template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
-  const std::ptrdiff_t slots = step_constraints(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = padded_rows(island_rows(m));
+  const std::ptrdiff_t slots = step_constraints(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers,
+                       room = padded_rows(island_rows(m));
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
   for_each_array(m, w.free_bodies, f);
   if (slots == 0) return;
   f(w.materials, m.n.geoms), f(w.speeds, geom_capacity(m)), f(w.centers, 4 * geom_capacity(m));
-  f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)), f(w.awake_geoms, m.n.geoms);
+  f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)),
+      f(w.awake_geoms, m.n.geoms);
   f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.instances, own), f(w.support, own * carriers), f(w.Y, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
@@ -67,7 +70,8 @@ void find_trees(const Model& m, Index* tree_of) {
   for (Index i = 1; i < m.n.bodies; ++i) tree_of[i] = m.bodies()[i].parent ? tree_of[m.bodies()[i].parent] : i;
   if (!m.has_mimic) return;
   for (Index i = 1; i < m.n.bodies; ++i) {
-    const Body* const leader = std::find_if(m.bodies() + 1, m.bodies() + i, [&](const Body& b) { return b.user_v == m.bodies()[i].user_v; });
+    const Body* const leader =
+        std::find_if(m.bodies() + 1, m.bodies() + i, [&](const Body& b) { return b.user_v == m.bodies()[i].user_v; });
     const Index one = tree_of[leader - m.bodies()], other = tree_of[i];
     if (one != other) std::replace(tree_of + 1, tree_of + m.n.bodies, other, one);
   }

@@ -44,7 +44,8 @@ inline bool is_soft(const dynMaterial& x) { return x.stiffness > 0 || x.damping 
 // Index of the normal among a contact's rows.
 inline Index normal_row(Index rows) { return rows == 1 ? 0 : 2; }
 
-// A constraint's own block of G for matrix-free Gauss-Seidel. The normal comes first; rows are scaled so that the friction cone is round.
+// A constraint's own block of G for matrix-free Gauss-Seidel. The normal comes first; rows are scaled so that the friction cone
+// is round.
 struct ConstraintBlock {
   alignas(64) double G[max_rows * row_lanes];
   double diagonal[max_rows], scale[max_rows];
@@ -118,10 +119,18 @@ struct Workspace {
   bool time_is_up() const { return expired && expired(clock); }
   // What the options ask for; 0 is the default. Without a tolerance a solve ends where it no longer improves.
   bool has_tolerance() const { return options.tolerance > 0 || options.accuracy > 0; }
-  double tolerance() const { return options.tolerance > 0 ? options.tolerance : has_tolerance() ? tuning::island::fine : tuning::island::tolerance; }
+  double tolerance() const {
+    return options.tolerance > 0 ? options.tolerance : has_tolerance() ? tuning::island::fine : tuning::island::tolerance;
+  }
   // Over everything that the solve of an island tries; of one method.
-  Index max_iterations() const { return options.max_iterations > 0 ? options.max_iterations : has_tolerance() ? tuning::island::fine_iterations : tuning::island::iterations; }
-  Index method_iterations() const { return std::max(std::min(max_iterations(), tuning::island::iterations), max_iterations() / tuning::island::methods); }
+  Index max_iterations() const {
+    return options.max_iterations > 0 ? options.max_iterations
+           : has_tolerance()          ? tuning::island::fine_iterations
+                                      : tuning::island::iterations;
+  }
+  Index method_iterations() const {
+    return std::max(std::min(max_iterations(), tuning::island::iterations), max_iterations() / tuning::island::methods);
+  }
   Index contact_count, previous_count, saved_count;
   // largest distance (m, rad) and time (s) by which something passed closed_gap before its impulse
   double overshoot, overshoot_time;
@@ -221,7 +230,8 @@ void for_each_impulse_range(const Model& m, const Data<double>& d, F&& f) {
 // Calls f(contact) for all contacts of the last step in order, those of sleeping bodies included.
 template <class F>
 void for_each_contact(const Workspace& w, F&& f) {
-  const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.sleeping_contacts, *const b_end = b + w.sleep.sleeping_contact_count;
+  const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count,
+                        *b = w.sleep.sleeping_contacts, *const b_end = b + w.sleep.sleeping_contact_count;
   while (a != a_end || b != b_end) f(b == b_end || (a != a_end && collision::comes_before(a->contact, b->contact)) ? *a++ : *b++);
 }
 // Retries of a step start from the same contacts.

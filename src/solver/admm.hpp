@@ -1,5 +1,6 @@
 // Proximal ADMM: the alternating steps of multipliers.hpp. They find roughly which contacts are open, stick or slip;
-// Newton's method on the whole problem finishes. The path of interior.hpp takes over where ADMM stalls (light bodies sliding under heavy ones).
+// Newton's method on the whole problem finishes. The path of interior.hpp takes over where ADMM stalls (light bodies sliding
+// under heavy ones).
 #pragma once
 
 #include "solver/interior.hpp"

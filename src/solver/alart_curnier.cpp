@@ -158,7 +158,8 @@ bool Newton::direction() {
     else
       for (Index k = 1; k < size; ++k) {
         x[u + k] = 0;
-        for (Index l = 0; l < size; ++l) x[u + k] -= s.direction[k][l] * (e[row + 1 + l] + (1 / s.across - 1) * w.newton_c[row + 1 + l]);
+        for (Index l = 0; l < size; ++l)
+          x[u + k] -= s.direction[k][l] * (e[row + 1 + l] + (1 / s.across - 1) * w.newton_c[row + 1 + l]);
       }
   });
   ++b.factorizations;
@@ -232,6 +233,8 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
 
 }  // namespace
 
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool damped_steps) { return Newton(w, b).run(y, c, damped_steps); }
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool damped_steps) {
+  return Newton(w, b).run(y, c, damped_steps);
+}
 
 }  // namespace dyn::solver

@@ -59,9 +59,11 @@ inline void times(const Matrix& A, const double* x, const double* b, double* y, 
 }
 
 // Columns j .. j+3 of A, rows from first - first % 8: A -= L(:, 0 .. k-1) U, U(l, c) at u[l row + c column].
-inline void subtract_product(const Matrix& A, const Matrix& L, Index j, Index k, Index first, Index n, const double* u, std::ptrdiff_t row, std::ptrdiff_t column) {
+inline void subtract_product(const Matrix& A, const Matrix& L, Index j, Index k, Index first, Index n, const double* u,
+                             std::ptrdiff_t row, std::ptrdiff_t column) {
   for (Index i = first / lanes * lanes; i < n; i += lanes) {
-    Lanes a0 = Lanes::load(A.column(j) + i), a1 = Lanes::load(A.column(j + 1) + i), a2 = Lanes::load(A.column(j + 2) + i), a3 = Lanes::load(A.column(j + 3) + i);
+    Lanes a0 = Lanes::load(A.column(j) + i), a1 = Lanes::load(A.column(j + 1) + i), a2 = Lanes::load(A.column(j + 2) + i),
+          a3 = Lanes::load(A.column(j + 3) + i);
     for (Index l = 0; l < k; ++l) {
       const Lanes x = Lanes::load(L.column(l) + i);
       const double* v = u + l * row;

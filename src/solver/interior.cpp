@@ -11,7 +11,17 @@ using namespace tuning::interior;
 class Interior {
  public:
   Interior(Workspace& w_, Budget& b_)
-      : w(w_), p(w_.problem), b(b_), y(w_.x), U(w_.z), upper(w_.s), c(w_.u), dy(w_.r), dU(w_.newton), dupper(w_.newton_c), dc(w_.step_c) {}
+      : w(w_),
+        p(w_.problem),
+        b(b_),
+        y(w_.x),
+        U(w_.z),
+        upper(w_.s),
+        c(w_.u),
+        dy(w_.r),
+        dU(w_.newton),
+        dupper(w_.newton_c),
+        dc(w_.step_c) {}
   bool run(double factor);
 
  private:

@@ -21,13 +21,15 @@ void add_curvature(const Cone& cone, const double* r, double rho, const Matrix& 
   H(n, n) += rho * (1 - a);
   for (Index i = 0; i < m; ++i) {
     H(n + 1 + i, n) -= rho * a * mu * u[i], H(n, n + 1 + i) -= rho * a * mu * u[i];
-    for (Index j = 0; j < m; ++j) H(n + 1 + i, n + 1 + j) += rho * ((i == j) * (1 - across) - (a * mu * mu - across) * u[i] * u[j]);
+    for (Index j = 0; j < m; ++j)
+      H(n + 1 + i, n + 1 + j) += rho * ((i == j) * (1 - across) - (a * mu * mu - across) * u[i] * u[j]);
   }
 }
 
 }  // namespace
 
-Multipliers::Multipliers(Workspace& w_, Budget& b_) : y(w_.v), w(w_), b(b_), p(w_.problem), x(w_.x), z(w_.z), s(w_.s), r(w_.r), y_before(w_.u) {
+Multipliers::Multipliers(Workspace& w_, Budget& b_)
+    : y(w_.v), w(w_), b(b_), p(w_.problem), x(w_.x), z(w_.z), s(w_.s), r(w_.r), y_before(w_.u) {
   std::copy_n(w.y, p.n, x), std::copy_n(w.y, p.n, y);
   // z: the part of the corrected velocity that is in K* and orthogonal to y
   std::copy_n(w.c, p.n, z);
@@ -74,7 +76,8 @@ bool Multipliers::admm_step() {
 // Sets the penalty that would make both relative errors equal (OSQP: Stellato et al. 2020).
 void Multipliers::balance(double primal, double dual) {
   double force = 0, speed = p.speed;
-  for (Index i = 0; i < p.n; ++i) force = std::max(force, std::fabs(y[i]) * p.per_unit[i]), speed = std::max(speed, std::fabs(z[i]) * p.per_unit[i]);
+  for (Index i = 0; i < p.n; ++i)
+    force = std::max(force, std::fabs(y[i]) * p.per_unit[i]), speed = std::max(speed, std::fabs(z[i]) * p.per_unit[i]);
   const double ratio = std::sqrt(primal / force / (dual / speed));
   if (!(ratio > balance_ratio || ratio < 1 / balance_ratio)) return;
   rho = std::min(std::max(rho * std::min(std::max(ratio, min_rho_factor), max_rho_factor), min_rho), max_rho);
@@ -138,7 +141,8 @@ bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   double primal = 0;
   for (Index i = 0; i < n; ++i) primal = std::max(primal, std::fabs(x[i] - y[i]) * p.per_unit[i]);
   if (primal > slow_primal * primal_before && gradient < small_gradient * p.speed)  // up to where round-off dominates
-    joint_rho = std::min(penalty_growth * joint_rho, std::max(1.0, subproblem_tolerance * b.tolerance / (tuning::epsilon * size(y))));
+    joint_rho =
+        std::min(penalty_growth * joint_rho, std::max(1.0, subproblem_tolerance * b.tolerance / (tuning::epsilon * size(y))));
   primal_before = primal;
   error = std::max(primal, gradient);
   return true;

@@ -1,4 +1,5 @@
-// Multipliers of x = y in K, in min 1/2 x'Gx + x'(g + s). s = Gamma(z) is the de Saxce correction of the velocity z, the dual variable:
+// Multipliers of x = y in K, in min 1/2 x'Gx + x'(g + s). s = Gamma(z) is the de Saxce correction of the velocity z, the dual
+// variable:
 //   L(x, y, z) = 1/2 x'Gx + x'(g + s) - z'(x - y) + rho/2 |x - y|^2
 // Two kinds of step:
 //   ADMM (Carpentier, Le Lidec and Montaut 2024)

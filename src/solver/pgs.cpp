@@ -19,7 +19,8 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
       for (Index j = i + 1; j < m; ++j) {
         if (a[i][j] == 0) continue;
         const double theta = (a[j][j] - a[i][i]) / (2 * a[i][j]);
-        const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1)), c = 1 / std::sqrt(t * t + 1), s = t * c;
+        const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1)),
+                     c = 1 / std::sqrt(t * t + 1), s = t * c;
         for (Index k = 0; k < m; ++k) {
           const double x = a[k][i], y = a[k][j];
           a[k][i] = c * x - s * y, a[k][j] = s * x + c * y;
@@ -193,7 +194,8 @@ void pgs(Workspace& w, Budget& b) {
   while (!b.spent()) {
     ++b.iterations;
     sweep(w, b.relaxation > 0 ? b.relaxation : b.iterations == 1 ? 1 : relaxation, y, c);  // one sweep solves a single contact
-    if (residual(p, y, c).residual > b.tolerance && b.iterations % check_interval != 0 && b.iterations < b.max_iterations) continue;
+    if (residual(p, y, c).residual > b.tolerance && b.iterations % check_interval != 0 && b.iterations < b.max_iterations)
+      continue;
     times(p.G, y, p.g, c, p.n);  // without accumulated round-off
     if (keep_best(w, b, y, c)) return;
   }

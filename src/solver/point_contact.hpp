@@ -1,7 +1,8 @@
 // One contact of three rows (normal, two tangents), solved exactly for the velocity b that it has without its own impulse y:
 //   open   b_n >= 0:               y = 0
 //   stick  y = -G^-1 b in the cone
-//   slip   c_n = 0, c_t = -a y_t for an a > 0; with the eigenvectors of S = G_tt - G_tn G_nt / G_nn one scalar equation (solver/pgs.hpp)
+//   slip   c_n = 0, c_t = -a y_t for an a > 0; with the eigenvectors of S = G_tt - G_tn G_nt / G_nn one scalar equation
+//   (solver/pgs.hpp)
 #pragma once
 
 #include "solver/cone.hpp"
@@ -25,7 +26,8 @@ struct PointContact {
     if (!(det > tuning::pgs::singular_block * G[0] * G[3] * G[5])) return false;
     const double per = 1 / det;
     inverse[0] = a * per, inverse[1] = b * per, inverse[2] = c * per;
-    inverse[3] = (G[0] * G[5] - G[2] * G[2]) * per, inverse[4] = (G[1] * G[2] - G[0] * G[4]) * per, inverse[5] = (G[0] * G[3] - G[1] * G[1]) * per;
+    inverse[3] = (G[0] * G[5] - G[2] * G[2]) * per, inverse[4] = (G[1] * G[2] - G[0] * G[4]) * per,
+    inverse[5] = (G[0] * G[3] - G[1] * G[1]) * per;
     return true;
   }
 
@@ -33,7 +35,8 @@ struct PointContact {
     y[0] = y[1] = y[2] = 0;
     if (b[0] >= 0) return;
     const double n = -(inverse[0] * b[0] + inverse[1] * b[1] + inverse[2] * b[2]);
-    const double t = -(inverse[1] * b[0] + inverse[3] * b[1] + inverse[4] * b[2]), u = -(inverse[2] * b[0] + inverse[4] * b[1] + inverse[5] * b[2]);
+    const double t = -(inverse[1] * b[0] + inverse[3] * b[1] + inverse[4] * b[2]),
+                 u = -(inverse[2] * b[0] + inverse[4] * b[1] + inverse[5] * b[2]);
     if (n > 0 && t * t + u * u <= mu * mu * n * n) y[0] = n, y[1] = t, y[2] = u;
     else slip(mu, b, y);
   }
@@ -52,7 +55,8 @@ struct PointContact {
     using namespace tuning::pgs;
     if (resistance == 0) find_eigenvectors();
     const double per_G = 1 / G[0];
-    const double b0 = cosine * b[1] - sine * b[2] - coupling[0] * b[0] * per_G, b1 = sine * b[1] + cosine * b[2] - coupling[1] * b[0] * per_G;
+    const double b0 = cosine * b[1] - sine * b[2] - coupling[0] * b[0] * per_G,
+                 b1 = sine * b[1] + cosine * b[2] - coupling[1] * b[0] * per_G;
     double n = 0, y0 = 0, y1 = 0, slope = 0;
     // mu lambda_n / |lambda_t| - 1 at the resistance a, and its slope
     const auto at = [&](double a) {
@@ -60,7 +64,8 @@ struct PointContact {
       y0 = -b0 * give0, y1 = -b1 * give1;
       n = (-b[0] - coupling[0] * y0 - coupling[1] * y1) * per_G;
       const double per = 1 / std::sqrt(y0 * y0 + y1 * y1);
-      const double dn = (coupling[0] * y0 * give0 + coupling[1] * y1 * give1) * per_G, dl = -(y0 * y0 * give0 + y1 * y1 * give1) * per;
+      const double dn = (coupling[0] * y0 * give0 + coupling[1] * y1 * give1) * per_G,
+                   dl = -(y0 * y0 * give0 + y1 * y1 * give1) * per;
       slope = mu * (dn - n * dl * per) * per;
       return mu * n * per - 1;
     };

@@ -24,10 +24,13 @@ struct Scaler {
 
   double diagonal(Index row) const { return x.G[row * stride + row] + at(x.compliance, row); }
   // a power of two scales without round-off
-  double root(double diagonal, double least_one = 0) const { return diagonal > least_one ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
+  double root(double diagonal, double least_one = 0) const {
+    return diagonal > least_one ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback;
+  }
   void add(Index row, double d, double unit, double lower, double upper) {
     const Index i = p.n++;
-    p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.per_unit[i] = 1 / unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
+    p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.per_unit[i] = 1 / unit, p.lower[i] = lower / d, p.upper[i] = upper / d,
+    p.approach[i] = 0;
   }
   void rebound(Index k, Index row) {
     const double e = at(x.restitution, k), v = (x.v_minus ? x.v_minus : x.g)[row];
@@ -128,7 +131,8 @@ class LongSum {
 #ifdef __FP_FAST_FMA
     return __builtin_fma(a, b, -p);
 #else
-    const double split = 134217729, ca = split * a, cb = split * b, ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
+    const double split = 134217729, ca = split * a, cb = split * b, ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b),
+                 bl = b - bh;
     return ((ah * bh - p) + ah * bl + al * bh) + al * bl;
 #endif
   }

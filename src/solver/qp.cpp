@@ -48,7 +48,8 @@ Index constraints(const dynContactProblem& x, Index facets, bool inscribed, Entr
       const double mu = p.part[0].coefficient;
       entry(m, normal, mu), row(-HUGE_VAL, HUGE_VAL);
       for (Index j = 0; j < p.count; ++j)
-        for (Index i = 0; i < p.part[j].size; ++i) entry(m, column + p.part[j].first + i, mu / p.part[j].coefficient), row(-HUGE_VAL, HUGE_VAL);
+        for (Index i = 0; i < p.part[j].size; ++i)
+          entry(m, column + p.part[j].first + i, mu / p.part[j].coefficient), row(-HUGE_VAL, HUGE_VAL);
     } else {
       entry(m, normal, 1.0), row(0, HUGE_VAL);
       for (Index j = 0; j < p.count; ++j) {

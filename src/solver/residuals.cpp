@@ -21,7 +21,8 @@ void report(const dynContactProblem& x, const Problem& p, const double* y, const
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
     double l[6] = {}, u[6] = {}, e[6];
-    for (Index i = 0; i < cone.size; ++i) l[i] = p.unit[cone.row + i] * y[cone.row + i], u[i] = c[cone.row + i] * p.per_unit[cone.row + i];
+    for (Index i = 0; i < cone.size; ++i)
+      l[i] = p.unit[cone.row + i] * y[cone.row + i], u[i] = c[cone.row + i] * p.per_unit[cone.row + i];
     const Cone own = {cone.row, cone.size, cone.mu * p.unit[cone.row + 1] / p.unit[cone.row]};
     natural_map(own, l, u, e);
     largest(out.natural_map, norm(e, own.size));

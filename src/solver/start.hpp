@@ -23,11 +23,13 @@ inline bool all_contacts_stick(const Workspace& w) {
 }
 
 // A good guess is a few Newton steps from the solution; one sweep saves a step if it is less close.
-// Otherwise two sweeps and more while they converge fast; larger factorizations justify more sweeps. Returns true when the tolerance is met.
+// Otherwise two sweeps and more while they converge fast; larger factorizations justify more sweeps. Returns true when the
+// tolerance is met.
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton || !b.sweeps) return false;
-  if (b.warm && (b.best < tuning::start::close_guess * p.speed || all_contacts_stick(w)) && alart_curnier(w, b, w.y, w.c, true)) return true;
+  if (b.warm && (b.best < tuning::start::close_guess * p.speed || all_contacts_stick(w)) && alart_curnier(w, b, w.y, w.c, true))
+    return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   const auto refine = [&] {

@@ -11,9 +11,9 @@ inline constexpr double epsilon = 2.2e-16;  // relative rounding of a double
 namespace accept {
 inline constexpr double energy = 1e-10;           // relative work of impulses that counts as rounding
 inline constexpr double energy_by_tolerance = 10;  // and, times the tolerance, as its consequence
-inline constexpr double max_residual = 1e-2;      // above it the impulses do not give the velocities asked for: restitution is refused
+inline constexpr double max_residual = 1e-2;      // above it impulses miss the velocities asked for: no restitution
 inline constexpr double restitution_step = 1e-2;  // bisection of the restitution scale ends at this width
-inline constexpr double near_round_off = 10;      // errors below this times the rounding of G y are recomputed in extended precision
+inline constexpr double near_round_off = 10;      // of the rounding of G y: errors below are computed in extended precision
 inline constexpr double lost_speed = 1e-4;        // share of the speeds below which the rounding of an impulse must stay
 inline constexpr double immovable = 1e-24;        // of the largest diagonal: rows below move by rounding only (squared 1e-12)
 }  // namespace accept
@@ -39,7 +39,7 @@ inline constexpr int root_steps = 100;             // bisection bound of the sca
 inline constexpr double root_tolerance = 1e-14;    // of mu lambda_n / |lambda_t| - 1
 inline constexpr double root_growth = 4;           // of the resistance while no upper bound is known
 inline constexpr double slip_tolerance = 1e-9;     // the same of one contact in a sweep, which the next sweep repeats
-inline constexpr double singular_block = 1e-10;    // of the product of the diagonal: determinant of three rows that counts as none
+inline constexpr double singular_block = 1e-10;    // of the product of the diagonal: such a determinant is none
 inline constexpr double root_width = 4e-16;        // of the resistance: two units in the last place
 inline constexpr Index check_interval = 50;        // sweeps between removals of accumulated rounding
 }  // namespace pgs
@@ -76,7 +76,7 @@ inline constexpr double start_reduction = 0.1;   // of the interior point method
 namespace newton {
 inline constexpr Index subproblem_steps = 20;  // Newton steps in one augmented Lagrangian subproblem
 inline constexpr int admm_steps = 10;          // between subproblems
-inline constexpr Index first_steps = 1, max_steps = 100, growth = 2;  // subproblems before the interior point method is tried again
+inline constexpr Index first_steps = 1, max_steps = 100, growth = 2;  // subproblems before interior points again
 inline constexpr double start_reduction = 0.1;  // of its initial impulses
 }  // namespace newton
 
@@ -87,7 +87,7 @@ inline constexpr double to_boundary = 0.99;       // of the step length to the b
 inline constexpr double min_centring = 1e-6;      // of sigma: the path is not left entirely
 inline constexpr Index max_steps = 40;            // bound of one attempt
 inline constexpr double exact = 1e-10, rough = 1e-4;  // of the unit diagonal: regularisation of the initial impulses
-inline constexpr double contradiction = 1e-3;     // of the speed: velocity left with the exact one, above which the rough one is used
+inline constexpr double contradiction = 1e-3;     // of the speed: velocity left by exact, above which rough is used
 inline constexpr double short_step = 0.1;         // step length that counts as short
 inline constexpr Index max_short_steps = 3;       // in a row: the path is stuck
 inline constexpr double newton_error = 1e-3;      // residual over speed below which Newton's method is tried,
@@ -96,8 +96,8 @@ inline constexpr double newton_reduction = 0.1;   // if it fell by this since th
 
 // Newton's method on the whole problem (alart_curnier.cpp).
 namespace alart_curnier {
-inline constexpr double proximal = 1e-11;  // of the unit diagonal: steps are unique for redundant contacts; convergence does not suffer
-inline constexpr double min_damping = 1e-8, first_damping = 1e-3, max_damping = 1;  // Levenberg-Marquardt: after a shortened step, after a failed one
+inline constexpr double proximal = 1e-11;  // of the unit diagonal: steps are unique for redundant contacts
+inline constexpr double min_damping = 1e-8, first_damping = 1e-3, max_damping = 1;  // Levenberg-Marquardt
 inline constexpr double damping_factor = 10;  // of one change of the damping
 inline constexpr double good_step = 0.25;     // step length above which the damping does not grow
 inline constexpr double min_step = 0.1;       // of the line search; shorter steps are damped instead

@@ -39,8 +39,8 @@ struct Workspace {
     const std::ptrdiff_t n = padded(max_rows), square = n * n;
     Problem& p = problem;
     for (double** a : {&p.G.x, &factor.x, &active.x}) f(*a, square);
-    for (double** a : {&p.g, &p.lower, &p.upper, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g, &y, &c, &x, &z, &s, &r, &v, &u, &newton, &newton_c, &trial,
-                       &trial_c, &step, &step_c, &t, &exact})
+    for (double** a : {&p.g, &p.lower, &p.upper, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g,  &y,    &c,      &x, &z,
+                       &s,   &r,       &v,       &u,   &newton, &newton_c,   &trial,      &trial_c, &step, &step_c, &t, &exact})
       f(*a, n);
     f(p.cone, n), f(p.source, n), f(pivots, n), f(rows, n), f(state, n / 2), f(local, n / 2);
   }

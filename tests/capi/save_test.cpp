@@ -17,7 +17,7 @@ struct Lines {
   }
   bool lost() const {
     for (const auto& l : all)
-      if (l.first == DYN_REPORT_LEVEL_WARNING) return true;
+      if (l.first == DYN_REPORT_LEVEL_DROPPED) return true;
     return false;
   }
 };

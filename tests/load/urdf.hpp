@@ -53,7 +53,7 @@ struct Loaded {
   }
   int warnings() const {
     int n = 0;
-    for (const Entry& e : report()) n += e.level == DYN_REPORT_LEVEL_WARNING;
+    for (const Entry& e : report()) n += e.level != DYN_REPORT_LEVEL_INFO;
     return n;
   }
 };

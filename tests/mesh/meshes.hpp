@@ -259,7 +259,8 @@ inline std::string glb(const Solid& s) {
 // The solid of tests of files.
 inline const Solid brick = box(0.1, 0.25, 0.7).moved(-3, 1, 0.3);
 
-inline Made height_field(const std::vector<double>& h, int columns, int rows, double x = 0.5, double y = 0.5, double bottom = -1) {
+inline Made height_field(const std::vector<double>& h, int columns, int rows, double x = 0.5, double y = 0.5,
+                         double bottom = -1) {
   dynMesh* m = nullptr;
   const dynStatus status = dyn_mesh_from_height_field(with<dynHeightField>({0, columns, rows, h.data(), x, y, bottom}), &m);
   EXPECT_EQ(status == DYN_OK, m != nullptr);

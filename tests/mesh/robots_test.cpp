@@ -31,7 +31,7 @@ struct Robot {
       dynReportEntry e{};
       e.struct_size = sizeof e;
       EXPECT_EQ(DYN_OK, dyn_model_report_entry(m, k, &e));
-      all += std::string(e.level == DYN_REPORT_LEVEL_WARNING ? "warning: " : "info: ") + e.message + "\n";
+      all += std::string(e.level != DYN_REPORT_LEVEL_INFO ? "warning: " : "info: ") + e.message + "\n";
     }
     return all;
   }

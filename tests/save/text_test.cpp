@@ -8,7 +8,7 @@ namespace {
 
 bool lost(const SaveReport& lines, const char* what) {
   return std::any_of(lines.begin(), lines.end(), [&](const SaveEntry& e) {
-    return e.level == DYN_REPORT_LEVEL_WARNING && e.message.find(what) != std::string::npos;
+    return e.level == DYN_REPORT_LEVEL_DROPPED && e.message.find(what) != std::string::npos;
   });
 }
 

@@ -62,7 +62,7 @@ TEST(Traps, MissingMeshIsReported) {
     dynReportEntry e{};
     e.struct_size = sizeof e;
     ASSERT_EQ(DYN_OK, dyn_model_report_entry(m, k, &e));
-    found |= e.level == DYN_REPORT_LEVEL_WARNING && e.line == 2 &&
+    found |= e.level == DYN_REPORT_LEVEL_DROPPED && e.line == 2 &&
              says({"package://nowhere/meshes/a.stl", "not found", "/none/such"}, e.message);
   }
   EXPECT_TRUE(found);

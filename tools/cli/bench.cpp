@@ -43,14 +43,17 @@ dynAlgorithmInfo describe(const Robot& robot, dynAlgorithm algorithm) {
   return info;
 }
 std::int64_t numbers(const dynAlgorithmInfo& info, int k) { return std::int64_t(info.rows[k]) * info.cols[k] * info.pages[k]; }
-bool has_word(const std::string& words, const std::string& word) { return (" " + words + " ").find(" " + word + " ") < words.size(); }
+bool has_word(const std::string& words, const std::string& word) {
+  return (" " + words + " ").find(" " + word + " ") < words.size();
+}
 
 // One row of dynAlgorithm. Outputs that may be NULL stay in data.
 Algorithm algorithm_row(const Robot& robot, dynAlgorithm algorithm, dynIntegrator integrator, const std::string& name) {
   const dynAlgorithmInfo info = describe(robot, algorithm);
   const auto out = std::make_shared<std::vector<Vector>>();
   const dynModel* m = robot;
-  const auto call = [=, frame = robot.nframes - 1, joint = robot.njoints - 1, home = robot.neutral()](dynData* d, const Sample& s) {
+  const auto call = [=, frame = robot.nframes - 1, joint = robot.njoints - 1, home = robot.neutral()](dynData* d,
+                                                                                                      const Sample& s) {
     dynBatchArrays x;
     dyn_batch_arrays_init(&x);
     x.q = s.q.data(), x.v = s.v.data(), x.a = s.a.data(), x.tau = x.b = s.tau.data(), x.q1 = home.data();

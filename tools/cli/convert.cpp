@@ -67,11 +67,11 @@ void convert(const RobotOptions& options, const Image& image, const std::string&
     check(status);
     json report = json::array();
     for (const Line& l : lines)
-      report.push_back({{"level", l.level == DYN_REPORT_LEVEL_WARNING ? "warning" : "info"}, {"message", l.message}});
+      report.push_back({{"level", name_of("dynReportLevel", l.level)}, {"message", l.message}});
     return print(json_text({{"file", out}, {"report", report}}));
   }
   for (const Line& l : lines)
-    std::cerr << "dyn: " << (l.level == DYN_REPORT_LEVEL_WARNING ? "warning: lost: " : "note: ") << one_line(l.message) << '\n';
+    std::cerr << "dyn: " << (l.level == DYN_REPORT_LEVEL_DROPPED ? "warning: lost: " : "note: ") << one_line(l.message) << '\n';
   check(status);
 }
 

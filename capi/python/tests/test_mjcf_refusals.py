@@ -49,7 +49,7 @@ DROPPED = [
 def test_what_is_dropped_is_listed_and_an_error_when_strict(text, message):
     text = "<mujoco>\n" + text.format(b=BODY) + "</mujoco>"
     lines = [r for r in dyn.load_string(text).report if message in r.message]
-    assert lines and lines[0].line == 2 and lines[0].level == dyn.ReportLevel.WARNING
+    assert lines and lines[0].line == 2 and lines[0].level == dyn.ReportLevel.DROPPED
     with pytest.raises(dyn.Error, match="line 2") as error:
         dyn.load_string(text, strict=True)
     assert message in str(error.value)

@@ -26,7 +26,7 @@ def test_a_model_comes_back(go2, tmp_path, name):
     M, again = np.array(dyn.Data(go2).crba(q)), np.array(dyn.Data(back).crba(q))
     np.testing.assert_allclose(again, M, rtol=0, atol=1e-12 * abs(M).max())
     assert all(isinstance(line.level, dyn.ReportLevel) and line.message for line in lines)
-    assert (name == "m.xml") == any("velocity limits" in line.message for line in lines if line.level == dyn.ReportLevel.WARNING)
+    assert (name == "m.xml") == any("velocity limits" in line.message for line in lines if line.level == dyn.ReportLevel.DROPPED)
 
 
 def test_what_is_refused(go2, tmp_path):
