@@ -71,6 +71,19 @@ def test_sim_refuses_explicit_steps_of_what_is_too_stiff(tmp_path):
     assert answer(*words, "--integrator", "implicit_fast")["steps"] == 10
 
 
+def test_sim_without_an_error_estimate(tmp_path):
+    """A mass slides along an arm on a spring, from 2 m to -2 m in the step. Half-way the arm is light: half a step is unstable."""
+    robot, csv = tmp_path / "balance.xml", tmp_path / "balance.csv"
+    robot.write_text('<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="j" axis="0 0 1" stiffness="4"/><geom size=".1"/>'
+                     '<body><joint type="slide" axis="1 0 0"/><geom size=".06"/></body></body></worldbody></mujoco>')
+    words = ("sim", robot, "--integrator", "rk4", "--duration", "1", "--dt", "1", "--q", "0", "2", "--v", "0", "-4")
+    found = answer(*words, "--csv", csv)
+    assert found["q"] == pytest.approx([0, -2], abs=1e-12)
+    assert found["error_estimate"] is None and found["steps"] == 1 and len(csv.read_text().splitlines()) == 3
+    assert sum(w.startswith("no error estimate: ") and "'j'" in w for w in found["warnings"]) == 1
+    assert "error estimate    unknown" in run(*words)
+
+
 def test_sim_error_estimate_is_honest(arm_file):
     def end(dt, integrator):
         return answer("sim", arm_file, "--fixed", "--duration", "1", "--dt", dt, "--integrator", integrator, "--q", "1,0.5",
