@@ -10,6 +10,7 @@
 #include "collision/distance.hpp"
 #include "joint/spherical.hpp"
 #include "shape/list.hpp"
+#include "table/names.hpp"
 
 namespace dyn_test {
 
@@ -19,23 +20,12 @@ using shape::Pose;
 using shape::Shape;
 using shape::Type;
 using shape::Vec;
+using dyn::name_of;
 
 // Number of samples: DYN_COLLISION_SAMPLES, or as many as take seconds.
 inline int samples(int usual) {
   const char* s = std::getenv("DYN_COLLISION_SAMPLES");
   return s ? std::atoi(s) : usual;
-}
-
-inline const char* name_of(Type t) {
-  Shape s{};
-  static const double one[8] = {};
-  (void)one;
-  s.type = t;
-  Hull h{};
-  s.hull = &h;
-  const char* name = "";
-  shape::visit(s, [&]<class S>(const S&) { name = S::name; });
-  return name;
 }
 
 // A stored shape with its hull.
