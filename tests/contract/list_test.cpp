@@ -2,6 +2,7 @@
 #include <set>
 #include <string>
 
+#include "table/names.hpp"
 #include "common/random_tree.hpp"
 #include "joint/list.hpp"
 #include "table/enums.hpp"
@@ -24,14 +25,14 @@ TEST(List, VisitReachesTheNamedPrimitive) {
 TEST(List, EveryUserJointTypeHasANameSizesAndATest) {
   std::set<std::string> names;
   for (const dynJointType type : every<dynJointType>("dynJointType")) {
-    names.insert(joint_type_name(type));
+    names.insert(name_of(type));
     if (type == DYN_JOINT_TYPE_FIXED || type == DYN_JOINT_TYPE_COMPOSITE) continue;
     EXPECT_GT(joint_nv(type), 0);
     EXPECT_GE(joint_nq(type), joint_nv(type));
     EXPECT_EQ(std::size_t(joint_nq(type)), lengths([&] { JointSpec s; s.type = type; return s; }(), true).size());
   }
   EXPECT_EQ(std::size_t(Members<dynJointType>::count), names.size());
-  EXPECT_STREQ("unknown", joint_type_name(dynJointType(Members<dynJointType>::last + 1)));
+  EXPECT_STREQ("unknown", name_of(dynJointType(Members<dynJointType>::last + 1)));
 }
 
 }  // namespace

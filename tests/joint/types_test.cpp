@@ -1,5 +1,6 @@
 // Every joint type of the user against its definition written with Eigen: where it places its child, what its velocity means,
 // and that the builder's turning of frames does not show.
+#include "table/names.hpp"
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
 
@@ -237,7 +238,7 @@ TEST_P(JointType, SizesAndRecord) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, JointType, testing::ValuesIn(moving_types()),
-                         [](const auto& p) { return std::string(joint_type_name(p.param)); });
+                         [](const auto& p) { return std::string(name_of(p.param)); });
 
 TEST(JointAxes, EveryDirectionMinusZIncluded) {
   Dice dice(7);

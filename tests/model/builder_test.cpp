@@ -1,4 +1,5 @@
 // What the builder makes: order, merged links, frames, limits, armature, named configurations, the elimination tree.
+#include "table/names.hpp"
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
 
@@ -254,9 +255,9 @@ TEST(Builder, InternalFramesAreInvisible) {
       frame_placement(w.m, w.d, w.m.n.frames - 1, X);
       hand[k] = eigen(X);
     }
-    EXPECT_LE(gap(hand[0], hand[1]), 4e-15) << joint_type_name(type);
-    EXPECT_LE(gap(tau[0], tau[1]), 1e-13 * largest(tau[0])) << joint_type_name(type);
-    EXPECT_LE(gap(ddq[0], ddq[1]), 1e-12 * largest(ddq[0])) << joint_type_name(type);  // cond(M) below 100
+    EXPECT_LE(gap(hand[0], hand[1]), 4e-15) << name_of(type);
+    EXPECT_LE(gap(tau[0], tau[1]), 1e-13 * largest(tau[0])) << name_of(type);
+    EXPECT_LE(gap(ddq[0], ddq[1]), 1e-12 * largest(ddq[0])) << name_of(type);  // cond(M) below 100
   }
 }
 
