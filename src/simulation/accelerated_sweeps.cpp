@@ -217,25 +217,18 @@ void AcceleratedSweeps::accelerate(bool grew) {
 // Calls f(constraint, block, Y' z in its rows).
 template <class F>
 double AcceleratedSweeps::residual(F&& f) const {
-  double worst = 0, most = 0;  // velocity; impulse, as a velocity
+  BlockError worst;
   for_each([&](const ActiveConstraint& a, const RowBlock& s, Index k) {
     const double *const l = y + a.s->first, *const g = wanted + a.s->first;
-    double c[max_rows], u[max_rows], wrong[max_rows];
+    double c[max_rows], u[max_rows];
     by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
       gather<rows>(k, c);
       for (int i = 0; i < rows; ++i) u[i] = g[i] + c[i] + s.soft[i] * l[i];
     });
     f(a, s, c);
-    if (s.is_cone()) solver::natural_map({0, s.rows, s.mu}, l, u, wrong);
-    else
-      for (Index i = 0; i < s.rows; ++i) wrong[i] = l[i] - std::clamp(l[i] - u[i], s.lower, s.upper);
-    for (Index i = 0; i < s.rows; ++i) {
-      const double speed = s.is_cone() ? s.speed[i > 0] : s.unit[i], error = std::abs(wrong[i]) / speed;
-      most = std::max(most, std::abs(l[i]) / speed);
-      if (!(error <= worst)) worst = error >= 0 ? error : HUGE_VAL;  // NaN counts as infinite
-    }
+    worst.take(s, l, u);
   });
-  return solver::is_lost_to_round_off(most, x.fastest) ? HUGE_VAL : worst;
+  return worst.error(x.fastest);
 }
 
 double AcceleratedSweeps::residual() const {

@@ -82,7 +82,7 @@ void Interior::scale_cone(const ActiveConstraint& a, State& s) const {
     s.law[i][0] = A[i][0] / s.mu;
     for (Index j = 1; j <= m; ++j) s.law[i][j] = A[i][j] - (fixed_correction ? 0 : A[i][0] * yk[j] / Y0);
   }
-  if (const double R = soft(a, s, 0); R > 0) {
+  if (const double R = s.soft[0]; R > 0) {
     const double share = R / (1 + R * s.law[0][0]);
     double column[6], row[6];
     for (Index i = 0; i <= m; ++i) column[i] = s.law[i][0], row[i] = s.law[0][i];
@@ -93,11 +93,11 @@ void Interior::scale_cone(const ActiveConstraint& a, State& s) const {
 
 bool Interior::factorize_barrier() const {
   for_each([&](const ActiveConstraint& a, State& s, Index k) {
-    s.unknowns = s.rows, activate(k);
+    s.acts = true, activate(k);
     if (s.cone) return scale_cone(a, s);
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
     for (Index i = 0; i < s.rows; ++i) {
-      double E = min_compliance + soft(a, s, i);
+      double E = min_compliance + s.soft[i];
       if (Uk[i] > 0) E += Uk[i] / (yk[i] - s.lower);
       if (top[i] > 0) E += top[i] / (s.upper - yk[i]);
       for (Index j = 0; j < s.rows; ++j) s.law[i][j] = i == j ? 1 / E : 0;
@@ -129,27 +129,25 @@ void Interior::direction_to(double sigma) {
     }
     r[0] = s.mu * head - ck[0];
   });
-  auto apply = [&](const State& s, const double* r, double* to) {
-    for (Index i = 0; i < s.rows; ++i) {
-      to[i] = 0;
-      for (Index j = 0; j < s.rows; ++j) to[i] += s.law[i][j] * r[j];
-    }
-  };
   std::fill_n(dy, x.rows, 0.0);
   for (int k = 0; k <= refinements; ++k) {  // iterative refinement
     clear();
     for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
-      double by[max_rows];
-      apply(s, rhs + a.s->first, by), scatter(constraint, s.rows, by);
+      by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+        double by[rows];
+        apply<rows>(s, rhs + a.s->first, by), scatter<rows>(constraint, by);
+      });
     });
     factor.solve(w.by_segment);
     for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
-      double v[max_rows], by[max_rows];
-      double *r = rhs + a.s->first, *to = dy + a.s->first;
-      gather(constraint, s.rows, w.by_segment, v);
-      for (Index i = 0; i < s.rows; ++i) r[i] -= v[i];
-      apply(s, r, by);
-      for (Index i = 0; i < s.rows; ++i) to[i] += by[i], r[i] = v[i] + (k ? dc[a.s->first + i] : 0);
+      by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+        double v[rows], by[rows];
+        double *r = rhs + a.s->first, *to = dy + a.s->first;
+        gather<rows>(constraint, w.by_segment, v);
+        for (int i = 0; i < rows; ++i) r[i] -= v[i];
+        apply<rows>(s, r, by);
+        for (int i = 0; i < rows; ++i) to[i] += by[i], r[i] = v[i] + (k ? dc[a.s->first + i] : 0);
+      });
     });
     times(dy, dc);
     for_each([&](const ActiveConstraint& a, const State& s, Index) {
@@ -212,7 +210,7 @@ bool Interior::step(dynContactReport& report) {
 // Newton's method from here; if it fails, the iterate is restored.
 bool Interior::newton_refine(Index most, double share, dynContactReport& report) {
   std::copy_n(y, x.rows, y_here), std::copy_n(c, x.rows, c_here);
-  if (Newton::run(most, share, report)) return true;
+  if (Newton::run(most, share, 0, report)) return true;
   std::copy_n(y_here, x.rows, y), std::copy_n(c_here, x.rows, c);
   return false;
 }

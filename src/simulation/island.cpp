@@ -136,7 +136,8 @@ void Island::fill() {
     else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
     else fill_contact(*this, x, in_contacts++);
   }
-  if (bounces) tolerance = std::min(tolerance, tuning::island::settled);
+  enough = w.has_tolerance() ? tolerance : tuning::island::tolerance;
+  if (bounces) tolerance = enough = std::min(tolerance, tuning::island::settled);
 }
 
 // Leaves out rows of equalities that are redundant but for a misalignment, which would lock the mechanism.

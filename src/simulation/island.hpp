@@ -26,6 +26,7 @@ struct Island {
   enum class Eliminated { Not, Runs, Fits, DoesNotFit };
   Eliminated eliminated = Eliminated::Not;
   double tolerance = w.tolerance();  // of the residual that ends the solve
+  double enough = tolerance;  // residual with which no other method is tried
   Index allowance =
       std::min(w.max_iterations(), tuning::island::rounds* w.method_iterations());  // iterations, summed over all methods
 
@@ -77,6 +78,7 @@ struct Island {
   // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
+  void solve_exactly(dynContactReport& report);
   void accelerated_sweeps(dynContactReport& report);  // alone
   void solve_fixed_correction(dynContactReport& report);
   double residual() const;  // also sets by_dof and c for lambda

@@ -81,7 +81,7 @@ void Newton::load() {
   for_each([&](const ActiveConstraint& a, State& s, Index k) {
     const RowBlock& own = w.row_blocks[k];
     s.order = own.order, s.rows = own.rows, s.cone = own.is_cone(), s.mu = own.mu, s.lower = own.lower, s.upper = own.upper;
-    std::copy_n(own.unit, s.rows, s.unit), std::copy_n(own.speed, 2, s.speed);
+    std::copy_n(own.unit, s.rows, s.unit), std::copy_n(own.soft, s.rows, s.soft), std::copy_n(own.speed, 2, s.speed);
     for (Index i = 0; i < s.rows; ++i) {
       const double l = x.lambda[a.s->first + s.order[i]];
       before[a.s->first + i] = s.unit[i] > 0 ? l / s.unit[i] : 0;
@@ -92,11 +92,15 @@ void Newton::load() {
 // G y in scaled units, compliance included.
 void Newton::times(const double* of, double* G_of) const {
   clear();
-  for_each([&](const ActiveConstraint& a, const State& s, Index k) { scatter(k, s.rows, of + a.s->first); });
+  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
+    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { scatter<rows>(k, of + a.s->first); });
+  });
   for_each([&](const ActiveConstraint& a, const State& s, Index k) {
     double* to = G_of + a.s->first;
-    gather(k, s.rows, w.by_segment, to);
-    for (Index i = 0; i < s.rows; ++i) to[i] += soft(a, s, i) * of[a.s->first + i];
+    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+      gather<rows>(k, w.by_segment, to);
+      for (int i = 0; i < rows; ++i) to[i] += s.soft[i] * of[a.s->first + i];
+    });
   });
 }
 

@@ -123,7 +123,8 @@ void Island::project_rhs_to_range() {
   inconsistency = most > 0 ? off / most : 0;
 }
 
-// Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts.
+// Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. By default a short
+// try comes before them for the fine residual, which costs little or very much.
 void Island::solve(dynContactReport& best) {
   matrix();
   double* const asked = kept;
@@ -134,22 +135,29 @@ void Island::solve(dynContactReport& best) {
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
   const dynContactSolverType other =
       w.options.solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
+  const Index all = w.method_iterations(), few = std::min(all, tuning::island::few_iterations);
   const struct {
     dynContactSolverType solver;
     bool warm, sweeps;
-  } tries[] = {{w.options.solver, true, true}, {w.options.solver, false, false}, {other, false, false}};
+    double tolerance;
+    Index most;
+  } tries[] = {{w.options.solver, true, true, tolerance, enough > tolerance ? few : 0},
+               {w.options.solver, true, true, enough, all},
+               {w.options.solver, false, false, enough, all},
+               {other, false, false, enough, all}};
   std::int32_t iterations = best.iterations, newton_steps = best.newton_steps;  // counts what was tried before
   for (const auto& t : tries) {
+    if (t.most == 0) continue;
     solver::Budget b;
-    b.tolerance = tolerance,
-    b.max_iterations = std::min(w.method_iterations(), std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
+    b.tolerance = t.tolerance,
+    b.max_iterations = std::min(t.most, std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
     b.warm = t.warm, b.sweeps = t.sweeps;
     b.brief = true, b.expired = w.expired, b.clock = w.clock;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
     if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
-    if (iterations + newton_steps >= w.max_iterations() || best.residual <= tolerance ||
+    if (iterations + newton_steps >= w.max_iterations() || best.residual <= enough ||
         w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS || w.time_is_up())
       break;
   }

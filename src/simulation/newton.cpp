@@ -1,5 +1,6 @@
 #include "simulation/newton.hpp"
 
+
 #include "algorithm/constrained/delassus.hpp"
 
 namespace dyn::simulation {
@@ -7,33 +8,6 @@ namespace dyn::simulation {
 namespace {
 
 using namespace tuning::newton;
-
-
-// Impulses of rows from unknowns. A slipping contact has the normal (friction follows it) and the directions across the slip.
-void to_rows(const NewtonConstraint& s, const double* unknowns, double* rows) {
-  if (s.mode != solver::ConeState::slip) {
-    for (Index i = 0; i < s.rows; ++i) rows[i] = i < s.unknowns ? unknowns[i] : 0;
-    return;
-  }
-  rows[0] = unknowns[0];
-  for (Index l = 0; l < s.rows - 1; ++l) {
-    rows[1 + l] = s.mu * unknowns[0] * s.direction[0][l];
-    for (Index i = 1; i < s.rows - 1; ++i) rows[1 + l] += unknowns[i] * s.direction[i][l];
-  }
-}
-
-// Equations of unknowns from those of rows.
-void to_unknowns(const NewtonConstraint& s, const double* rows, double* unknowns) {
-  if (s.mode != solver::ConeState::slip) {
-    std::copy_n(rows, s.unknowns, unknowns);
-    return;
-  }
-  unknowns[0] = rows[0];
-  for (Index i = 1; i < s.rows - 1; ++i) {
-    unknowns[i] = 0;
-    for (Index l = 0; l < s.rows - 1; ++l) unknowns[i] += s.direction[i][l] * rows[1 + l];
-  }
-}
 
 // C += a law b^T. a, b: rows of constraints in lanes.
 template <int rows>
@@ -66,21 +40,23 @@ Newton::Error Newton::error(double t) const {
   Error out;
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
-    double yk[6] = {}, ak[6] = {};
-    for (Index i = 0; i < s.rows; ++i)
-      yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
-    auto take = [&](double e, Index i) {
-      const double velocity = e / (s.cone ? s.speed[i > 0] : s.unit[i]);
-      out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity, out.own += e * e;
-    };
-    if (!s.cone) {
-      for (Index i = 0; i < s.rows; ++i) take(yk[i] - std::clamp(ak[i], s.lower, s.upper), i);
-      return;
-    }
-    const double r = std::max(0.0, ak[0]), length = solver::norm(ak + 1, s.rows - 1),
-                 within = length > s.mu * r ? s.mu * r / length : 1;
-    take(yk[0] - r, 0);
-    for (Index i = 1; i < s.rows; ++i) take(yk[i] - within * ak[i], i);
+    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+      double yk[rows], ak[rows];
+      for (int i = 0; i < rows; ++i)
+        yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
+      auto take = [&](double e, double per_unit) {
+        const double velocity = e * per_unit;
+        out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity, out.own += e * e;
+      };
+      if (!s.cone) {
+        for (int i = 0; i < rows; ++i) take(yk[i] - std::clamp(ak[i], s.lower, s.upper), 1 / s.unit[i]);
+        return;
+      }
+      const double r = std::max(0.0, ak[0]), length = solver::norm(ak + 1, rows - 1),
+                   within = length > s.mu * r ? s.mu * r / length : 1, per_tangent = 1 / s.speed[1];
+      take(yk[0] - r, 1 / s.speed[0]);
+      for (int i = 1; i < rows; ++i) take(yk[i] - within * ak[i], per_tangent);
+    });
   });
   return out;
 }
@@ -92,26 +68,25 @@ double Newton::classify() {
     const double *yk = y + a.s->first, *ck = c + a.s->first;
     double* to = dy + a.s->first;
     std::fill_n(to, s.rows, 0.0);
-    s.mode = solver::ConeState::stick, s.unknowns = s.rows;
+    s.mode = solver::ConeState::stick, s.acts = true;
     if (!s.cone) {
       if (s.lower == -HUGE_VAL && s.upper == HUGE_VAL) return;
       const double aim = yk[0] - ck[0], at = std::clamp(aim, s.lower, s.upper);
-      if (at != aim) s.unknowns = 0, to[0] = at - yk[0];
+      if (at != aim) s.acts = false, to[0] = at - yk[0];
     } else {
-      double t[5];
+      double* const t = s.direction;
       const Index size = s.rows - 1;
       for (Index i = 0; i < size; ++i) t[i] = yk[1 + i] - ck[1 + i];
       const double normal = yk[0] - ck[0], length = solver::norm(t, size);
       if (normal <= 0) {
-        s.mode = solver::ConeState::open, s.unknowns = 0;
+        s.mode = solver::ConeState::open, s.acts = false;
         for (Index i = 0; i < s.rows; ++i) to[i] = -yk[i];
       } else if (length > s.mu * normal) {
-        s.mode = solver::ConeState::slip, s.unknowns = s.rows - 1;
+        s.mode = solver::ConeState::slip;
         s.across = s.mu * normal / length;
-        solver::basis(t, size, s.direction);
         double excess = s.mu * yk[0];
-        for (Index i = 0; i < size; ++i) excess -= yk[1 + i] * s.direction[0][i];
-        for (Index i = 0; i < size; ++i) to[1 + i] = excess * s.direction[0][i];
+        for (Index i = 0; i < size; ++i) t[i] /= length, excess -= yk[1 + i] * t[i];
+        for (Index i = 0; i < size; ++i) to[1 + i] = excess * t[i];
       }
     }
     for (Index i = 0; i < s.rows; ++i) known = std::max(known, std::abs(to[i]));
@@ -119,19 +94,19 @@ double Newton::classify() {
   return known;
 }
 
-// A sticking row has only the regularising compliance; across the slip direction the width of the cone adds to it.
-void Newton::set_law(const ActiveConstraint& a, State& s) const {
-  for (Index i = 0; i < s.unknowns; ++i) {
-    const double across = s.mode == solver::ConeState::slip && i > 0 ? 1 / s.across - 1 : 0;
-    s.stiffness[i] = 1 / (compliant + across + soft(a, s, i));
+// A sticking row has only the regularising compliance. Where a contact slips, friction follows the normal along the slip, and the
+// width of the cone adds to the compliance across it.
+void Newton::set_law(State& s) const {
+  const bool slips = s.mode == solver::ConeState::slip;
+  for (Index i = 0; i < s.rows; ++i) {
+    for (Index j = 0; j < s.rows; ++j) s.law[i][j] = 0;
+    if (!slips || i == 0) s.law[i][i] = 1 / (compliant + s.soft[i]);
   }
-  for (Index j = 0; j < s.rows; ++j) {
-    double unit[max_rows] = {}, by[max_rows] = {}, column[max_rows] = {};
-    unit[j] = 1;
-    to_unknowns(s, unit, by);
-    for (Index i = 0; i < s.unknowns; ++i) by[i] *= s.stiffness[i];
-    to_rows(s, by, column);
-    for (Index i = 0; i < s.rows; ++i) s.law[i][j] = column[i];
+  if (!slips) return;
+  const double K = 1 / (compliant + 1 / s.across - 1 + s.soft[1]);
+  for (Index i = 1; i < s.rows; ++i) {
+    s.law[i][0] = s.mu * s.law[0][0] * s.direction[i - 1];
+    for (Index j = 1; j < s.rows; ++j) s.law[i][j] = K * ((i == j) - s.direction[i - 1] * s.direction[j - 1]);
   }
 }
 
@@ -141,8 +116,8 @@ void Newton::fill(Index p, double* D) const {
   for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = 1;
   e.for_each_of(e.order[p], [&](const ConstraintRun& a) {
     const State& s = w.newton[a.constraint];
-    if (s.unknowns == 0) return;
-    with_row_count(s.rows, [&]<int rows>() {
+    if (!s.acts) return;
+    by_rows(s, [&]<int rows>() {
       e.for_each_run(a.constraint, [&](const ConstraintRun& b) {
         const Index q = e.position[b.segment];
         if (q == p) add_product<rows>(s, a.rows, a.rows, D);
@@ -165,45 +140,49 @@ bool Newton::direction() {
   if (classify() > 0) times(dy, dc);
   else std::fill_n(dc, x.rows, 0.0);
   std::fill_n(w.newton_acts, e.size, false);
-  for_each([&](const ActiveConstraint& a, State& s, Index k) {
-    if (s.unknowns > 0) set_law(a, s), activate(k);
+  for_each([&](const ActiveConstraint&, State& s, Index k) {
+    if (s.acts) set_law(s), activate(k);
   });
   if (!factorize()) return false;
-  // by unknowns: wanted change, remainder, found change; by rows: step and G step
-  double *wanted = before + room, *left = wanted + room, *found = left + room, *step = found + room, *G_step = step + room;
+  // wanted change of velocity less what the step gives; step; G step
+  double *left = before + room, *step = left + room, *G_step = step + room;
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
-    double minus[max_rows] = {};
-    for (Index i = 0; i < s.rows; ++i)
-      minus[i] = -dc[first + i] - (s.mode == solver::ConeState::slip && i > 0 ? c[first + i] / s.across : c[first + i]);
-    to_unknowns(s, minus, wanted + first);
-    std::copy_n(wanted + first, s.unknowns, left + first);
-    std::fill_n(found + first, s.rows, 0.0);
+    const double across = s.mode == solver::ConeState::slip ? 1 / s.across : 1;
+    for (Index i = 0; i < s.rows; ++i) left[first + i] = -dc[first + i] - (i > 0 ? across : 1) * c[first + i];
   });
+  std::fill_n(step, x.rows, 0.0);
   for (int k = 0;; ++k) {
     clear();
     for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
-      if (s.unknowns == 0) return;
-      double by[max_rows] = {}, rows[max_rows] = {};
-      for (Index i = 0; i < s.unknowns; ++i) by[i] = s.stiffness[i] * left[a.s->first + i];
-      to_rows(s, by, rows), scatter(constraint, s.rows, rows);
+      if (!s.acts) return;
+      by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+        double by[rows];
+        apply<rows>(s, left + a.s->first, by), scatter<rows>(constraint, by);
+      });
     });
     factor.solve(w.by_segment);
     for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
-      const Index first = a.s->first;
-      double rows[max_rows] = {}, by[max_rows] = {};
-      if (s.unknowns) gather(constraint, s.rows, w.by_segment, rows), to_unknowns(s, rows, by);
-      for (Index i = 0; i < s.unknowns; ++i) found[first + i] += s.stiffness[i] * (left[first + i] - by[i]);
-      to_rows(s, found + first, step + first);
+      if (!s.acts) return;
+      by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+        double velocity[rows], by[rows];
+        gather<rows>(constraint, w.by_segment, velocity);
+        for (int i = 0; i < rows; ++i) velocity[i] = left[a.s->first + i] - velocity[i];
+        apply<rows>(s, velocity, by);
+        for (int i = 0; i < rows; ++i) step[a.s->first + i] += by[i];
+      });
     });
     times(step, G_step);
     if (k == refinements || compliant != min_compliance) break;
-    for_each([&](const ActiveConstraint& a, const State& s, Index) {  // residual with the true compliance
+    for_each([&](const ActiveConstraint& a, const State& s, Index) {  // with the true compliance
       const Index first = a.s->first;
-      double by[max_rows];
-      to_unknowns(s, G_step + first, by);
-      for (Index i = 0; i < s.unknowns; ++i)
-        left[first + i] = wanted[first + i] - by[i] - (1 / s.stiffness[i] - compliant - soft(a, s, i)) * found[first + i];
+      const bool slips = s.mode == solver::ConeState::slip;
+      double along = 0;
+      for (Index i = 1; slips && i < s.rows; ++i) along += step[first + i] * s.direction[i - 1];
+      for (Index i = 0; i < s.rows; ++i) {
+        const double across = slips && i > 0 ? (1 / s.across - 1) * (step[first + i] - along * s.direction[i - 1]) : 0;
+        left[first + i] = -dc[first + i] - (slips && i > 0 ? c[first + i] / s.across : c[first + i]) - G_step[first + i] - across;
+      }
     });
   }
   for (Index i = 0; i < x.rows; ++i) dy[i] += step[i], dc[i] += G_step[i];
@@ -220,9 +199,18 @@ void Newton::candidate(double* into) const {
   });
 }
 
-double Newton::residual() const {
-  candidate(best), to_impulses(best);
-  return x.residual() / speed;
+// Of impulses in their cones (solver/residuals.hpp), over the speed. Changes dc.
+double Newton::residual(const double* impulses) const {
+  times(impulses, dc);
+  BlockError worst;
+  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
+    const Index first = a.s->first;
+    double u[max_rows];
+    for (Index i = 0; i < s.rows; ++i)
+      u[i] = dc[first + i] + s.unit[i] * (x.g[first + s.order[i]] + x.bias[first + s.order[i]]);
+    worst.take(w.row_blocks[k], impulses + first, u);
+  });
+  return worst.error(x.fastest) / speed;
 }
 
 void Newton::to_impulses(const double* from) const {
@@ -248,8 +236,9 @@ Newton::Newton(const Island& island)
   std::copy_n(before, x.rows, y), velocities();
 }
 
-bool Newton::run(Index most, double share, dynContactReport& report) {
+bool Newton::run(Index most, double share, double enough, dynContactReport& report) {
   Error now = error();
+  double last = HUGE_VAL;
   for (Index k = 0; k < most && x.within_budget(report); ++k) {
     ++report.newton_steps;
     if (!direction()) break;
@@ -267,7 +256,14 @@ bool Newton::run(Index most, double share, dynContactReport& report) {
       std::copy_n(before, x.rows, y), velocities();
       break;
     }
-    if (next.most < near * speed && (report.residual = residual()) <= x.tolerance) return true;
+    if (next.most < near * speed) {
+      candidate(best), report.residual = residual(best);
+      if (report.residual <= x.tolerance || (report.residual <= enough && !(report.residual < progress * last))) {
+        to_impulses(best);
+        return true;
+      }
+      last = report.residual;
+    }
     if (!(next.sum < share * now.sum)) break;
     now = next;
   }
@@ -275,13 +271,14 @@ bool Newton::run(Index most, double share, dynContactReport& report) {
   return false;
 }
 
-bool Newton::run(dynContactReport& report) { return run(max_steps, 1, report); }
+bool Newton::run(dynContactReport& report) { return run(max_steps, 1, x.enough, report); }
 
 void Newton::write_best(dynContactReport& report) {
-  const double found = residual();
-  to_impulses(before);
-  report.residual = x.residual() / speed;
+  candidate(best);
+  const double found = residual(best);
+  report.residual = residual(before);
   if (found < report.residual) to_impulses(best), report.residual = found;
+  else to_impulses(before);
 }
 
 }  // namespace dyn::simulation

@@ -16,8 +16,9 @@ class Newton {
   explicit Newton(const Island& island);
   // Starts from the island's lambda and iterates while the error falls. Returns true when the tolerance is met.
   bool run(dynContactReport& report);
-  // At most max_steps steps, each of which must reduce the squared error to `share` of the last.
-  bool run(Index max_steps, double share, dynContactReport& report);
+  // At most max_steps steps, each of which must reduce the squared error to `share` of the last. Ends at a residual of `enough`,
+  // too, where it falls slowly.
+  bool run(Index max_steps, double share, double enough, dynContactReport& report);
   // Sets lambda to the feasible impulses nearest to the result if they are better than the guess.
   void write_best(dynContactReport& report);
 
@@ -44,26 +45,47 @@ class Newton {
     for (Index k = 0; k < x.constraint_count; ++k) f(x.constraint(k), w.newton[k], k);
   }
   void clear() const { std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0); }
+  // Calls f.template operator()<number of rows>().
+  template <class F>
+  static DYN_INLINE void by_rows(const State& s, F&& f) {
+    if (s.rows == 3) f.template operator()<3>();  // most contacts
+    else with_row_count(s.rows, f);
+  }
   // scatter: w.by_segment += Y by. gather: velocity = Y^T of.
-  DYN_INLINE void scatter(Index constraint, Index rows, const double* by) const {
-    e.for_each_run(constraint, [&](const ConstraintRun& r) {
-      double* const to = w.by_segment + W * e.position[r.segment];
+  template <int rows>
+  DYN_INLINE void scatter(Index constraint, const double* by) const {
+    for (Index r = e.first_run[constraint]; r < e.first_run[constraint + 1]; ++r) {
+      const ConstraintRun& run = e.runs[r];
+      double* const to = w.by_segment + W * e.position[run.segment];
       P sum = P::load(to);
-      for (Index i = 0; i < rows; ++i) sum = sum + P::load(r.rows + W * i) * by[i];
+#pragma GCC unroll 6
+      for (int i = 0; i < rows; ++i) sum = sum + P::load(run.rows + W * i) * by[i];
       sum.store(to);
-    });
+    }
   }
-  DYN_INLINE void gather(Index constraint, Index rows, const double* of, double* velocity) const {
-    P sum[max_rows];
-    for (Index i = 0; i < rows; ++i) sum[i] = P::zero();
-    e.for_each_run(constraint, [&](const ConstraintRun& r) {
-      const P at = P::load(of + W * e.position[r.segment]);
-      for (Index i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(r.rows + W * i) * at;
-    });
-    for (Index i = 0; i < rows; ++i) velocity[i] = dyn::sum(sum[i]);
+  template <int rows>
+  DYN_INLINE void gather(Index constraint, const double* of, double* velocity) const {
+    P sum[rows];
+#pragma GCC unroll 6
+    for (int i = 0; i < rows; ++i) sum[i] = P::zero();
+    for (Index r = e.first_run[constraint]; r < e.first_run[constraint + 1]; ++r) {
+      const ConstraintRun& run = e.runs[r];
+      const P at = P::load(of + W * e.position[run.segment]);
+#pragma GCC unroll 6
+      for (int i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(run.rows + W * i) * at;
+    }
+#pragma GCC unroll 6
+    for (int i = 0; i < rows; ++i) velocity[i] = dyn::sum(sum[i]);
   }
-  double soft(const ActiveConstraint& a, const State& s, Index i) const {
-    return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i];
+  // by = law of
+  template <int rows>
+  static DYN_INLINE void apply(const State& s, const double* of, double* by) {
+#pragma GCC unroll 6
+    for (int i = 0; i < rows; ++i) {
+      by[i] = 0;
+#pragma GCC unroll 6
+      for (int j = 0; j < rows; ++j) by[i] += s.law[i][j] * of[j];
+    }
   }
   void activate(Index constraint) const {
     e.for_each_run(constraint, [&](const ConstraintRun& r) { w.newton_acts[e.position[r.segment]] = true; });
@@ -83,10 +105,10 @@ class Newton {
   void load();
   void fill(Index position, double* D) const;
   double classify();
-  void set_law(const ActiveConstraint& a, State& s) const;
+  void set_law(State& s) const;
   bool direction();
   void candidate(double* into) const;
-  double residual() const;
+  double residual(const double* impulses) const;
   void to_impulses(const double* from) const;
 };
 

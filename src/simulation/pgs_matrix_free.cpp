@@ -250,10 +250,10 @@ void Island::gauss_seidel_and_newton(dynContactReport& report) {
   Index tries = 0;
   double best = HUGE_VAL;  // residual of what is kept
   const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
-  for (Index some = first_sweeps; (large() || some <= max_small) && report.residual > tolerance && may_sweep(); some *= 2) {
+  for (Index some = first_sweeps; (large() || some <= max_small) && report.residual > enough && may_sweep(); some *= 2) {
     for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= tolerance || newton(report, ++tries >= 2)) break;
+    if (report.residual <= enough || newton(report, ++tries >= 2)) break;
     if (report.residual < best) best = report.residual, std::copy_n(lambda, rows, kept);
     sweep.start();
   }

@@ -125,6 +125,19 @@ bool shorten(const Model& m, const Data<double>& d, double* dq) {
 
 }  // namespace
 
+// What Newton's method from the guess does not solve: sweeps, the dense matrix, fixed corrections.
+void Island::solve_exactly(dynContactReport& report) {
+  const auto unsolved = [&] { return report.residual > enough && !w.time_is_up(); };
+  if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
+  else if (large() || (!bounces && sparse())) gauss_seidel_and_newton(report);
+  if (!large() && unsolved()) {
+    if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
+    solve(report);
+  }
+  if (!bounces && unsolved() && report.residual < tuning::island::nearly_solved) gauss_seidel_while_improving(report);
+  if (!bounces && unsolved()) solve_fixed_correction(report);
+}
+
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
@@ -134,16 +147,8 @@ void Island::impulses(dynContactReport& report) {
     gauss_seidel(report);
   } else if (!bounces && !is_exact() && has_runs()) {
     solve_to_default(report);
-  } else if (!accept_guess(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
-    const auto unsolved = [&] { return report.residual > tolerance && !w.time_is_up(); };
-    if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
-    else if (large() || (!bounces && sparse())) gauss_seidel_and_newton(report);
-    if (!large() && unsolved()) {
-      if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
-      solve(report);
-    }
-    if (!bounces && unsolved() && report.residual < tuning::island::nearly_solved) gauss_seidel_while_improving(report);
-    if (!bounces && unsolved()) solve_fixed_correction(report);
+  } else if (!accept_guess(report)) {
+    if (w.time_is_up() || bounces || !sparse() || !newton(report, false)) solve_exactly(report);
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses
   }

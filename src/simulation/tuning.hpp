@@ -59,6 +59,7 @@ inline constexpr Index dense_rows = 240;        // rows of the largest dense Del
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
 inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: beyond, zeros cost more
 inline constexpr double round_off = 1e-15;      // of the unit diagonal, a row: pivots below are rounding
+inline constexpr Index few_iterations = 20;     // of the dense matrix's first try, where it may end at the default residual
 inline constexpr int rounds = 3;                // of method_iterations for all methods together: three tries by the dense matrix
 inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt, with an accuracy
 inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default
@@ -113,6 +114,7 @@ inline constexpr double jammed = 100;           // of the impulses that stop all
 inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones
 inline constexpr Index max_steps = 15;          // of one attempt
 inline constexpr double near = 1e-2;            // error over speed below which the residual is evaluated
+inline constexpr double progress = 0.9;         // of the residual: a step that reduces it by less ends a good enough solve
 inline constexpr double block_price = 16000, redundant_block_price = 4000;  // of a segment, in dense rows^3: measured
 }  // namespace newton
 

@@ -9,6 +9,7 @@
 #include "simulation/sleep.hpp"
 #include "simulation/tuning.hpp"
 #include "solver/point_contact.hpp"
+#include "solver/residuals.hpp"
 #include "solver/workspace.hpp"
 
 namespace dyn::simulation {
@@ -64,19 +65,37 @@ struct RowBlock {
   bool is_cone() const { return kind != Kind::rows; }
 };
 
+// Natural map |y - P_K(y - u)| of blocks (solver/residuals.hpp), as velocities.
+struct BlockError {
+  double worst = 0, most = 0;  // most: largest impulse, as a velocity
+
+  void take(const RowBlock& s, const double* y, const double* u) {
+    double wrong[max_rows];
+    if (s.is_cone()) solver::natural_map({0, s.rows, s.mu}, y, u, wrong);
+    else
+      for (Index i = 0; i < s.rows; ++i) wrong[i] = y[i] - std::clamp(y[i] - u[i], s.lower, s.upper);
+    for (Index i = 0; i < s.rows; ++i) {
+      const double speed = s.is_cone() ? s.speed[i > 0] : s.unit[i], error = std::abs(wrong[i]) / speed;
+      most = std::max(most, std::abs(y[i]) / speed);
+      if (!(error <= worst)) worst = error >= 0 ? error : HUGE_VAL;  // NaN counts as infinite
+    }
+  }
+  double error(double fastest) const { return solver::is_lost_to_round_off(most, fastest) ? HUGE_VAL : worst; }
+};
+
 // A constraint in a Newton step. The normal comes first; units make diagonals 1 and friction cones round.
 struct NewtonConstraint {
   const Index* order;   // permutation of its rows
-  Index rows, unknowns;  // unknowns: 0 at a bound or when open
-  bool cone;
+  Index rows;
+  bool cone, acts;       // acts: neither at a bound nor open
   decltype(solver::ConeState::mode) mode;
   double mu, across, lower, upper;
   // de Saxce's correction while it is fixed (interior.cpp): its value, its last change, the over-relaxation factor
   double correction, corrected, relaxed;
   double unit[max_rows], speed[2];  // unit: of impulses; speed: of the normal and the tangential velocities
-  double direction[5][5];            // slip direction first, then an orthonormal basis across it
-  double stiffness[max_rows];       // of the unknowns: impulse by velocity
-  double law[max_rows][max_rows];  // of the rows: impulse (first index) by velocity
+  double soft[max_rows];            // compliance
+  double direction[5];              // of y_t - c_t: along it friction acts where the contact slips
+  double law[max_rows][max_rows];   // impulse (first index) by velocity
 };
 inline constexpr int island_vectors = 13, newton_vectors = 17;
 
