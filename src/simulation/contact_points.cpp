@@ -165,7 +165,8 @@ struct Search {
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
     // impulses change velocities within the step, so shapes as near as this always count
-    const double near = std::min(search::near * std::min(a.bounding_radius, b.bounding_radius), contact_margin(w, h, fast));
+    const double smaller = std::min(a.bounding_radius, b.bounding_radius),
+                 near = std::min(search::near * smaller, contact_margin(w, h, fast, smaller));
     const double margin = near + search::speed_margin * h * (w.speeds[ia] + w.speeds[ib]);
     if (!(near < shape::infinity) ||
         (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body)))
@@ -177,10 +178,9 @@ struct Search {
     collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
-    const double reach = std::min(a.bounding_radius, b.bounding_radius);
-    w.time_to_pass = std::min(w.time_to_pass, (gap > search::near * reach ? std::max(gap, search::min_pass * reach) : reach) /
+    w.time_to_pass = std::min(w.time_to_pass, (gap > search::near * smaller ? std::max(gap, search::min_pass * smaller) : smaller) /
                                                   (w.speeds[ia] + w.speeds[ib]));
-    if (gap > search::touching * reach && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
+    if (gap > search::touching * smaller && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];
       if (point.distance > near && point.distance + h * opening(ia, ib, point.position) > 0) continue;
@@ -239,7 +239,8 @@ struct Search {
     } else {
       distance = sqrt(dot(to, to)) - a.bounding_radius - reach;
     }
-    const Double4 near = min(min(reach, a.bounding_radius) * search::near, contact_margin(w, h, fast));
+    const Double4 smaller = min(reach, a.bounding_radius),
+                  near = min(smaller * search::near, contact_margin(w, h, fast, smaller));
     const Double4 margin = near + (Double4::load(w.speeds + row.b + k) + w.speeds[row.a]) * (search::speed_margin * h);
     const unsigned lanes = (1u << std::min<Index>(row.count - k, Double4::lanes)) - 1, far = bits_of(distance > margin);
     if (w.advancement_cache.enabled) {

@@ -69,7 +69,7 @@ struct Finder {
       const LimitRecord& r = m.limits()[k];
       fast = std::max(fast, is_ball(m, r) ? ball_speed(r, v) : std::abs(v[r.dof]));
     }
-    const double reached = w.closed_gap > 0 ? contact_margin(w, h, fast) : HUGE_VAL;
+    const double reached = w.closed_gap > 0 ? contact_margin(w, h, fast, 0.0) : HUGE_VAL;
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
       if (is_ball(m, r)) {

@@ -78,9 +78,11 @@ inline bool is_length(const Model& m, Index dof) {
 }
 
 // Gap beyond which shapes do not meet within a step of h. max_speed: before the step (m/s).
-// Infinite in fixed steps; steps that follow from an accuracy may be so short that only this bounds the search.
-inline double contact_margin(const Workspace& w, double h, double max_speed) {
-  return w.closed_gap > 0 ? tuning::reopen_factor * w.closed_gap + tuning::free_closing * h * max_speed : HUGE_VAL;
+// radius: of the smaller shape, in lanes or alone. In fixed steps no contact beyond would get an impulse (drop_open).
+template <class T>
+T contact_margin(const Workspace& w, double h, double max_speed, const T& radius) {
+  if (w.closed_gap > 0) return T(tuning::reopen_factor * w.closed_gap + tuning::free_closing * h * max_speed);
+  return radius * tuning::search::touching + tuning::speed_growth * h * max_speed;
 }
 
 // Finds the contacts, limits and constraints that act in a step of h, after forward dynamics with the free velocity v_free.
