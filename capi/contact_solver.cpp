@@ -243,8 +243,12 @@ dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactPro
   solver::Budget b;
   b.tolerance = o.tolerance, b.max_iterations = o.max_iterations, b.relaxation = o.relaxation, b.newton = o.newton,
   b.warm = o.warm_start;
-  const Deadline deadline(o.time_budget);
-  if (o.time_budget > 0) b.expired = Deadline::past, b.clock = &deadline;
+  solver::TimeLimit limit{};
+  if (o.time_budget > 0) {
+    limit.start(clock_seconds, o.time_budget);
+    limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
+    b.limit = &limit;
+  }
   dynContactReport answer{};
   solver::solve(*problem, solver::solvers[o.solver], w, b, lambda, answer);
   // before anything is written

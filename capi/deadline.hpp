@@ -1,23 +1,12 @@
-// When a call's time is used up. The clock is the monotonic one, which most machines read without a system call; without a budget
-// nothing reads it.
+// The clock of time budgets: monotonic, and read without a system call on most machines.
 #pragma once
 
-#include <algorithm>
 #include <chrono>
+
+#include "solver/time_limit.hpp"
 
 namespace dyn::capi {
 
-class Deadline {
- public:
-  explicit Deadline(double budget) {
-    if (budget > 0)
-      end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(budget, 1e9)));
-  }
-  static bool past(const void* deadline) { return Clock::now() >= static_cast<const Deadline*>(deadline)->end_; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point end_;
-};
+inline double clock_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace dyn::capi

@@ -88,21 +88,20 @@ DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   simulation::Workspace& w = *d.step;
-  const Deadline deadline(w.options.time_budget);
-  if (w.options.time_budget > 0) w.expired = Deadline::past, w.clock = &deadline;
+  if (w.options.time_budget > 0) w.limit.start(clock_seconds, w.options.time_budget);
   if (w.sleep.count > 0) simulation::begin_sleep(m, d, h);  // otherwise no tree can rest
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report, d.backup);
-  w.expired = nullptr;
   if (answer || !has_finite_state(m, d)) [[unlikely]] {
     const dynStatus status = explain(m, d, answer, function, d.time[0]);
-    call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
+    w.limit.finish(), call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
     return status;
   }
   call.end_step();
   if (w.sleep.enabled) simulation::end_sleep(m, d, h);
   record_forces(m, d);
   d.time[0] += h;
+  w.limit.finish();
   return DYN_OK;
 }
 

@@ -1958,11 +1958,11 @@ typedef struct dynStepOptions {
   int32_t visit_sleepers; /* non-zero: steps compute sleeping islands too, with the same bits; default 0 */
   /* non-zero: steps keep the error ledger (dyn_data_ledger), with DYN_PART_ENERGY; default 0 costs nothing */
   int32_t ledger;
-  /* s, of the solver for all islands of a step of dt, counted from the step's beginning. Then the best
-     impulses act, as with max_iterations. Islands not begun get one sweep from the step before. A sweep or
-     factorization is finished; finding contacts and forward dynamics take their time. Steps chosen by
-     accuracy have no such limit. No other option lets results depend on a clock. Default 0: none, and no
-     clock is read. */
+  /* s, for a whole step of dt. The solver stops where its next sweep or factorization, and what follows it,
+     would end later: earlier steps say how long they take. Then the best impulses act, as with
+     max_iterations. Islands not begun get one sweep from the step before. Finding contacts, forward dynamics
+     and one sweep are always made. Steps chosen by accuracy have no such limit. No other option lets results
+     depend on a clock. Default 0: none, and no clock is read. */
   double time_budget;
 } dynStepOptions;
 /* Sleep (DYN_EFFECT_SLEEPING, off in new data) works in steps of SEMI_IMPLICIT_EULER and IMPLICIT_FAST

@@ -238,6 +238,7 @@ double AcceleratedSweeps::residual() const {
 void AcceleratedSweeps::run(Index most, dynContactReport& report) {
   const double tolerated = x.tolerance * x.fastest;
   double least = HUGE_VAL, least_before = HUGE_VAL, last = HUGE_VAL, checked = HUGE_VAL;
+  w.limit.expect(solver::TimeLimit::Unit::Sweep, x.rows);
   for (Index k = 1; k <= most; ++k) {
     std::copy_n(y, x.rows, from);
     const double changed = sweep();

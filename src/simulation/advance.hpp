@@ -261,7 +261,7 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
 }
 
 // Repeats a step that gained energy: with another contact solver, then in 2, 4, .. parts. Each part is checked.
-// Returns 0, or energy_gained with the joint that has most of it. After the deadline a step stays as it is.
+// Returns 0, or energy_gained with the joint that has most of it. Where no time is left for that, the step stays as it was.
 inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<double>& s, dynIntegrator integrator, double h,
                                  dynStepReport& report, const double* start) {
   using namespace simulation;
@@ -270,7 +270,6 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
                            d.step->constraint_count > 0;
   const double share = first_order ? simulation::tuning::guard::share : high_order_share;
   Workspace& w = *d.step;
-  if (w.time_is_up()) return 0;
   const auto swap_states = [&] {
     double* const kept = const_cast<double*>(start);
     with_active_trees(d, [&](const auto& part) {
@@ -289,7 +288,7 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
   if (!sum.exceeds(share)) return 0;
   const dynContactSolverType solver = w.options.solver;
   const Index joint = last.fastest;
-  for (int k = w.constraint_count > 0 ? 0 : 1; k <= halvings && !w.time_is_up(); ++k) {
+  const auto begin_again = [&] {
     with_active_trees(d, [&](const auto& part) {
       part.for_each_group(m, [&](const Trees& t) {
         std::copy(start + t.q, start + t.q_end, d.q + t.q), std::copy(start + m.n.nq + t.v, start + m.n.nq + t.v_end, d.v + t.v);
@@ -297,6 +296,15 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
     });
     std::copy_n(start + m.n.nq + 3 * m.n.nv, m.n.na, d.act);
     ++report.rejected, reset_impulse_work(d), forget_forces(w);
+  };
+  const double once = w.limit.elapsed();
+  const int first_halving = w.constraint_count > 0 ? 0 : 1;
+  for (int k = first_halving; k <= halvings; ++k) {
+    if (!w.limit.restarts(once * ((1 << k) + 1))) {
+      if (k == first_halving) return 0;
+      return begin_again(), single_step(m, d, s, integrator, h, report);
+    }
+    begin_again();
     if (k == 0)
       w.options.solver = solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
     const double part = h / (1 << k);

@@ -23,7 +23,8 @@ void Island::solve_to_default(dynContactReport& report) {
   AcceleratedSweeps sweeps(*this);
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
   report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
-  if (report.residual > tuning::island::fine && report.residual <= far_guess && ordered()) {
+  w.limit.expect(solver::TimeLimit::Unit::Segments, rows);
+  if (report.residual > tuning::island::fine && report.residual <= far_guess && !w.time_is_up() && ordered()) {
     const double wanted = tolerance;
     const bool is_near = report.residual <= near_guess;
     tolerance = std::min(tolerance, tuning::island::fine);
@@ -32,8 +33,9 @@ void Island::solve_to_default(dynContactReport& report) {
     tolerance = wanted;
     sweeps.load();
   }
-  if (unsolved()) {
-    const Index left = allowance - report.newton_steps;
+  w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
+  if (report.residual > tolerance && (report.newton_steps == 0 || within_budget(report))) {
+    const Index left = std::max<Index>(1, allowance - report.newton_steps);
     sweeps.run(large() ? left : std::min(left, tuning::acceleration::small_sweeps), report);
     if (!large()) {
       report.residual = sweeps.residual() / fastest, sweeps.write();

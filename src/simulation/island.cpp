@@ -136,7 +136,7 @@ void Island::fill() {
     else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
     else fill_contact(*this, x, in_contacts++);
   }
-  enough = w.has_tolerance() ? tolerance : tuning::island::tolerance;
+  enough = w.has_tolerance() || contacts == 0 ? tolerance : tuning::island::tolerance;
   if (bounces) tolerance = enough = std::min(tolerance, tuning::island::settled);
 }
 

@@ -126,6 +126,8 @@ void Island::project_rhs_to_range() {
 // Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. By default a short
 // try comes before them for the fine residual, which costs little or very much.
 void Island::solve(dynContactReport& best) {
+  w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
+  if (w.time_is_up()) return;
   matrix();
   double* const asked = kept;
   std::copy_n(g, equalities, asked);
@@ -152,7 +154,7 @@ void Island::solve(dynContactReport& best) {
     b.tolerance = t.tolerance,
     b.max_iterations = std::min(t.most, std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
     b.warm = t.warm, b.sweeps = t.sweeps;
-    b.brief = true, b.expired = w.expired, b.clock = w.clock;
+    b.brief = true, b.limit = &w.limit;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
@@ -169,6 +171,7 @@ void Island::solve(dynContactReport& best) {
 // almost dependent, the displacement is a least-squares one, at most sqrt(1 / softness) / 2 times what an error moves by itself.
 void Island::solve_displacement() {
   constexpr double softness = tuning::island::correction_softness;
+  w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
   matrix();
   if (equalities == rows) {
     for (Index i = 0; i < rows; ++i) g[i] = -bias[i];
@@ -179,7 +182,7 @@ void Island::solve_displacement() {
   p.compliance = compliance;
   solver::Budget b;
   b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.method_iterations(), b.brief = true,
-  b.expired = w.expired, b.clock = w.clock;
+  b.limit = &w.limit;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
   solver::unscale(p, w.solver.problem, w.solver.y, lambda);

@@ -239,6 +239,7 @@ Newton::Newton(const Island& island)
 bool Newton::run(Index most, double share, double enough, dynContactReport& report) {
   Error now = error();
   double last = HUGE_VAL;
+  w.limit.expect(solver::TimeLimit::Unit::Segments, x.rows);
   for (Index k = 0; k < most && x.within_budget(report); ++k) {
     ++report.newton_steps;
     if (!direction()) break;

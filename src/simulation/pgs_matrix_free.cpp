@@ -228,6 +228,7 @@ bool Island::accept_guess(dynContactReport& report) {
 void Island::gauss_seidel(dynContactReport& report) {
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = tolerance * speed();
+  w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
   sweep.start(), prepare_cones();
   for (bool last = false; !last;) {
     const double changed = sweep();
@@ -251,6 +252,7 @@ void Island::gauss_seidel_and_newton(dynContactReport& report) {
   double best = HUGE_VAL;  // residual of what is kept
   const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
   for (Index some = first_sweeps; (large() || some <= max_small) && report.residual > enough && may_sweep(); some *= 2) {
+    w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
     for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
     if (report.residual <= enough || newton(report, ++tries >= 2)) break;
@@ -265,6 +267,7 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, kept);
+  w.limit.expect(solver::TimeLimit::Unit::Sweep, batch * rows);
   for (Index worse = 0, k = 0;
        worse < max_stalls && k < w.method_iterations() / 2 && report.residual > tolerance && !w.time_is_up(); ++k) {
     sweep.start();

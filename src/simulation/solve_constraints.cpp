@@ -128,8 +128,11 @@ bool shorten(const Model& m, const Data<double>& d, double* dq) {
 // What Newton's method from the guess does not solve: sweeps, the dense matrix, fixed corrections.
 void Island::solve_exactly(dynContactReport& report) {
   const auto unsolved = [&] { return report.residual > enough && !w.time_is_up(); };
+  const bool by_sweeps = large() || (!bounces && sparse());
+  w.limit.expect(by_sweeps ? solver::TimeLimit::Unit::Sweep : solver::TimeLimit::Unit::Matrix,
+                 by_sweeps ? rows : double(rows) * rows);
   if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
-  else if (large() || (!bounces && sparse())) gauss_seidel_and_newton(report);
+  else if (by_sweeps) gauss_seidel_and_newton(report);
   if (!large() && unsolved()) {
     if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
     solve(report);
@@ -152,6 +155,7 @@ void Island::impulses(dynContactReport& report) {
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses
   }
+  w.limit.leave();
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
     if (x.kind != RowKind::Contact) continue;

@@ -10,6 +10,7 @@
 #include "simulation/tuning.hpp"
 #include "solver/point_contact.hpp"
 #include "solver/residuals.hpp"
+#include "solver/time_limit.hpp"
 #include "solver/workspace.hpp"
 
 namespace dyn::simulation {
@@ -133,9 +134,8 @@ struct Ledger {
 struct Workspace {
   dynStepOptions options;
   dynStepReport report;  // of the last call that made steps
-  bool (*expired)(const void*);  // null: no deadline
-  const void* clock;
-  bool time_is_up() const { return expired && expired(clock); }
+  solver::TimeLimit limit;  // of the step
+  bool time_is_up() { return limit.is_up(); }
   // What the options ask for; 0 is the default. Without a tolerance a solve ends where it no longer improves.
   bool has_tolerance() const { return options.tolerance > 0 || options.accuracy > 0; }
   double tolerance() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/residuals.hpp"
+#include "solver/time_limit.hpp"
 #include "solver/workspace.hpp"
 
 namespace dyn::solver {
@@ -14,8 +15,7 @@ struct Budget {
   bool warm = false;  // start from the caller's guess
   bool sweeps = true;  // begin with the Gauss-Seidel sweeps of start.hpp
   bool brief = false;  // report the residual and the counts only
-  bool (*expired)(const void*) = nullptr;
-  const void* clock = nullptr;
+  TimeLimit* limit = nullptr;
 
   Index iterations = 0, newton_steps = 0, factorizations = 0;
   dynContactStatus status = DYN_CONTACT_STATUS_STALLED;
@@ -26,7 +26,7 @@ struct Budget {
       status = DYN_CONTACT_STATUS_MAX_ITERATIONS;
       return true;
     }
-    if (!expired || !expired(clock)) return false;
+    if (!limit || !limit->is_up()) return false;
     status = DYN_CONTACT_STATUS_TIME_BUDGET;
     return true;
   }

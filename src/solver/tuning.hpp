@@ -6,6 +6,7 @@
 namespace dyn::solver::tuning {
 
 inline constexpr double epsilon = 2.2e-16;  // relative rounding of a double
+inline constexpr double time_fading = 0.9;  // of the longest duration seen, at each shorter one (time_limit.hpp)
 
 // Acceptance of a solution (solve.cpp, budget.hpp, residuals.hpp, problem.cpp).
 namespace accept {
