@@ -277,6 +277,7 @@ bool Newton::run(dynContactReport& report) { return run(max_steps, 1, x.enough, 
 void Newton::write_best(dynContactReport& report) {
   candidate(best);
   const double found = residual(best);
+  std::copy_n(before, x.rows, y), candidate(before);  // the guess need not lie in its cones
   report.residual = residual(before);
   if (found < report.residual) to_impulses(best), report.residual = found;
   else to_impulses(before);

@@ -127,18 +127,18 @@ bool shorten(const Model& m, const Data<double>& d, double* dq) {
 
 // What Newton's method from the guess does not solve: sweeps, the dense matrix, fixed corrections.
 void Island::solve_exactly(dynContactReport& report) {
-  const auto unsolved = [&] { return report.residual > enough && !w.time_is_up(); };
+  const auto is_above = [&](double wanted) { return report.residual > wanted && !w.time_is_up(); };
   const bool by_sweeps = large() || (!bounces && sparse());
   w.limit.expect(by_sweeps ? solver::TimeLimit::Unit::Sweep : solver::TimeLimit::Unit::Matrix,
                  by_sweeps ? rows : double(rows) * rows);
   if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
   else if (by_sweeps) gauss_seidel_and_newton(report);
-  if (!large() && unsolved()) {
+  if (!large() && is_above(tolerance)) {
     if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
     solve(report);
   }
-  if (!bounces && unsolved() && report.residual < tuning::island::nearly_solved) gauss_seidel_while_improving(report);
-  if (!bounces && unsolved()) solve_fixed_correction(report);
+  if (!bounces && is_above(enough) && report.residual < tuning::island::nearly_solved) gauss_seidel_while_improving(report);
+  if (!bounces && is_above(enough)) solve_fixed_correction(report);
 }
 
 void Island::impulses(dynContactReport& report) {
