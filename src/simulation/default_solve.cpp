@@ -13,6 +13,18 @@ void Island::accelerated_sweeps(dynContactReport& report) {
   sweeps.write();
 }
 
+// Stress that redundant contacts keep from an impact does not stay: now and then an island at rest takes its smallest impulses.
+// They are taken if their residual is tolerated. Returns whether it tried.
+bool Island::relax(const dynContactReport& report, double tolerated) {
+  const auto step = std::llround(d.time[0] / h);
+  if (step % tuning::island::relaxed_every != 0 || report.newton_steps > 0 || contacts == 0 || equalities > 0 || bounces ||
+      w.closed_gap > 0 || (d.acting & DYN_EFFECT_SLEEPING) || !has_runs() || !ordered())
+    return false;
+  build_rows();
+  Newton(*this).least_norm(tolerated);
+  return true;
+}
+
 // Newton's method goes on to the fine residual: bodies at rest then stay at rest, and the next steps have nothing to solve.
 // Far from a solution it ends sooner: in a jam it seldom gets there, and sweeps go on from the guess.
 // Small islands and few sweeps leave iterations for methods that large mass ratios do not slow down.
@@ -23,6 +35,10 @@ void Island::solve_to_default(dynContactReport& report) {
   AcceleratedSweeps sweeps(*this);
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
   report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
+  if (report.residual <= tuning::island::nearly_solved && relax(report, tuning::island::nearly_solved)) {
+    sweeps.load();
+    report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
+  }
   w.limit.expect(solver::TimeLimit::Unit::Segments, rows);
   if (report.residual > tuning::island::fine && report.residual <= far_guess && !w.time_is_up() && ordered()) {
     const double wanted = tolerance;

@@ -79,6 +79,7 @@ struct Island {
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
   void solve_exactly(dynContactReport& report);
+  bool relax(const dynContactReport& report, double tolerated);
   void accelerated_sweeps(dynContactReport& report);  // alone
   void solve_fixed_correction(dynContactReport& report);
   double residual() const;  // also sets by_dof and c for lambda

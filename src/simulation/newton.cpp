@@ -143,6 +143,11 @@ bool Newton::direction() {
   for_each([&](const ActiveConstraint&, State& s, Index k) {
     if (s.acts) set_law(s), activate(k);
   });
+  return solve_laws();
+}
+
+// Adds to dy and dc the step by the constraints' laws. Returns false if singular.
+bool Newton::solve_laws() {
   if (!factorize()) return false;
   // wanted change of velocity less what the step gives; step; G step
   double *left = before + room, *step = left + room, *G_step = step + room;
@@ -269,6 +274,24 @@ bool Newton::run(Index most, double share, double enough, dynContactReport& repo
     now = next;
   }
   compliant = min_compliance;
+  return false;
+}
+
+bool Newton::least_norm(double tolerance) {
+  for_each([&](const ActiveConstraint& a, State& s, Index) {
+    s.mode = solver::ConeState::stick, s.acts = a.kind != RowKind::Contact || before[a.s->first] > 0;
+  });
+  for (int k = 0; k < relaxations; ++k) {
+    std::fill_n(y, x.rows, 0.0), velocities();
+    std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0), std::fill_n(w.newton_acts, e.size, false);
+    for_each([&](const ActiveConstraint&, State& s, Index constraint) {
+      if (s.acts) set_law(s), activate(constraint);
+    });
+    if (!solve_laws()) return false;
+    std::copy_n(dy, x.rows, y), candidate(best);
+    if (residual(best) <= tolerance) return to_impulses(best), true;
+    for_each([&](const ActiveConstraint& a, State& s, Index) { s.acts &= a.kind != RowKind::Contact || y[a.s->first] > 0; });
+  }
   return false;
 }
 

@@ -19,6 +19,9 @@ class Newton {
   // At most max_steps steps, each of which must reduce the squared error to `share` of the last. Ends at a residual of `enough`,
   // too, where it falls slowly.
   bool run(Index max_steps, double share, double enough, dynContactReport& report);
+  // Sets lambda to the smallest impulses with which contacts that press in the guess stick; those that would pull are left out.
+  // Returns false, and changes nothing, if they are no solution.
+  bool least_norm(double tolerance);
   // Sets lambda to the feasible impulses nearest to the result if they are better than the guess.
   void write_best(dynContactReport& report);
 
@@ -107,6 +110,7 @@ class Newton {
   double classify();
   void set_law(State& s) const;
   bool direction();
+  bool solve_laws();
   void candidate(double* into) const;
   double residual(const double* impulses) const;
   void to_impulses(const double* from) const;

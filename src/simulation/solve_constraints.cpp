@@ -150,7 +150,9 @@ void Island::impulses(dynContactReport& report) {
     gauss_seidel(report);
   } else if (!bounces && !is_exact() && has_runs()) {
     solve_to_default(report);
-  } else if (!accept_guess(report)) {
+  } else if (accept_guess(report)) {
+    if (relax(report, tolerance)) residual();
+  } else {
     if (w.time_is_up() || bounces || !sparse() || !newton(report, false)) solve_exactly(report);
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses

@@ -59,6 +59,7 @@ inline constexpr Index dense_rows = 240;        // rows of the largest dense Del
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
 inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: beyond, zeros cost more
 inline constexpr double round_off = 1e-15;      // of the unit diagonal, a row: pivots below are rounding
+inline constexpr int relaxed_every = 64;        // steps of dt: the smallest impulses cost a Newton step
 inline constexpr Index few_iterations = 20;     // of the dense matrix's first try, where it may end at the default residual
 inline constexpr int rounds = 3;                // of method_iterations for all methods together: three tries by the dense matrix
 inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt, with an accuracy
@@ -109,6 +110,7 @@ namespace newton {
 inline constexpr double min_compliance = 1e-6;  // of the unit diagonal: steps are unique for redundant contacts
 inline constexpr double damping = 1e-2;         // of the unit diagonal: Levenberg-Marquardt, after a step that failed
 inline constexpr int refinements = 1;           // iterative refinements of a step, which remove the effect of min_compliance
+inline constexpr int relaxations = 3;           // tries to find which contacts press in the smallest impulses
 inline constexpr double min_step = 0.2;         // of the line search
 inline constexpr double jammed = 100;           // of the impulses that stop all motion: larger ones are stress locked by friction
 inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones
