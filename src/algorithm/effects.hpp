@@ -3,6 +3,7 @@
 #pragma once
 
 #include "algorithm/configuration.hpp"
+#include "algorithm/tree_groups.hpp"
 #include "effect/list.hpp"
 
 namespace dyn {
@@ -40,13 +41,19 @@ void for_each_configuration_law(const Model& m, const Data<T>& d, F&& f) {
 }
 
 // tau += r
-template <class T>
-void add_resistance(const Model& m, const Data<T>& d, const T* v, T* tau) {
+template <class T, class Part>
+void add_resistance(const Model& m, const Data<T>& d, const T* v, T* tau, const Part& part) {
   for_each_velocity_law(d, [&]<class E>(const T* c) {
-    for (Index k = 0; k < m.n.nv; ++k) tau[k] += E::force(c[k], v[k]);
+    for_each_dof_range(m, part, [&](Index first, Index end) {
+      for (Index k = first; k < end; ++k) tau[k] += E::force(c[k], v[k]);
+    });
   });
   for_each_configuration_law(
       m, d, [&]<class E, class J>(const Body& b, const T* c, const T* e) { E::template add_force<J>(c, e, tau + b.user_v); });
+}
+template <class T>
+void add_resistance(const Model& m, const Data<T>& d, const T* v, T* tau) {
+  add_resistance(m, d, v, tau, WholeModel{});
 }
 
 // dq += dr/dq, nv x nv
@@ -96,11 +103,13 @@ T spring_energy(const Model& m, const Data<T>& d) {
 }
 
 // Laws of the velocity as r = D(v) v: d.armature = armature + h D(d.v).
-template <class T>
-void implicit_armature(const Model& m, Data<T>& d, const T* armature, T h) {
-  for (Index k = 0; k < m.n.nv; ++k) d.armature[k] = armature[k];
-  for_each_velocity_law(d, [&]<class E>(const T* c) {
-    for (Index k = 0; k < m.n.nv; ++k) d.armature[k] += E::secant(h * c[k], d.v[k]);
+template <class T, class Part>
+void implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, const Part& part) {
+  for_each_dof_range(m, part, [&](Index first, Index end) {
+    std::copy(armature + first, armature + end, d.armature + first);
+    for_each_velocity_law(d, [&]<class E>(const T* c) {
+      for (Index k = first; k < end; ++k) d.armature[k] += E::secant(h * c[k], d.v[k]);
+    });
   });
 }
 

@@ -26,6 +26,13 @@ struct ChosenTrees : SomeTrees {
   }
 };
 
+// Calls f(first, end) for the user's degrees of freedom of the trees.
+template <class Part, class F>
+void for_each_dof_range(const Model& m, const Part& part, F&& f) {
+  if constexpr (std::is_base_of_v<SomeTrees, Part>) part.for_each_group(m, [&](const Trees& t) { f(t.v, t.v_end); });
+  else f(Index(0), m.n.nv);
+}
+
 // Buffers of a choice of trees.
 struct TreeBuffers {
   JointRun* joint_runs;

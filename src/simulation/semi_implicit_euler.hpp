@@ -62,9 +62,9 @@ void implicit_springs(const Model& m, const Data<T>& d, T h, Springs which, F&& 
 }
 
 // d.armature = armature plus the implicit terms of a step of h. The same bits in every call.
-template <class T>
-void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs) {
-  implicit_armature(m, d, armature, h);
+template <class T, class Part>
+void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs, const Part& part) {
+  implicit_armature(m, d, armature, h, part);
   implicit_springs(m, d, h, springs, [&](Index k, T stiffness) { d.armature[k] += h * h * stiffness; });
 }
 
@@ -81,7 +81,7 @@ template <class T, class Part>
             forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq))
       return joint;
     if (k == integrator::tuning::saturation_rounds || !actuators.saturate(d.ddq)) return 0;
-    set_implicit_armature(m, d, armature, h, springs);  // again without the gains of saturated actuators
+    set_implicit_armature(m, d, armature, h, springs, part);  // again without the gains of saturated actuators
   }
 }
 
@@ -98,7 +98,7 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   if (!some) which = Springs::None;
   if (some || (acting & always)) {
     d.armature = d.net + m.n.nv;
-    set_implicit_armature(m, d, armature, h, which);
+    set_implicit_armature(m, d, armature, h, which, part);
     if (some) {
       std::copy_n(d.tau_applied, m.n.nv, s.y);
       implicit_springs(m, d, h, which, [&](Index k, T stiffness) { s.y[k] -= h * stiffness * d.v[k]; });
