@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Heaps, walls, gears, ropes and hands until they rest, beside MuJoCo in one run: mean, median, p99 and longest step.
 
-    python bench/resting.py [--passes 2] [--dt 0.002] [--only SCENE,...] [--solver admm]
+    python bench/resting.py [--passes 2] [--dt 0.002] [--only SCENE,...] [--solver admm] [--write]
 
-Needs the packages mujoco and dyn. The same MJCF goes to both. MuJoCo runs with its solver Newton, pyramidal and elliptic cones,
-with Euler, and with its integrator `discrete` where it has one; the fastest mean counts. libdyn runs as it is by default. Times
-are the processor's, of this thread, from the first contact on; of each step the least of the passes, which alternate. `ratio`: of
-means. `max/median`: of libdyn. `residual`: largest of all steps, `above`: steps in which it is more than 1e-4. `contacts`: at the
-end, MuJoCo's and libdyn's.
+Needs the packages mujoco and dyn. The same MJCF goes to both. MuJoCo runs with its solver Newton: by default (pyramidal cones,
+Euler), with elliptic cones, and with its integrator `discrete` where it has one. libdyn runs as it is by default. Times are the
+processor's, of this thread, in microseconds, from the first contact on; of each step the least of the passes, which alternate.
+`ratio`: of the means, libdyn's over MuJoCo's by default. `residual`: largest of all steps, `above`: steps in which it is more
+than 1e-4. `contacts`: at the end, MuJoCo's and libdyn's.
+
+--write  puts the table in its place (pages.py)
 """
 
 import argparse
@@ -24,6 +26,7 @@ if (ROOT / "build/release/lib").is_dir():
     os.environ.setdefault("DYN_LIBRARY", str(ROOT / "build/release/lib"))
 sys.path.append(str(ROOT / "capi/python"))
 import libdyn as dyn  # noqa: E402
+import pages  # noqa: E402
 
 
 def body(pos, shape, euler=(0, 0, 0), mass=1.0):
@@ -215,14 +218,17 @@ def main():
     parser.add_argument("--only", default=",".join(SCENES), metavar="SCENE,...")
     parser.add_argument("--solver", default="admm")
     parser.add_argument("--tolerance", type=float, default=0)
+    parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
     names = options.only.split(",")
     if unknown := set(names) - set(SCENES):
         parser.error(f"no such scene: {', '.join(sorted(unknown))}")
     print(f"libdyn: {dyn.library_path}", file=sys.stderr)
-    print("| scene | MuJoCo, us: mean | median | p99 | max | its setting | libdyn, us: mean | median | p99 | max | ratio | "
-          "max/median | residual | above | iterations | contacts |")
-    print("|---" * 16 + "|")
+    peers = list(settings())
+    table = ["| scene | " + " | ".join(f"MuJoCo, {key}: mean" for key in peers) + " | p99, by default | max | libdyn: mean | median | p99 | "
+             "max | ratio | residual | above | iterations | contacts |"]
+    table.append("|---" * (12 + len(peers)) + "|")
+    print("\n".join(table))
     ratios = []
     for name in names:
         build, seconds = SCENES[name]
@@ -238,16 +244,21 @@ def main():
             kept = (np.minimum(times, kept[0]), *rest) if kept else (times, *rest)
         times, met, residual, iterations = kept
         begin = int(np.argmax(met > 0)) + 1  # the first touch allocates nothing but caches
-        key = min(best, key=lambda k: best[k][0][begin:].mean())
-        their, their_met = best[key]
-        row = lambda t: [t[begin:].mean(), np.median(t[begin:]), np.percentile(t[begin:], 99), t[begin:].max()]
-        a, b = row(their), row(times)
-        ratios.append(b[0] / a[0])
-        shown = lambda r: " | ".join(f"{x:.3g}" for x in r)
-        print(f"| {name} | {shown(a)} | {key} | {shown(b)} | {b[0] / a[0]:.2f} | {b[3] / b[1]:.1f} | {residual.max():.1g} | "
-              f"{(residual > 1e-4).sum()} of {steps} | {iterations[begin:].mean():.0f} | {their_met[-1]}, {met[-1]} |",
-              flush=True)
-    print(f"\ngeometric mean of the ratios: {np.exp(np.mean(np.log(ratios))):.2f}")
+        usual, their_met = best[peers[0]]
+        peer, own = usual[begin:], times[begin:]
+        ratios.append(own.mean() / peer.mean())
+        figures = [best[key][0][begin:].mean() for key in peers]
+        figures += [np.percentile(peer, 99), peer.max(), own.mean(), np.median(own), np.percentile(own, 99), own.max()]
+        row = (f"| {name} | {' | '.join(f'{x:.3g}' for x in figures)} | {ratios[-1]:.2f} | {residual.max():.1g} | "
+               f"{(residual > 1e-4).sum()} of {steps} | {iterations[begin:].mean():.0f} | {their_met[-1]}, {met[-1]} |")
+        table.append(row)
+        print(row, flush=True)
+    mean = f"Geometric mean of the ratios: {np.exp(np.mean(np.log(ratios))):.2f}."
+    print(f"\n{mean}")
+    if options.write:
+        command = "python bench/resting.py " + " ".join(sys.argv[1:])
+        pages.write("resting", "\n".join([f"Microseconds of a step of {options.dt * 1e3:g} ms, MuJoCo {mujoco.__version__}. {mean}", ""]
+                                         + table + ["", "```", command, "```"]))
 
 
 if __name__ == "__main__":
