@@ -179,7 +179,7 @@ Outcome painleve() {
 }
 
 // The same for accelerations, where the tip slides: 0 <= f _|_ a + p f >= 0 with p = 1 + 3 cos^2 - 3 mu sin cos. Where p < 0
-// there is no f, or two: said to be no solution, and never a force that pulls. Counts wrong answers.
+// there is no f, or two: said to be no solution, and never a force that pulls. Counts wrong results.
 Outcome painleve_accelerations() {
   Outcome out;
   dyn::ContactSolver solver(1);
