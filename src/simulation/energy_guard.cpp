@@ -76,7 +76,7 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
   motions.omega[0] = motions.vel[0] = Vec3<double>::zero();
   const double* const v = d.expand(m, static_cast<const double*>(d.v), d.vx);
   const Vec3<double> g = load3(d.world_gravity);
-  StepEnergy out{0, 0, 0, 0};
+  StepEnergy out{};
   Index largest = 1;
   double most = 0;
   forward(m, [&]<class J>(Index i) {
@@ -85,13 +85,15 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
     move_body<1, J>(b, i, motions, R, d.p[i] - d.p[b.parent], v, static_cast<const double*>(nullptr));
     const Vec3<double> h = R * b.h, u = motions.vel[i], w = motions.omega[i], wB = transpose_times(R, w);
     const double kinetic = 0.5 * (b.m * dot(u, u) + 2 * dot(u, cross(w, h)) + dot(wB, b.I * wB));
-    out.kinetic += kinetic, out.potential -= dot(g, d.p[i] * b.m + h);
+    out.kinetic += kinetic, out.gravity -= dot(g, d.p[i] * b.m + h);
+    out.falling += std::max(0.0, dot(g, u * b.m + cross(w, h)));
     if (kinetic > most) most = kinetic, largest = i;
   });
   for (Index k = 0; k < m.n.nv; ++k) out.kinetic += 0.5 * d.armature[k] * d.v[k] * d.v[k];
-  if (d.acting & DYN_EFFECT_SPRINGS) out.potential += spring_energy(m, d);
+  if (d.acting & DYN_EFFECT_SPRINGS) out.springs = spring_energy(m, d);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
-    if (r.q >= 0) out.potential += actuator_energy(r, d);
+    if (r.q >= 0) out.actuators += actuator_energy(r, d);
+    out.driving += std::max(0.0, r.spec.gear * actuator_force(r, d) * d.v[r.v]);
   });
   for (Index j = 1; fext && j < m.n.joints; ++j) {
     const Index body = m.joints()[j].last_body;
@@ -109,13 +111,12 @@ void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, c
   const double* const v = d.v;
   const auto work = [&](double force, Index k) { return std::max(0.0, h * force * (v0[k] + v[k]) / 2); };
   double given = d.step->rows_work + h * std::max({0.0, before.power, after.power});
-  given += std::max(0.0, before.potential - after.potential);
+  given += std::max(before.gravity - after.gravity, h * std::max(before.falling, after.falling));
+  given += std::max(before.actuators - after.actuators, h * std::max(before.driving, after.driving));
+  given += std::max(0.0, before.springs - after.springs);
   for (Index k = 0; k < m.n.nv; ++k) given += work(d.tau_applied[k], k);
-  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
-    if (r.q < 0) given += work(r.spec.gear * actuator_force(r, d), r.v);
-  });
-  const double rounding = tuning::guard::rounding * (std::abs(before.potential) + std::abs(after.potential));
-  const double rise = stored ? std::max(0.0, after.potential - before.potential) : 0;
+  const double rounding = tuning::guard::rounding * (std::abs(before.potential()) + std::abs(after.potential()));
+  const double rise = stored ? std::max(0.0, after.potential() - before.potential()) : 0;
   sum.base += given, sum.gain += after.kinetic - before.kinetic + rise - given - rounding;
 }
 

@@ -1,7 +1,8 @@
 // Energy guard: no step may add kinetic energy that nothing explains. Between the states at its ends
-//   K1 - K0 - (V0 - V1)+ - W <= share (K0 + (V0 - V1)+ + W)
-// with K the kinetic energy, V that of gravity, springs and actuators, W the positive work of tau, wrenches, forces on links,
-// soft rows and belts. The share is the error of an integrator of order 1.
+//   K1 - K0 - W <= share (K0 + W)
+// with K the kinetic energy, W the positive work of gravity, springs, actuators, tau, wrenches, forces on links, soft rows and
+// belts: the drop of a potential, or its positive power at each body or actuator where that is more. Corrections of overlaps,
+// which lift bodies and stretch springs, then hide no work. The share is the error of an integrator of order 1.
 // Energies are evaluated only where something moves far within the step, or where rows did positive work.
 #pragma once
 
@@ -16,9 +17,11 @@ namespace dyn::simulation {
 inline constexpr double high_order_share = 1e-3;
 
 struct StepEnergy {
-  double kinetic, potential;
-  double power;       // W, of wrenches and forces on links
-  Index fastest;      // joint with the largest kinetic energy
+  double kinetic, gravity, springs, actuators;  // J
+  double falling, driving;  // W, positive power of gravity by bodies, of actuators one by one
+  double power;             // W, of wrenches and forces on links
+  Index fastest;            // joint with the largest kinetic energy
+  double potential() const { return gravity + springs + actuators; }
 };
 
 // Numbers that step_energy needs: two vectors a body, aligned.
