@@ -19,6 +19,7 @@ inline constexpr ValueName value_names[1] = {};
 // Returns the name of a value, or "unknown".
 template <class E>
 constexpr const char* name_of(E value) {
+  static_assert(value_names<E>[0].name, "it is no enumeration of dyn.h");
   for (const ValueName& v : value_names<E>)
     if (v.value == int(value)) return v.name;
   return "unknown";

@@ -20,12 +20,21 @@ using shape::Pose;
 using shape::Shape;
 using shape::Type;
 using shape::Vec;
-using dyn::name_of;
 
 // Number of samples: DYN_COLLISION_SAMPLES, or as many as take seconds.
 inline int samples(int usual) {
   const char* s = std::getenv("DYN_COLLISION_SAMPLES");
   return s ? std::atoi(s) : usual;
+}
+
+inline const char* name_of(Type t) {
+  Shape s{};
+  s.type = t;
+  Hull h{};
+  s.hull = &h;
+  const char* name = "";
+  shape::visit(s, [&]<class S>(const S&) { name = dyn::name_of(S::id); });
+  return name;
 }
 
 // A stored shape with its hull.
