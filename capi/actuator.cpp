@@ -10,17 +10,6 @@ using namespace dyn::capi;
 
 namespace {
 
-template <class F>
-dynStatus with(dynBuilder* builder, F&& f) {
-  if (const dynStatus s = check(builder)) return s;
-  return guarded([&] {
-    f(*builder->b);
-    return DYN_OK;
-  });
-}
-
-std::string text(const char* s) { return s ? s : ""; }
-
 bool exists(const char* function, const Model& m, int actuator) {
   if (actuator >= 0 && actuator < m.n.actuators) return true;
   fail(DYN_ERROR_ARGUMENT, "%s: actuator %d does not exist: the model has %d", function, actuator, int(m.n.actuators));

@@ -65,23 +65,12 @@ JointSpec read_joint(const char* function, const dynJointSpec* spec) {
   return out;
 }
 
-template <class F>
-dynStatus with(dynBuilder* builder, F&& f) {
-  if (const dynStatus s = check(builder)) return s;
-  return guarded([&] {
-    f(*builder->b);
-    return DYN_OK;
-  });
-}
-
 Placement read_placement(const double* x) {
   if (!x) return identity_placement;
   Placement p;
   std::copy(x, x + 12, p.begin());
   return p;
 }
-
-const char* text(const char* s) { return s ? s : ""; }
 
 // No robot has more.
 dynStatus check_array(const char* function, const char* name, const void* x, std::size_t n) {
@@ -91,7 +80,7 @@ dynStatus check_array(const char* function, const char* name, const void* x, std
              : fail(DYN_ERROR_SIZE, "%s: %s has %zu elements: give at most %d", function, name, n, INT32_MAX);
 }
 
-dynStatus make_handle(std::unique_ptr<Builder> b, dynBuilder** out) {
+dynStatus make_builder_handle(std::unique_ptr<Builder> b, dynBuilder** out) {
   dynBuilder* handle = new_handle<dynBuilder>();
   if (!handle) throw std::bad_alloc();
   handle->b = b.release();
@@ -126,13 +115,13 @@ extern "C" {
 
 dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder) {
   if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_new: builder is NULL");
-  return guarded([&] { return make_handle(std::make_unique<Builder>(text(model_name)), builder); });
+  return guarded([&] { return make_builder_handle(std::make_unique<Builder>(text(model_name)), builder); });
 }
 
 dynStatus dyn_builder_from_model(const dynModel* model, dynBuilder** builder) {
   if (const dynStatus s = check(model)) return s;
   if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_from_model: builder is NULL");
-  return guarded([&] { return make_handle(std::make_unique<Builder>(*model->m), builder); });
+  return guarded([&] { return make_builder_handle(std::make_unique<Builder>(*model->m), builder); });
 }
 
 void dyn_builder_free(dynBuilder* builder) {

@@ -145,6 +145,16 @@ dynStatus check(const dynMesh* mesh);
 dynStatus check(const dynBroadPhase* broad_phase);
 dynStatus check(const dynContactSolver* solver);
 
+// f(Builder) of a handle that is checked.
+template <class F>
+dynStatus with(dynBuilder* builder, F&& f) {
+  if (const dynStatus s = check(builder)) return s;
+  return guarded([&] {
+    f(*builder->b);
+    return DYN_OK;
+  });
+}
+inline const char* text(const char* s) { return s ? s : ""; }
 
 // The number of a named configuration, or -1 with the error set.
 Index find_configuration(const Model& m, const char* name);

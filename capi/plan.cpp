@@ -95,7 +95,7 @@ constexpr Row others[] = {
      [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? simulation::sleep_bytes(m) : 0; }},
 };
 
-constexpr auto rows = [] {
+constexpr auto effect_rows = [] {
   constexpr int coefficients = [] {
     int n = 0;
     for_each_coefficient([&]<class E>() { ++n; });
@@ -107,22 +107,22 @@ constexpr auto rows = [] {
   for (const Row& row : others) out[k++] = row;
   return out;
 }();
-constexpr int row_count = int(rows.size());
+constexpr int effect_count = int(effect_rows.size());
 
 }  // namespace
 
 extern "C" {
 
-int dyn_effect_count(void) { return row_count; }
+int dyn_effect_count(void) { return effect_count; }
 
 dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info) {
   Call call(model, data, 0, "dyn_data_effect_info");
   if (!call) return call.status;
   if (const dynStatus s = check_struct(call.function, "info", info)) return s;
-  if (effect < 0 || effect >= row_count)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, row_count);
+  if (effect < 0 || effect >= effect_count)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, effect_count);
   call.have_effects_of(true);
-  const Row& row = rows[std::size_t(effect)];
+  const Row& row = effect_rows[std::size_t(effect)];
   const Model& m = call.m();
   const int present = row.present(m);
   const char* name = row.bit ? effect_value(row.bit)->name : row.name;

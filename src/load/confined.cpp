@@ -27,7 +27,7 @@ void Confined::check(const std::string& path) const {
     const fs::path within(folder);
     if (std::mismatch(within.begin(), within.end(), file.begin(), file.end()).first == within.end()) return;
   }
-  throw Error(DYN_ERROR_FILE, "file " + quoted(path) +
+  throw Error(DYN_ERROR_FILE, "file " + in_quotes(path) +
                                   " is outside the folders that may be read, the robot file's folder and package_dirs: add its "
                                   "folder to package_dirs, or load without confined");
 }

@@ -12,15 +12,15 @@ using namespace load;
 namespace {
 
 // Faces from the module, freed with this object.
-struct Hull {
+struct ModuleHull {
   const mesh::Module& module = mesh_module();
   mesh::HullFaces faces{};
-  explicit Hull(const Mesh& m) {
+  explicit ModuleHull(const Mesh& m) {
     mesh::Failure failure{};
     if (!module.hull(m.vertices.data(), m.vertex_count(), &faces, &failure)) throw Error(failure.status, failure.message);
   }
-  Hull(const Hull&) = delete;
-  ~Hull() { module.free_hull(&faces); }
+  ModuleHull(const ModuleHull&) = delete;
+  ~ModuleHull() { module.free_hull(&faces); }
 };
 
 struct HalfEdge {
@@ -53,7 +53,7 @@ void add_plane(Polytope& p, const Mesh& mesh, const Index* corners, Index n) {
 }  // namespace
 
 Mesh hull_of(const Mesh& from) {
-  const Hull hull(from);
+  const ModuleHull hull(from);
   const mesh::HullFaces& h = hull.faces;
   Mesh out;
   for (Index c = 0; c < h.corner_count; ++c) {

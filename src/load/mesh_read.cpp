@@ -25,11 +25,11 @@ std::string found(const std::string& name, const MeshOptions& options) {
   std::string tried;
   for (const std::string& path : f.tried) {
     if (std::filesystem::exists(path)) check_mesh_file(path);  // throws with what is there instead of a file
-    tried += (tried.empty() ? ": tried " : ", ") + quoted(path);
+    tried += (tried.empty() ? ": tried " : ", ") + in_quotes(path);
   }
   if (name.find("://") != name.npos)
     tried += tried.empty() ? ": give package_dirs" : "; give the folder above the package in package_dirs";
-  throw Error(DYN_ERROR_FILE, "mesh " + quoted(name) + " is not found" + tried);
+  throw Error(DYN_ERROR_FILE, "mesh " + in_quotes(name) + " is not found" + tried);
 }
 
 // Triangles from the module, freed with this object.
@@ -51,7 +51,7 @@ std::vector<double> points_of(const std::string& path) {
     if (words[0] != "v" || words.size() < 4) continue;
     for (std::size_t k = 1; k <= 3; ++k)
       if (const std::string wrong = parse_number(words[k], out.emplace_back()); !wrong.empty())
-        throw Error(DYN_ERROR_PARSE, quoted(path) + ": '" + std::string(words[k].substr(0, 60)) + "' " + wrong);
+        throw Error(DYN_ERROR_PARSE, in_quotes(path) + ": '" + std::string(words[k].substr(0, 60)) + "' " + wrong);
   }
   return out;
 }
@@ -66,7 +66,7 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
   for (double s : options.scale)
     if (!std::isfinite(s) || s == 0)
       throw Error(DYN_ERROR_ARGUMENT,
-                  "the scale of mesh " + quoted(name) + " has " + text(s) + ": give finite numbers that are not zero");
+                  "the scale of mesh " + in_quotes(name) + " has " + text(s) + ": give finite numbers that are not zero");
 
   if (options.points && extension(path) == ".obj") {
     Mesh cloud;

@@ -28,7 +28,7 @@ void read_world(MjcfFile& file, Element& world, const MjcfContext& context, cons
   if (!body) return read_mjcf_content(file, world, context);
   if (!read_named_body(file, world, context, body))
     file.source.report(world).fail(DYN_ERROR_NAME, line(world),
-                                   "there is no body " + load::quoted(body) + " in the model that is attached");
+                                   "there is no body " + load::in_quotes(body) + " in the model that is attached");
 }
 
 // Drops contacts and equalities that refer to parts of an attached model that were not attached.

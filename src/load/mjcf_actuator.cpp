@@ -94,7 +94,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   const std::string given = e.Attribute("name") ? e.Attribute("name") : "";
   const std::string name =
       context.name(given.empty() ? std::string(kind) + "_" + std::to_string(file.robot.actuators.size()) : given);
-  const Reader reader = file.source.reader(e, "actuator " + load::quoted(name));
+  const Reader reader = file.source.reader(e, "actuator " + load::in_quotes(name));
   const MjcfPlace place{&reader.report, line(e), reader.owner};
   MjcfActuator actuator{place, name, default_actuator(DYN_ACTUATOR_TYPE_MOTOR), ""};
   // the order and number of controls is the file's
@@ -131,7 +131,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   actuator.joint = context.name(joint_name);
   MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
   if (!joint && file.part) return place.info("its joint was not attached: left out");
-  if (!joint) reader.fail(DYN_ERROR_NAME, e, "there is no joint " + load::quoted(actuator.joint));
+  if (!joint) reader.fail(DYN_ERROR_NAME, e, "there is no joint " + load::in_quotes(actuator.joint));
   if (const char* why = transmission(*joint, reader.numbers(e, "gear").value_or(std::vector<double>()), actuator.spec))
     return keep_place(why);
   if (const char* why = law(reader, e, actuator)) return keep_place(why);

@@ -10,8 +10,6 @@ namespace dyn::load {
 
 namespace {
 
-std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
-
 // Vertices in the geom's frame: moved by refpos and refquat, then scaled.
 meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std::array<double, 3>& scale,
                       const std::string& who) {
@@ -31,14 +29,14 @@ meshes::Mesh read_msh(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   const auto read = [&](void* to, size_t bytes) {
     if (!in.read(static_cast<char*>(to), std::streamsize(bytes)))
-      throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + " cannot be read, or ends early");
+      throw Error(DYN_ERROR_FILE, "file " + load::in_quotes(path) + " cannot be read, or ends early");
   };
   std::int32_t counts[4];
   read(counts, sizeof counts);
   for (const std::int32_t n : counts)
     if (n < 0 || n > meshes::max_triangles)
       throw Error(DYN_ERROR_PARSE,
-                  "file " + load::quoted(path) + " is not of MuJoCo's format: " + std::to_string(n) + " vertices or faces");
+                  "file " + load::in_quotes(path) + " is not of MuJoCo's format: " + std::to_string(n) + " vertices or faces");
   std::vector<float> vertices(3 * size_t(counts[0]));
   std::vector<std::int32_t> faces(3 * size_t(counts[3]));
   read(vertices.data(), vertices.size() * sizeof(float));
@@ -46,9 +44,9 @@ meshes::Mesh read_msh(const std::string& path) {
   read(faces.data(), faces.size() * sizeof(std::int32_t));
   for (const std::int32_t f : faces)
     if (f < 0 || f >= counts[0])
-      throw Error(DYN_ERROR_PARSE, "file " + load::quoted(path) + ": vertex " + std::to_string(f) + " does not exist");
+      throw Error(DYN_ERROR_PARSE, "file " + load::in_quotes(path) + ": vertex " + std::to_string(f) + " does not exist");
   for (const float v : vertices)
-    if (!std::isfinite(v)) throw Error(DYN_ERROR_NONFINITE, "file " + load::quoted(path) + " has a vertex that is not finite");
+    if (!std::isfinite(v)) throw Error(DYN_ERROR_NONFINITE, "file " + load::in_quotes(path) + " has a vertex that is not finite");
   const std::vector<double> numbers(vertices.begin(), vertices.end());
   const std::vector<Index> corners(faces.begin(), faces.end());
   if (corners.empty()) {
@@ -56,7 +54,7 @@ meshes::Mesh read_msh(const std::string& path) {
     cloud.vertices = numbers;
     return cloud;
   }
-  return meshes::make_mesh(numbers.data(), counts[0], corners.data(), counts[3], 0, "file " + load::quoted(path));
+  return meshes::make_mesh(numbers.data(), counts[0], corners.data(), counts[3], 0, "file " + load::in_quotes(path));
 }
 
 struct Grid {
@@ -71,17 +69,17 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
     std::ifstream in(source.path(e, file), std::ios::binary);
     std::int32_t size[2];
     if (!in.read(reinterpret_cast<char*>(size), sizeof size))
-      reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " cannot be read");
+      reader.fail(DYN_ERROR_FILE, e, "file " + load::in_quotes(file) + " cannot be read");
     if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > max_heights)
       reader.fail(DYN_ERROR_LIMIT, e,
-                  "file " + load::quoted(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
+                  "file " + load::in_quotes(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
     g.rows = size[0], g.columns = size[1];
     std::vector<float> data(size_t(g.rows) * size_t(g.columns));
     if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(float))))
-      reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " ends early");
+      reader.fail(DYN_ERROR_FILE, e, "file " + load::in_quotes(file) + " ends early");
     for (const float x : data)
       if (!std::isfinite(x))
-        reader.fail(DYN_ERROR_NONFINITE, e, "file " + load::quoted(file) + " has a height that is not finite");
+        reader.fail(DYN_ERROR_NONFINITE, e, "file " + load::in_quotes(file) + " has a height that is not finite");
     g.heights.assign(data.begin(), data.end());
   } else {
     const double rows = reader.number(e, "nrow"), columns = reader.number(e, "ncol");
@@ -112,7 +110,7 @@ void MjcfAssets::add(Element& asset, const MjcfDefaults& defaults) {
         source_.close_model();
       }
       if (name.empty()) name = std::filesystem::path(attribute(*c, "file")).stem().string();
-      const Reader reader = source_.reader(*c, "<" + std::string(kind) + "> " + load::quoted(name));
+      const Reader reader = source_.reader(*c, "<" + std::string(kind) + "> " + load::in_quotes(name));
       if (name.empty()) reader.fail(DYN_ERROR_PARSE, *c, "it has neither name nor file");
       if (kind == "mesh") defaults.apply(source_, *c, "mesh", "");
       auto& all = kind == "mesh" ? meshes_ : kind == "hfield" ? fields_ : models_;
@@ -142,7 +140,7 @@ MjcfAssets::Entry& MjcfAssets::find(std::map<std::string, Entry>& all, const cha
   for (const auto& entry : all) names.push_back(&entry.first);
   source_.report(e).fail(
       DYN_ERROR_NAME, line(e),
-      std::string("there is no ") + kind + " " + load::quoted(name) + " among the assets" + did_you_mean(name, names));
+      std::string("there is no ") + kind + " " + load::in_quotes(name) + " among the assets" + did_you_mean(name, names));
 }
 
 const Element& MjcfAssets::model(const Element& e, const std::string& name) const {
@@ -151,7 +149,7 @@ const Element& MjcfAssets::model(const Element& e, const std::string& name) cons
 
 void MjcfAssets::read(Entry& entry) const {
   const Element& e = *entry.element;
-  const Reader reader = source_.reader(e, "mesh " + load::quoted(entry.path));
+  const Reader reader = source_.reader(e, "mesh " + load::in_quotes(entry.path));
   reader.unread(e,
                 {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal",
                  "maxhullvert", "inertia", "content_type", "material", "builtin", "params"},
@@ -226,13 +224,13 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
     if (touches && !entry.collision) entry.collision = collision_mesh_of(*entry.mesh, options_.meshes);
   } catch (const Error& error) {
     if (needed || options_.meshes != DYN_MESH_USE_AUTO) throw;
-    return geom.place.physics("mesh " + load::quoted(name) + " is left out of collisions: " + error.what());
+    return geom.place.physics("mesh " + load::in_quotes(name) + " is left out of collisions: " + error.what());
   }
   geom.mesh = entry.mesh;
   geom.rule = attribute(*entry.element, "builtin") == "plate" ? "shell" : attribute(*entry.element, "inertia");
   if (!touches) return;
   const CollisionMesh& collision = *entry.collision;
-  const std::string message = "mesh " + load::quoted(name) + collision.message;
+  const std::string message = "mesh " + load::in_quotes(name) + collision.message;
   if (collision.warning) geom.place.warning(message);
   else geom.place.info(message);
   geom.shape.type = collision.type;
@@ -241,10 +239,10 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
 
 bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeom& geom) {
   const Element& asset = *find(fields_, "height field", e, name).element;
-  const Reader reader = source_.reader(asset, "height field " + load::quoted(name));
+  const Reader reader = source_.reader(asset, "height field " + load::in_quotes(name));
   reader.unread(asset, {"name", "file", "nrow", "ncol", "elevation", "size", "content_type"}, {});
   if (const std::string file = attribute(asset, "file"); file.ends_with(".png") || file.ends_with(".PNG")) {
-    geom.place.physics("the height field " + load::quoted(name) + " is a picture (" + load::quoted(file) +
+    geom.place.physics("the height field " + load::in_quotes(name) + " is a picture (" + load::in_quotes(file) +
                        "), which is not supported: the geom is left out; give elevation, or a binary file");
     return false;
   }

@@ -85,7 +85,7 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& rob
   }
   for (MjcfSite& s : body.sites) {
     if (joints.count(s.name)) {
-      s.place.info("the frame is called " + load::quoted(s.name + "_site"));
+      s.place.info("the frame is called " + load::in_quotes(s.name + "_site"));
       s.name += "_site";
     }
     with_location(s.place, [&] {
@@ -101,7 +101,7 @@ void check_body(const MjcfRobot& robot, const MjcfPlace& place, const std::strin
     if (b.name == name) return;
     names.push_back(&b.name);
   }
-  place.fail(DYN_ERROR_NAME, "there is no body " + load::quoted(name) + did_you_mean(name, names));
+  place.fail(DYN_ERROR_NAME, "there is no body " + load::in_quotes(name) + did_you_mean(name, names));
 }
 
 // Adds bodies, joints and the initial configuration only.

@@ -222,10 +222,10 @@ meshes::Mesh mjcf_builtin_mesh(const Reader& reader, const Element& e) {
   if (kind == std::end(kinds)) {
     std::string known;
     for (const Kind& k : kinds) known += (known.empty() ? "" : ", ") + std::string(k.name);
-    reader.fail(DYN_ERROR_PARSE, e, "builtin=" + load::quoted(std::string(name)) + " is none of " + known);
+    reader.fail(DYN_ERROR_PARSE, e, "builtin=" + load::in_quotes(std::string(name)) + " is none of " + known);
   }
   const auto params = reader.numbers(e, "params", kind->params);
-  if (!params) reader.fail(DYN_ERROR_PARSE, e, "builtin=" + load::quoted(std::string(name)) + " needs params");
+  if (!params) reader.fail(DYN_ERROR_PARSE, e, "builtin=" + load::in_quotes(std::string(name)) + " needs params");
   const Surface surface = kind->make({reader, e, *params});
   meshes::Mesh out;
   for (const Vec& v : surface.corners)

@@ -48,7 +48,7 @@ void MjcfDefaults::read(MjcfSource& source, Element& e, int at) {
     const std::string name = source.reader(*c, "<default>").name(*c, "class");
     for (const Class& k : classes_)
       if (k.name == name)
-        source.report(*c).fail(DYN_ERROR_NAME, line(*c), "class " + load::quoted(name) + " of defaults is there already");
+        source.report(*c).fail(DYN_ERROR_NAME, line(*c), "class " + load::in_quotes(name) + " of defaults is there already");
     classes_.push_back({name, classes_[size_t(at)].kinds});
     read(source, *c, int(classes_.size()) - 1);
   }
@@ -61,7 +61,7 @@ int MjcfDefaults::find(const MjcfSource& source, const Element& e, const std::st
     all.push_back(&c.name);
   }
   source.report(e).fail(DYN_ERROR_NAME, line(e),
-                        "there is no class " + load::quoted(name) + " of defaults" + did_you_mean(name, all));
+                        "there is no class " + load::in_quotes(name) + " of defaults" + did_you_mean(name, all));
 }
 
 void MjcfDefaults::apply(const MjcfSource& source, Element& e, const std::string& kind, const std::string& around) const {

@@ -10,15 +10,13 @@ namespace {
 
 using Pose = SE3<double>;
 
-std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
-
 const MjcfBody& body_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
   std::vector<const std::string*> names;
   for (const MjcfBody& b : robot.bodies) {
     if (b.name == name) return b;
     names.push_back(&b.name);
   }
-  e.place.fail(DYN_ERROR_NAME, "there is no body " + load::quoted(name) + did_you_mean(name, names));
+  e.place.fail(DYN_ERROR_NAME, "there is no body " + load::in_quotes(name) + did_you_mean(name, names));
 }
 
 // Initial pose of a body in the world.
@@ -30,7 +28,7 @@ const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, cons
   for (const MjcfBody& b : robot.bodies)
     for (const MjcfJoint& j : b.joints)
       if (j.spec.name == name) return j;
-  e.place.fail(DYN_ERROR_NAME, "there is no joint " + load::quoted(name));
+  e.place.fail(DYN_ERROR_NAME, "there is no joint " + load::in_quotes(name));
 }
 
 Parent frame_of(const MjcfBody& b) { return b.parent < 0 ? Parent{"", 0} : Parent{b.name, DYN_FRAME_TYPE_BODY}; }
@@ -45,7 +43,7 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
     file.defaults.apply(file.source, *e, "equality", context.childclass);
     std::string name = context.name(attribute(*e, "name"));
     if (name.empty()) name = kind + "_" + std::to_string(file.robot.equalities.size());
-    const Reader reader = file.source.reader(*e, "equality " + load::quoted(name));
+    const Reader reader = file.source.reader(*e, "equality " + load::in_quotes(name));
     MjcfEquality x{{&reader.report, line(*e), reader.owner}, name, kind, {}, {}, {}, {}, true, false};
     if (kind != "connect" && kind != "weld" && kind != "joint") {
       x.place.physics("<" + kind.substr(0, 60) + "> is not supported: its parts stay unconnected");

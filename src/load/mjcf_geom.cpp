@@ -24,7 +24,7 @@ std::optional<ShapeForm> type_of(const Reader& reader, const Element& e) {
   if (type == "sdf") return std::nullopt;
   reader.fail(
       DYN_ERROR_PARSE, e,
-      "<geom type> is " + load::quoted(type) + ": plane, hfield, mesh, " + shape_names(RobotFormat::Mjcf) + " are supported");
+      "<geom type> is " + load::in_quotes(type) + ": plane, hfield, mesh, " + shape_names(RobotFormat::Mjcf) + " are supported");
 }
 
 // From the file's numbers to the sizes of dynShapeInfo.
@@ -67,7 +67,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   file.defaults.apply(file.source, e, "geom", context.childclass);
   MjcfGeom geom;
   geom.shape.name = context.name(e.Attribute("name") ? e.Attribute("name") : "");
-  const std::string owner = geom.shape.name.empty() ? body.place.owner + ": a geom" : "geom " + load::quoted(geom.shape.name);
+  const std::string owner = geom.shape.name.empty() ? body.place.owner + ": a geom" : "geom " + load::in_quotes(geom.shape.name);
   const Reader reader = file.source.reader(e, owner);
   geom.place = {&file.source.report(e), line(e), owner};
   reader.unread(e, {"name",     "class",  "type",    "contype", "conaffinity", "group", "size",      "material",

@@ -9,14 +9,14 @@ namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity(), half_turn = 3.14159265358979324;
 
-dynJointType type_of(const Reader& reader, const Element& e) {
+dynJointType joint_type_of(const Reader& reader, const Element& e) {
   const std::string_view type = e.Attribute("type") ? e.Attribute("type") : "hinge";
   if (type == "hinge") return DYN_JOINT_TYPE_REVOLUTE;
   if (type == "slide") return DYN_JOINT_TYPE_PRISMATIC;
   if (type == "ball") return DYN_JOINT_TYPE_SPHERICAL;
   if (type == "free") return DYN_JOINT_TYPE_FREE_FLYER;
   reader.fail(DYN_ERROR_PARSE, e,
-              "<joint type> is " + load::quoted(std::string(type)) + ": hinge, slide, ball or free is expected");
+              "<joint type> is " + load::in_quotes(std::string(type)) + ": hinge, slide, ball or free is expected");
 }
 
 // Returns a range if it is switched on, or given while the switch is "auto".
@@ -68,7 +68,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   MjcfJoint joint;
   const char* given = e.Attribute("name");
   joint.spec.name = context.name(given ? given : "");
-  const std::string owner = joint.spec.name.empty() ? body.place.owner + ": a joint" : "joint " + load::quoted(joint.spec.name);
+  const std::string owner = joint.spec.name.empty() ? body.place.owner + ": a joint" : "joint " + load::in_quotes(joint.spec.name);
   const Reader reader = file.source.reader(e, owner);
   joint.place = {&file.source.report(e), line(e), owner};
   if (context.body == 0) reader.fail(DYN_ERROR_INVALID, e, "the world has no joints: put it into a <body>");
@@ -100,7 +100,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
                 {});
   count_unused(reader, e, "joint", {"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
   JointSpec& spec = joint.spec;
-  spec.type = type_of(reader, e);
+  spec.type = joint_type_of(reader, e);
   const bool hinge = spec.type == DYN_JOINT_TYPE_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_TYPE_PRISMATIC;
   const double unit = hinge || spec.type == DYN_JOINT_TYPE_SPHERICAL ? file.compiler.angle : 1;
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && body.parent != 0)

@@ -104,7 +104,7 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
     std::string name = c->Attribute("name") ? c->Attribute("name") : "";
     if (name.empty()) name = "key_" + std::to_string(file.robot.keys.size());
     name = context.name(name);
-    const Reader reader = file.source.reader(*c, "key " + load::quoted(name));
+    const Reader reader = file.source.reader(*c, "key " + load::in_quotes(name));
     reader.unread(*c, {"name", "class", "qpos", "time", "qvel", "act", "ctrl", "mpos", "mquat"}, {});
     for (const char* unused : {"mpos", "mquat"})
       if (c->Attribute(unused))

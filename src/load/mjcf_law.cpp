@@ -9,7 +9,7 @@ namespace dyn::load {
 
 namespace {
 
-constexpr std::string_view kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder"};
+constexpr std::string_view law_kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder"};
 constexpr const char* shortcuts[] = {"kp", "kv", "dampratio", "timeconst", "area", "diameter", "bias"};
 
 // Numbers of an attribute, to be modified and written back.
@@ -31,7 +31,7 @@ struct Parameters {
 
 }  // namespace
 
-bool is_actuator(const Element& e) { return std::find(std::begin(kinds), std::end(kinds), e.Name()) != std::end(kinds); }
+bool is_actuator(const Element& e) { return std::find(std::begin(law_kinds), std::end(law_kinds), e.Name()) != std::end(law_kinds); }
 
 void as_general(const Reader& reader, Element& e) {
   const std::string_view kind = e.Name();

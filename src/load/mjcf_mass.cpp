@@ -132,7 +132,7 @@ std::optional<MjcfMass> from_geoms(const MjcfBody& body) {
 
 MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g) {
   const bool closed = mesh.topology.closed && meshes::solid_of(mesh).volume != 0;
-  const std::string who = "mesh " + load::quoted(g.shape.mesh);
+  const std::string who = "mesh " + load::in_quotes(g.shape.mesh);
   if (g.rule == "convex") return of(meshes::solid_of(meshes::hull_of(mesh)));
   if (g.rule == "exact") {
     if (!closed)

@@ -8,8 +8,6 @@ namespace dyn::load {
 
 namespace {
 
-std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
-
 constexpr std::uint32_t passive = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION;
 constexpr std::pair<std::string_view, std::uint32_t> effects_of_flags[] = {
     {"limit", DYN_EFFECT_LIMITS},
@@ -27,7 +25,7 @@ void read_flags(const Reader& reader, MjcfRobot& robot, const Element& flags) {
     const bool off = value == "disable";
     if (!off && value != "enable")
       reader.fail(DYN_ERROR_PARSE, flags,
-                  "<flag " + name + "> is " + load::quoted(a->Value()) + ": enable or disable is expected");
+                  "<flag " + name + "> is " + load::in_quotes(a->Value()) + ": enable or disable is expected");
     const auto effect =
         std::find_if(std::begin(effects_of_flags), std::end(effects_of_flags), [&](const auto& x) { return x.first == name; });
     if (off && effect != std::end(effects_of_flags)) robot.effects &= ~effect->second;
@@ -52,7 +50,7 @@ void read_integrator(const Reader& reader, MjcfRobot& robot, const Element& e) {
   else if (name == "implicit" || name == "implicitfast") robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
   else if (name != "Euler")
     reader.fail(DYN_ERROR_PARSE, e,
-                "<option integrator> is " + load::quoted(given) + ": Euler, RK4, implicit or implicitfast is expected");
+                "<option integrator> is " + load::in_quotes(given) + ": Euler, RK4, implicit or implicitfast is expected");
   reader.report.info(line(e),
                      "<option integrator> is " + std::string(name) + ": steps are those of " + ours + ", the nearest integrator");
 }
@@ -135,7 +133,7 @@ void report_mjcf_section(MjcfFile& file, Element& e) {
     return report.count("<" + kind + ">: not used", line(e));
   for (Element* c : file.source.children(e)) {
     const std::string name = attribute(*c, "name");
-    const std::string what = "<" + kind + ">: " + c->Name() + (name.empty() ? "" : " " + load::quoted(name));
+    const std::string what = "<" + kind + ">: " + c->Name() + (name.empty() ? "" : " " + load::in_quotes(name));
     if (kind == "sensor") report.count("<sensor>: not used", line(*c));
     else if (kind == "tendon") report.physics(line(*c), what + " is not used");
     else report.physics(line(*c), what + " is not used");

@@ -39,7 +39,7 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
   if (value == "false" || value == "disable") return false;
   if (value == "auto") return std::nullopt;
   reader.fail(DYN_ERROR_PARSE, e,
-              "<" + std::string(e.Name()) + " " + attribute + "> is " + load::quoted(text) + ": true or false is expected");
+              "<" + std::string(e.Name()) + " " + attribute + "> is " + load::in_quotes(text) + ": true or false is expected");
 }
 
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes) {
@@ -58,20 +58,20 @@ void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
   if (const char* angle = e.Attribute("angle")) {
     const std::string_view unit = angle;
     if (unit != "degree" && unit != "radian")
-      reader.fail(DYN_ERROR_PARSE, e, "<compiler angle> is " + load::quoted(angle) + ": degree or radian is expected");
+      reader.fail(DYN_ERROR_PARSE, e, "<compiler angle> is " + load::in_quotes(angle) + ": degree or radian is expected");
     compiler.angle = unit == "radian" ? 1 : MjcfCompiler().angle;
   }
   if (const char* sequence = e.Attribute("eulerseq")) {
     compiler.euler = sequence;
     if (compiler.euler.size() != 3 || compiler.euler.find_first_not_of("xyzXYZ") != std::string::npos)
       reader.fail(DYN_ERROR_PARSE, e,
-                  "<compiler eulerseq> is " + load::quoted(sequence) +
+                  "<compiler eulerseq> is " + load::in_quotes(sequence) +
                       ": three of x, y, z (turned axes), X, Y, Z (fixed ones) are expected");
   }
   compiler.align_free = *read_switch(reader, e, "alignfree", compiler.align_free);
   if (const char* frame = e.Attribute("coordinate"); frame && std::string_view(frame) != "local")
     reader.fail(DYN_ERROR_UNSUPPORTED, e,
-                "<compiler coordinate> is " + load::quoted(frame) + ": local coordinates alone are read");
+                "<compiler coordinate> is " + load::in_quotes(frame) + ": local coordinates alone are read");
   compiler.autolimits = *read_switch(reader, e, "autolimits", compiler.autolimits);
   if (e.Attribute("inertiafromgeom")) {
     const auto from = read_switch(reader, e, "inertiafromgeom", std::nullopt);

@@ -41,11 +41,11 @@ void MjcfSource::include(Element& e, std::vector<Element*>& out) {
     const std::string name = reader.name(e, "file");
     reader.unread(e, {"file"}, {});
     if (!names_.insert(name).second)
-      reader.fail(DYN_ERROR_INVALID, e, "file " + load::quoted(name) + " is included a second time: a file can be included once");
+      reader.fail(DYN_ERROR_INVALID, e, "file " + load::in_quotes(name) + " is included a second time: a file can be included once");
     if (files_.size() >= max_files) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_files) + " files");
     const std::string file = path(e, name).string();
     if (!std::filesystem::exists(file))
-      reader.fail(DYN_ERROR_FILE, e, "the included file " + load::quoted(file) + " does not exist");
+      reader.fail(DYN_ERROR_FILE, e, "the included file " + load::in_quotes(file) + " does not exist");
     root = &open(read_file(file, "an MJCF file"), file);
     const std::string_view kind = root->Name();
     if (kind != "mujoco" && kind != "mujocoinclude")
@@ -75,10 +75,10 @@ Element& MjcfSource::open_model(const Element& e, const std::string& name) {
   const Reader reader = this->reader(e, "the model");
   const std::string file = path(e, name).string();
   if (std::find(opening_.begin(), opening_.end(), file) != opening_.end() || file == files_[0].report->file())
-    reader.fail(DYN_ERROR_INVALID, e, "the model " + load::quoted(file) + " attaches itself");
+    reader.fail(DYN_ERROR_INVALID, e, "the model " + load::in_quotes(file) + " attaches itself");
   if (files_.size() >= max_files || opening_.size() >= max_models)
     reader.fail(DYN_ERROR_LIMIT, e, "too many models within models");
-  if (!std::filesystem::exists(file)) reader.fail(DYN_ERROR_FILE, e, "the model file " + load::quoted(file) + " does not exist");
+  if (!std::filesystem::exists(file)) reader.fail(DYN_ERROR_FILE, e, "the model file " + load::in_quotes(file) + " does not exist");
   opening_.push_back(file);
   Element& root = open(read_file(file, "an MJCF file"), file);
   if (std::string_view(root.Name()) != "mujoco")

@@ -10,15 +10,13 @@ namespace {
 
 constexpr int max_bodies = 200000;
 
-std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
-
 void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
   file.defaults.apply(file.source, e, "site", context.childclass);
   MjcfSite site;
   site.name = context.name(attribute(e, "name"));
   const Reader reader =
-      file.source.reader(e, site.name.empty() ? body.place.owner + ": a site" : "site " + load::quoted(site.name));
+      file.source.reader(e, site.name.empty() ? body.place.owner + ": a site" : "site " + load::in_quotes(site.name));
   site.place = {&reader.report, line(e), reader.owner};
   SE3<double> X = read_pose(reader, e, file.compiler);
   if (const auto ends = reader.numbers(e, "fromto", 6)) {
@@ -102,7 +100,7 @@ void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList&
   body.name = context.name(attribute(e, "name"));
   if (body.name.empty()) body.name = "body_" + std::to_string(at);
   body.parent = context.body;
-  const Reader reader = file.source.reader(e, "body " + load::quoted(body.name));
+  const Reader reader = file.source.reader(e, "body " + load::in_quotes(body.name));
   body.place = {&reader.report, line(e), reader.owner};
   if (at > max_bodies) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_bodies) + " bodies");
   reader.unread(

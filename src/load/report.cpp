@@ -97,7 +97,7 @@ std::string printable(const std::string& text) {
   return out;
 }
 
-std::string quoted(const std::string& name) {
+std::string in_quotes(const std::string& name) {
   constexpr size_t longest = 200;
   if (name.size() <= longest) return "'" + name + "'";
   size_t end = longest;
@@ -115,7 +115,7 @@ std::string did_you_mean(const std::string& name, const std::vector<const std::s
     const int distance = part ? 1 : edit_distance(name, *c);
     if (distance < best_distance) best = c, best_distance = distance;
   }
-  return best ? " (did you mean " + quoted(*best) + "?)" : "";
+  return best ? " (did you mean " + in_quotes(*best) + "?)" : "";
 }
 
 std::string text(double value) {

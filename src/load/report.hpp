@@ -50,7 +50,7 @@ class Report {
 // Replaces invalid UTF-8 by '?' and control characters by spaces, because messages are single lines and end up in JSON.
 std::string printable(const std::string& text);
 // 'name', shortened if very long.
-std::string quoted(const std::string& name);
+std::string in_quotes(const std::string& name);
 // " (did you mean 'elbow'?)", or "" if no candidate is close.
 std::string did_you_mean(const std::string& name, const std::vector<const std::string*>& candidates);
 // Shortest text that reads back as the same number, independent of the locale.

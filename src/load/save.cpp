@@ -57,7 +57,7 @@ dynFormat format_of(const std::string& path) {
   if (extension == ".urdf") return DYN_FORMAT_URDF;
   if (extension == ".xml" || extension == ".mjcf") return DYN_FORMAT_MJCF;
   if (extension == ".dynb") return DYN_FORMAT_DYNB;
-  throw Error(DYN_ERROR_ARGUMENT, load::quoted(path) + ": unknown extension: use .urdf, .xml, .mjcf or .dynb");
+  throw Error(DYN_ERROR_ARGUMENT, load::in_quotes(path) + ": unknown extension: use .urdf, .xml, .mjcf or .dynb");
 }
 
 std::string save_string(const Model& m, dynFormat format, bool strict, SaveReport& report) {
@@ -82,7 +82,7 @@ std::string save_string(const Model& m, dynFormat format, bool strict, SaveRepor
 void save_file(const Model& m, const std::string& path, bool strict, SaveReport& report) {
   const std::string text = save_string(m, format_of(path), strict, report);
   const auto fail = [&](const char* what, const char* why) {
-    throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + ": " + what + ": " + why);
+    throw Error(DYN_ERROR_FILE, "file " + load::in_quotes(path) + ": " + what + ": " + why);
   };
   const std::string target = target_of(path);
   struct stat old{};

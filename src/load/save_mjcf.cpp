@@ -14,7 +14,7 @@ namespace {
 
 using Pose = SE3<double>;
 
-constexpr int max_depth = 490;  // MuJoCo refuses elements that are nested 500 deep
+constexpr int mujoco_depth = 490;  // MuJoCo refuses elements that are nested 500 deep
 
 bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
 
@@ -195,8 +195,8 @@ void MjcfWriter::add_moving(Index first) {
     for (size_t k = begin; k < end; ++k) X = X * chain[k].before * drawn_motion(chain[k].joint, chain[k].simple);
     const Pose frame = whole ? in_joint : Pose::identity();
     XmlElement& body = *at->InsertNewChildElement("body");
-    if (++depth > max_depth)
-      throw Error(DYN_ERROR_LIMIT, "bodies are nested more than " + std::to_string(max_depth) +
+    if (++depth > mujoco_depth)
+      throw Error(DYN_ERROR_LIMIT, "bodies are nested more than " + std::to_string(mujoco_depth) +
                                        " deep, which readers of MJCF refuse: save as URDF or .dynb");
     if (whole && main >= 0) {
       put(body, "name", body_name(main));

@@ -85,9 +85,8 @@ void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
     return;
   }
   const ScalarNumbers x = numbers_of(spec, s);
-  constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
   if (std::isfinite(x.lower) || std::isfinite(x.upper)) {
-    if (x.lower < x.upper) put(e, "range", {std::max(x.lower, -most), std::min(x.upper, most)});
+    if (x.lower < x.upper) put(e, "range", {std::max(x.lower, -no_limit_written), std::min(x.upper, no_limit_written)});
     else losses.loss("ranges of a single point", s.name);
   }
   if (std::isfinite(x.effort)) {

@@ -9,11 +9,9 @@ namespace dyn::load {
 
 namespace {
 
-constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
-
 void put_range(XmlElement& e, const char* attribute, const double (&range)[2]) {
   if (std::isfinite(range[0]) || std::isfinite(range[1]))
-    put(e, attribute, {std::max(range[0], -most), std::min(range[1], most)});
+    put(e, attribute, {std::max(range[0], -no_limit_written), std::min(range[1], no_limit_written)});
 }
 
 }  // namespace

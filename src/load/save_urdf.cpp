@@ -9,8 +9,7 @@ namespace dyn::load {
 
 namespace {
 
-constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
-double bounded(double x) { return std::min(std::max(x, -most), most); }
+double bounded(double x) { return std::min(std::max(x, -no_limit_written), no_limit_written); }
 
 const char* type_name(dynJointType type) {
   switch (type) {

@@ -34,7 +34,7 @@ void Losses::write_report() const {
   for (const Line& l : lines_) {
     std::string out = l.what;
     const size_t shown = std::min<size_t>(l.names.size(), 5);
-    for (size_t k = 0; k < shown; ++k) out += (k ? ", " : ": ") + quoted(l.names[k]);
+    for (size_t k = 0; k < shown; ++k) out += (k ? ", " : ": ") + in_quotes(l.names[k]);
     if (l.names.size() > shown) out += " and " + std::to_string(l.names.size() - shown) + " more";
     report_.push_back({l.level, out});
   }
@@ -54,7 +54,7 @@ std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names) {
   std::vector<SimpleJoint> out;
   int q = 0, v = 0;
   for (const PlacedElement& p : elements) {
-    const Element& e = p.element;
+    const dyn::Element& e = p.element;
     const bool last = &p == &elements.back();
     SimpleJoint s{DYN_JOINT_TYPE_REVOLUTE,
                   e.axis,

@@ -3,6 +3,7 @@
 
 #include <tinyxml2.h>
 
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -16,6 +17,8 @@
 namespace dyn::load {
 
 using XmlElement = tinyxml2::XMLElement;
+
+inline constexpr double no_limit_written = std::numeric_limits<double>::max();  // read back as no limit
 
 // Numbers separated by spaces, each as the shortest text that reads back as the same double.
 std::string number_list(std::span<const double> x);

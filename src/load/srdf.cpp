@@ -11,7 +11,7 @@ namespace dyn::load {
 
 namespace {
 
-const std::initializer_list<std::string_view> known_elements = {
+const std::initializer_list<std::string_view> srdf_elements = {
     "group_state",  "disable_collisions", "enable_collisions", "disable_default_collisions", "virtual_joint", "group",
     "end_effector", "passive_joint",      "joint_property",    "link_sphere_approximation",  "gripper",       "handle",
     "contact",      "specificities",      "rotor_params"};
@@ -25,7 +25,7 @@ bool known(const Element& e, const char* kind, const std::string& name, const st
     all.push_back(&name_of(t));
   }
   context.report.physics(line(e),
-                         owner + ": there is no " + kind + " " + quoted(name) + " in the robot" + did_you_mean(name, all));
+                         owner + ": there is no " + kind + " " + in_quotes(name) + " in the robot" + did_you_mean(name, all));
   return false;
 }
 
@@ -46,7 +46,7 @@ void list_unused(const Element& root, const SrdfContext& context) {
   for (const Element* e = first(root); e; e = next(*e)) {
     const std::string kind = e->Name();
     const std::string name = e->Attribute("name") ? e->Attribute("name") : "";
-    const std::string owner = kind + (name.empty() ? "" : " " + quoted(name));
+    const std::string owner = kind + (name.empty() ? "" : " " + in_quotes(name));
     if (kind == "virtual_joint") {
       context.report.info(line(*e),
                           owner + ": the base is " + (context.floating ? "floating" : "fixed") + ", as chosen at loading");
@@ -56,7 +56,7 @@ void list_unused(const Element& root, const SrdfContext& context) {
       check_references(*e, owner, context);
     } else if (kind == "passive_joint" || kind == "joint_property") {
       const char* joint = kind == "passive_joint" ? e->Attribute("name") : e->Attribute("joint_name");
-      context.report.info(line(*e), kind + (joint ? " " + quoted(joint) : "") + ": not used: forces on joints are the caller's");
+      context.report.info(line(*e), kind + (joint ? " " + in_quotes(joint) : "") + ": not used: forces on joints are the caller's");
       if (joint && !is_virtual(root, joint)) known_joint(*e, joint, kind, context);
     } else if (kind == "rotor_params") {
       context.report.physics(line(*e), "<rotor_params>: the rotors' inertias are not used");
@@ -95,9 +95,9 @@ Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& 
     report.fail(DYN_ERROR_PARSE, line(root),
                 first(root, "link") ? "this is a URDF: an SRDF has no links of its own"
                                     : "<" + std::string(root.Name()).substr(0, 60) + ">: an SRDF begins with <robot>");
-  Reader{report, "the SRDF"}.unread(root, {"name", "version"}, known_elements);
+  Reader{report, "the SRDF"}.unread(root, {"name", "version"}, srdf_elements);
   if (const char* name = root.Attribute("name"); name && name != robot.name)
-    report.warning(line(root), "this SRDF is for robot " + quoted(name) + ", and the robot is " + quoted(robot.name));
+    report.warning(line(root), "this SRDF is for robot " + in_quotes(name) + ", and the robot is " + in_quotes(robot.name));
   const SrdfContext context{robot, robot.links[std::size_t(tree.root)].name, floating, report};
   Srdf out;
   out.states = read_states(root, context);

@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::size_t max_pairs = 1000000;
 
-using Names = std::pair<std::string, std::string>;
-Names ordered(const std::string& a, const std::string& b) { return a < b ? Names{a, b} : Names{b, a}; }
+using PairNames = std::pair<std::string, std::string>;
+PairNames ordered(const std::string& a, const std::string& b) { return a < b ? PairNames{a, b} : PairNames{b, a}; }
 
 }  // namespace
 
 std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& context) {
   Report& report = context.report;
   std::vector<Srdf::Pair> out;
-  std::set<Names> disabled, enabled;
+  std::set<PairNames> disabled, enabled;
   const auto add = [&](const Element& e, const std::string& a, const std::string& b, const std::string& reason) {
     if (!disabled.insert(ordered(a, b)).second) return false;
     if (out.size() == max_pairs)
@@ -29,17 +29,17 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
     return true;
   };
   // Reads the two links of an element. Returns false unless they are a pair of the robot.
-  const auto pair = [&](const Element& e, Names& names) {
+  const auto pair = [&](const Element& e, PairNames& names) {
     const Reader reader{report, std::string("<") + e.Name() + ">"};
     reader.unread(e, {"link1", "link2", "reason"}, {});
     names = {reader.name(e, "link1"), reader.name(e, "link2")};
     const bool one = known_link(e, names.first, reader.owner, context), two = known_link(e, names.second, reader.owner, context);
     if (one && names.first == names.second)
-      report.warning(line(e), reader.owner + ": link " + quoted(names.first) + " and itself: not used");
+      report.warning(line(e), reader.owner + ": link " + in_quotes(names.first) + " and itself: not used");
     return one && two && names.first != names.second;
   };
 
-  Names names;
+  PairNames names;
   for (const Element* e = first(root, "disable_collisions"); e; e = next(*e, "disable_collisions"))
     if (pair(*e, names) && !add(*e, names.first, names.second, e->Attribute("reason") ? e->Attribute("reason") : ""))
       report.count("<disable_collisions> of a pair that is disabled already", line(*e));

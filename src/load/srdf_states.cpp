@@ -41,7 +41,7 @@ struct StateReader {
 
   void joint(const Element& e, Srdf::State& state) {
     reader.unread(e, {"name", "value"}, {});
-    const std::string name = reader.name(e, "name"), who = reader.owner + ": joint " + quoted(name);
+    const std::string name = reader.name(e, "name"), who = reader.owner + ": joint " + in_quotes(name);
     const JointSpec* spec = find(context.robot, name);
     JointSpec base;
     base.name = "root_joint", base.type = DYN_JOINT_TYPE_FREE_FLYER;
@@ -52,7 +52,7 @@ struct StateReader {
     if (!spec) return void(known_joint(e, name, reader.owner, context));
     if (spec->type == DYN_JOINT_TYPE_FIXED) return context.report.info(line(e), who + " is fixed: its value is not used");
     if (!spec->mimic.empty())
-      return context.report.info(line(e), who + " follows " + quoted(spec->mimic) + ": its value is not used");
+      return context.report.info(line(e), who + " follows " + in_quotes(spec->mimic) + ": its value is not used");
     const auto value = reader.numbers(e, "value");
     if (!value) return context.report.physics(line(e), who + " has no value: not used");
     const std::vector<double> q = coordinates(spec->type, *value);
@@ -60,7 +60,7 @@ struct StateReader {
       return context.report.physics(line(e), who + " has " + std::to_string(value->size()) + " numbers and needs " +
                                                  std::to_string(joint_nq(spec->type)) + ": not used");
     if (is_zero_rotation(spec->type, *value))
-      reader.fail(DYN_ERROR_QUATERNION, e, "joint " + quoted(name) + ": its quaternion or (cos, sin) is zero: give norm 1");
+      reader.fail(DYN_ERROR_QUATERNION, e, "joint " + in_quotes(name) + ": its quaternion or (cos, sin) is zero: give norm 1");
     for (const auto& [other, numbers] : state.joints)
       if (other == spec->name) return context.report.physics(line(e), who + " occurs twice: the first value is used");
     if (!spec->lower.empty() && (q[0] < spec->lower[0] || q[0] > spec->upper[0]))
@@ -83,19 +83,19 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
   std::vector<Srdf::State> out;
   for (const Element* e = first(root, "group_state"); e; e = next(*e, "group_state")) {
     const std::string state = unnamed.name(*e, "name"), group = e->Attribute("group") ? e->Attribute("group") : "";
-    StateReader in{root, context, {context.report, "group_state " + quoted(state)}};
+    StateReader in{root, context, {context.report, "group_state " + in_quotes(state)}};
     in.reader.unread(*e, {"name", "group"}, {"joint"});
     if (!group.empty() && !known_groups.empty() && !known_groups.count(group)) {
       std::vector<const std::string*> all;
       for (const std::string& g : known_groups) all.push_back(&g);
-      context.report.physics(line(*e), in.reader.owner + ": there is no group " + quoted(group) + did_you_mean(group, all));
+      context.report.physics(line(*e), in.reader.owner + ": there is no group " + in_quotes(group) + did_you_mean(group, all));
     }
     Srdf::State s{groups[state] > 1 || state == "neutral" ? group + "/" + state : state, line(*e), {}};
     if (printable(s.name) != s.name)
       in.reader.fail(DYN_ERROR_NAME, *e, "its name is not UTF-8, or has a control character in it: rename it");
     for (const Element* j = first(*e, "joint"); j; j = next(*j, "joint")) in.joint(*j, s);
     if (!taken.insert(s.name).second) {
-      context.report.physics(line(*e), in.reader.owner + " of group " + quoted(group) + " occurs twice: the first one is used");
+      context.report.physics(line(*e), in.reader.owner + " of group " + in_quotes(group) + " occurs twice: the first one is used");
       continue;
     }
     out.push_back(std::move(s));

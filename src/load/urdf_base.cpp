@@ -5,7 +5,7 @@ namespace dyn::load {
 
 bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, Report& report) {
   const UrdfLink& root = robot.links[tree.root];
-  const std::string called = "the root link " + quoted(root.name);
+  const std::string called = "the root link " + in_quotes(root.name);
 
   // Mass of the root and everything welded to it.
   double welded = root.mass;
@@ -42,7 +42,7 @@ bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, R
 
   if (free_child)
     report.fail(DYN_ERROR_BASE, free_child->line,
-                "joint " + quoted(free_child->spec.name) + " is floating already: choose base fixed");
+                "joint " + in_quotes(free_child->spec.name) + " is floating already: choose base fixed");
   if (root.name == "world" && root.mass == 0)
     report.fail(
         DYN_ERROR_BASE, root.line,

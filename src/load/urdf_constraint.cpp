@@ -28,14 +28,14 @@ dynConstraint of_type(const Element& e, const Reader& reader, const std::string&
   for (const ValueName& v : value_names<dynConstraintType>)
     if (v.value != DYN_CONSTRAINT_TYPE_NONE && v.value != DYN_CONSTRAINT_TYPE_LOOP) known += v.name + std::string(", ");
   reader.fail(DYN_ERROR_INVALID, e,
-              "type " + quoted(type) + " is no constraint: " + known + "or the type of a joint that closes a loop");
+              "type " + in_quotes(type) + " is no constraint: " + known + "or the type of a joint that closes a loop");
 }
 
 UrdfConstraint read_constraint(const Element& e, Report& report) {
   UrdfConstraint out;
   out.line = line(e);
   out.name = Reader{report, "a constraint"}.name(e, "name");
-  const Reader reader{report, "constraint " + quoted(out.name)};
+  const Reader reader{report, "constraint " + in_quotes(out.name)};
   reader.unread(e, {"name", "type", "stiffness", "damping", "restitution", "length", "pitch", "force", "coefficients"},
                 {"first", "second", "axis", "axis2"});
   dynConstraint& c = out.spec;

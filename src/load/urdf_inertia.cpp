@@ -41,14 +41,14 @@ std::array<double, 3> nearest_possible(std::array<double, 3> m) {
 bool negative(const UrdfLink& l) { return l.moments[0] < -tolerance(l.mass, std::max(std::abs(l.moments[0]), l.moments[2])); }
 
 std::string moments_of(const UrdfLink& l) {
-  return "link " + quoted(l.name) + ": the principal moments of inertia are " + formatted(l.moments) + " kg m^2";
+  return "link " + in_quotes(l.name) + ": the principal moments of inertia are " + formatted(l.moments) + " kg m^2";
 }
 
 }  // namespace
 
 void check_inertia(UrdfLink& l, Report& report) {
   if (l.inertial_line == 0) return;
-  const std::string called = "link " + quoted(l.name);
+  const std::string called = "link " + in_quotes(l.name);
   const Matrix3 I = Eigen::Map<const Matrix3>(l.inertia.data());
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(I, Eigen::EigenvaluesOnly);
   if (!I.allFinite() || !solver.eigenvalues().allFinite())

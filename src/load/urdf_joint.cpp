@@ -23,7 +23,7 @@ constexpr Type types[] = {
 };
 
 // The largest double stands for no limit where the format requires a number.
-constexpr double no_limit = std::numeric_limits<double>::max();
+constexpr double no_limit_as_written = std::numeric_limits<double>::max();
 
 bool one_axis(dynJointType t) {
   return t == DYN_JOINT_TYPE_REVOLUTE || t == DYN_JOINT_TYPE_CONTINUOUS || t == DYN_JOINT_TYPE_PRISMATIC ||
@@ -40,7 +40,7 @@ dynJointType read_type(const Element& e, const Reader& reader, const std::string
   }
   std::string known;
   for (const Type& t : types) known += (known.empty() ? "" : ", ") + std::string(t.name);
-  reader.fail(DYN_ERROR_INVALID, e, "unknown type " + quoted(name) + ": libdyn knows " + known);
+  reader.fail(DYN_ERROR_INVALID, e, "unknown type " + in_quotes(name) + ": libdyn knows " + known);
 }
 
 void read_axis(const Element& e, const Reader& reader, JointSpec& spec) {
@@ -88,7 +88,7 @@ void read_limit(const Element& e, const Reader& reader, JointSpec& spec) {
     if (*value < 0) reader.fail(DYN_ERROR_INVALID, *l, std::string("<limit ") + name + "> is negative: " + text(*value));
     if (*value == 0)
       reader.report.count(std::string("<limit ") + name + "=\"0\">: kept, but a joint so limited cannot be driven", line(*l));
-    if (*value < no_limit) out = {*value};
+    if (*value < no_limit_as_written) out = {*value};
   };
   magnitude("velocity", spec.velocity);
   magnitude("effort", spec.effort);
@@ -108,8 +108,8 @@ void read_limit(const Element& e, const Reader& reader, JointSpec& spec) {
     reader.report.warning(line(*l), reader.at(*l) + " has no " + (lower ? "upper" : "lower") + ": 0, as the URDF standard says");
   spec.lower = {lower.value_or(0)};
   spec.upper = {upper.value_or(0)};
-  if (spec.lower[0] == -no_limit) spec.lower[0] = -HUGE_VAL;
-  if (spec.upper[0] == no_limit) spec.upper[0] = HUGE_VAL;
+  if (spec.lower[0] == -no_limit_as_written) spec.lower[0] = -HUGE_VAL;
+  if (spec.upper[0] == no_limit_as_written) spec.upper[0] = HUGE_VAL;
   if (spec.lower[0] > spec.upper[0])
     reader.fail(DYN_ERROR_INVALID, *l, "<limit> lower " + text(spec.lower[0]) + " is above upper " + text(spec.upper[0]));
   if (spec.lower[0] == spec.upper[0])
@@ -164,7 +164,7 @@ UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& option
   JointSpec& spec = joint.spec;
   joint.line = line(e);
   spec.name = Reader{report, "a joint"}.name(e, "name");
-  const Reader reader{report, "joint " + quoted(spec.name)};
+  const Reader reader{report, "joint " + in_quotes(spec.name)};
   reader.unread(
       e, {"name", "type"},
       {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller", "calibration", "gazebo"});

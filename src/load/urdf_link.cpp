@@ -84,10 +84,10 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
   shape.mesh = found.path.empty() ? name : found.path;
   if (!found.path.empty() || !found.first_time) return;
   std::string tried;
-  for (const std::string& path : found.tried) tried += (tried.empty() ? ": tried " : ", ") + quoted(path);
+  for (const std::string& path : found.tried) tried += (tried.empty() ? ": tried " : ", ") + in_quotes(path);
   if (name.starts_with("package://") || name.starts_with("model://"))
     tried += tried.empty() ? ": give package_dirs" : "; give the folder above the package in package_dirs";
-  reader.report.physics(line(e), reader.owner + ": mesh " + quoted(name) + " is not found" + tried);
+  reader.report.physics(line(e), reader.owner + ": mesh " + in_quotes(name) + " is not found" + tried);
 }
 
 void read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, bool physics, Shape& shape) {
@@ -149,7 +149,7 @@ UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes, const Co
   UrdfLink link;
   link.line = line(e);
   link.name = Reader{report, "a link"}.name(e, "name");
-  const Reader reader{report, "link " + quoted(link.name)};
+  const Reader reader{report, "link " + in_quotes(link.name)};
   reader.unread(e, {"name", "type"}, {"inertial", "visual", "collision", "gazebo", "sensor", "material"});
   read_inertial(e, reader, link);
   for (const Element* c = first(e); c; c = next(*c)) {

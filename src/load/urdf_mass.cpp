@@ -35,12 +35,12 @@ void check_moving_mass(const UrdfRobot& robot, const UrdfTree& tree, Report& rep
   if (massless.empty()) return;
   std::string others;
   for (size_t i = 1; i < std::min<size_t>(massless.size(), 6); ++i)
-    others += (i > 1 ? ", " : "; so also ") + quoted(robot.joints[massless[i]].spec.name);
+    others += (i > 1 ? ", " : "; so also ") + in_quotes(robot.joints[massless[i]].spec.name);
   if (massless.size() > 6) others += " and " + std::to_string(massless.size() - 6) + " more";
   const UrdfJoint& first = robot.joints[massless[0]];
   report.fail(
       DYN_ERROR_INVALID, first.line,
-      "joint " + quoted(first.spec.name) + ": neither link " + quoted(first.child) +
+      "joint " + in_quotes(first.spec.name) + ": neither link " + in_quotes(first.child) +
           " nor anything on it has mass, so that forward dynamics is undefined: give it an <inertial>, or make the joint fixed" +
           others);
 }

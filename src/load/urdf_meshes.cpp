@@ -19,7 +19,7 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
       if (shape.type != DYN_SHAPE_TYPE_MESH || shape.role != DYN_SHAPE_ROLE_COLLISION) continue;
       const bool found = std::filesystem::exists(shape.mesh);
       if (!found && options.meshes == DYN_MESH_USE_AUTO) continue;  // reported with the link
-      const std::string who = "link " + load::quoted(link.name) + ": mesh " + load::quoted(shape.mesh);
+      const std::string who = "link " + load::in_quotes(link.name) + ": mesh " + load::in_quotes(shape.mesh);
       auto at = known.find({shape.mesh, shape.size});
       if (at == known.end()) {
         CollisionMesh collision;

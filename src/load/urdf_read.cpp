@@ -8,7 +8,7 @@ namespace dyn::load {
 
 namespace {
 
-const std::initializer_list<std::string_view> known_elements = {
+const std::initializer_list<std::string_view> urdf_elements = {
     "link",   "joint",  "gazebo", "transmission", "material", "sensor",   "ros2_control",
     "mujoco", "webots", "group",  "actuator",     "hardware", "isaac_sim",    "libdyn"};
 
@@ -56,7 +56,7 @@ void check_name(const char* kind, const std::string& name, int at_line, Report& 
   if (printable(name) != name)
     report.fail(
         DYN_ERROR_NAME, at_line,
-        label + "name " + quoted(name) + " is not UTF-8, or has a control character in it: rename it, or save the file as UTF-8");
+        label + "name " + in_quotes(name) + " is not UTF-8, or has a control character in it: rename it, or save the file as UTF-8");
   if (name == "universe")
     report.fail(DYN_ERROR_NAME, at_line, label + "'universe': this is the name of the world itself: rename it");
 }
@@ -74,7 +74,7 @@ void check_names(const char* kind, const std::vector<Item>& items, Report& repor
     const auto [other, added] = seen.try_emplace(*name, t.line);
     if (!added)
       report.fail(DYN_ERROR_NAME, t.line,
-                  kind + std::string(" ") + quoted(*name) + ": another " + kind + " has this name, at line " +
+                  kind + std::string(" ") + in_quotes(*name) + ": another " + kind + " has this name, at line " +
                       std::to_string(other->second));
   }
 }
@@ -98,7 +98,7 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
     if (v != "1" && !v.starts_with("1."))
       report.fail(DYN_ERROR_UNSUPPORTED, line(root), "<robot version=\"" + v.substr(0, 20) + "\">: URDF 1.0 to 1.2 are read");
   }
-  reader.unread(root, {"name", "version"}, known_elements);
+  reader.unread(root, {"name", "version"}, urdf_elements);
 
   MeshPaths meshes(report.file(), options.package_dirs);
   const Colours colours = urdf_colours(root);
@@ -110,7 +110,7 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
       robot.joints.push_back(read_joint(*e, report, options));
     else if (name == "libdyn")
       read_constraints(*e, report, robot.constraints);
-    else if (name != "material" && std::find(known_elements.begin(), known_elements.end(), name) != known_elements.end())
+    else if (name != "material" && std::find(urdf_elements.begin(), urdf_elements.end(), name) != urdf_elements.end())
       report_foreign_block(*e, report);
   }
   if (robot.links.empty())

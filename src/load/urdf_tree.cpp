@@ -9,13 +9,13 @@ namespace {
 
 using Index = std::unordered_map<std::string_view, int>;
 
-std::string joint_label(const UrdfJoint& j) { return "joint " + quoted(j.spec.name); }
+std::string joint_label(const UrdfJoint& j) { return "joint " + in_quotes(j.spec.name); }
 
 // The first names of a list: "'a', 'b', 'c' and 4 more".
 std::string first_names(const std::vector<std::string>& names, const char* between) {
   std::string out;
   const size_t shown = std::min<size_t>(names.size(), 8);
-  for (size_t i = 0; i < shown; ++i) out += (i ? between : "") + quoted(names[i]);
+  for (size_t i = 0; i < shown; ++i) out += (i ? between : "") + in_quotes(names[i]);
   if (names.size() > shown) out += " and " + std::to_string(names.size() - shown) + " more";
   return out;
 }
@@ -27,7 +27,7 @@ int find_link(const Index& links, const UrdfRobot& robot, const UrdfJoint& j, co
   std::vector<const std::string*> names;
   for (const UrdfLink& l : robot.links) names.push_back(&l.name);
   report.fail(DYN_ERROR_NAME, at,
-              joint_label(j) + ": " + which + " link " + quoted(name) + " is not in the file" + did_you_mean(name, names) +
+              joint_label(j) + ": " + which + " link " + in_quotes(name) + " is not in the file" + did_you_mean(name, names) +
                   ": add <link name=...> or correct the name");
 }
 
@@ -65,11 +65,11 @@ UrdfTree check_tree(const UrdfRobot& robot, Report& report) {
     const int parent = find_link(links, robot, j, j.parent, "parent", j.parent_line, report);
     const int child = find_link(links, robot, j, j.child, "child", j.child_line, report);
     if (parent == child)
-      report.fail(DYN_ERROR_INVALID, j.line, joint_label(j) + " connects link " + quoted(j.child) + " with itself");
+      report.fail(DYN_ERROR_INVALID, j.line, joint_label(j) + " connects link " + in_quotes(j.child) + " with itself");
     if (parent_joint[child] >= 0) {
       const UrdfJoint& other = robot.joints[parent_joint[child]];
       report.fail(DYN_ERROR_INVALID, j.child_line,
-                  joint_label(j) + ": link " + quoted(j.child) + " already is the child of " + joint_label(other) +
+                  joint_label(j) + ": link " + in_quotes(j.child) + " already is the child of " + joint_label(other) +
                       ", at line " + std::to_string(other.line) + ": a link has one parent");
     }
     parent_joint[child] = i;
@@ -118,7 +118,7 @@ void check_mimic(UrdfRobot& robot, Report& report) {
   for (size_t i = 0; i < robot.joints.size(); ++i) {
     UrdfJoint& j = robot.joints[i];
     if (j.spec.mimic.empty()) continue;
-    const std::string begin = joint_label(j) + " mimics " + quoted(j.spec.mimic);
+    const std::string begin = joint_label(j) + " mimics " + in_quotes(j.spec.mimic);
     const auto found = index.find(j.spec.mimic);
     if (found == index.end()) {
       std::vector<const std::string*> names;

@@ -142,12 +142,12 @@ void compare_with_urdfdom(const std::string& text, const UrdfRobot& robot, const
   for (const UrdfLink& l : robot.links) {
     const auto other = urdfdom.model->getLink(without_percent(l.name));
     if (const std::string what = other ? difference(l, *other) : "the link"; !what.empty())
-      differs(l.line, "link " + quoted(l.name) + ": " + what);
+      differs(l.line, "link " + in_quotes(l.name) + ": " + what);
   }
   for (const UrdfJoint& j : robot.joints) {
     const auto other = urdfdom.model->getJoint(without_percent(j.spec.name));
     if (const std::string what = other ? difference(j, *other) : "the joint"; !what.empty())
-      differs(j.line, "joint " + quoted(j.spec.name) + ": " + what);
+      differs(j.line, "joint " + in_quotes(j.spec.name) + ": " + what);
   }
 }
 

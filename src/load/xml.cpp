@@ -82,7 +82,7 @@ bool good_reference(std::string_view text) {
          (c >= 0x10000 && c < 0x110000);
 }
 
-std::string shown(std::string_view name) { return std::string(name.substr(0, 60)); }
+std::string shown_name(std::string_view name) { return std::string(name.substr(0, 60)); }
 
 int line_at(std::string_view text, size_t at) {
   return 1 + int(std::count(text.begin(), text.begin() + std::min(at, text.size()), '\n'));
@@ -125,7 +125,7 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
       case Markup::end:
         if (!opened.empty())
           fail(DYN_ERROR_PARSE, opened.back().at,
-               "<" + shown(opened.back().name) + "> is never closed: the file is cut off or an end tag is missing");
+               "<" + shown_name(opened.back().name) + "> is never closed: the file is cut off or an end tag is missing");
         return;
       case Markup::other:
         break;
@@ -136,9 +136,9 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
         fail(DYN_ERROR_PARSE, m.begin, "markup that begins here is never closed: the file is cut off or a quote is missing");
         break;
       case Markup::close:
-        if (opened.empty()) fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> closes nothing: remove it");
+        if (opened.empty()) fail(DYN_ERROR_PARSE, m.begin, "</" + shown_name(m.name) + "> closes nothing: remove it");
         if (m.name != opened.back().name)
-          fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> where <" + shown(opened.back().name) + "> of line " +
+          fail(DYN_ERROR_PARSE, m.begin, "</" + shown_name(m.name) + "> where <" + shown_name(opened.back().name) + "> of line " +
                                              std::to_string(line_at(text, opened.back().at)) + " is still open");
         opened.pop_back();
         break;
@@ -152,7 +152,7 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
                "an element has more than " + std::to_string(max_attributes) + " attributes, which is the limit");
         if (m.name.starts_with("xacro:"))
           fail(DYN_ERROR_UNSUPPORTED, m.begin,
-               "<" + shown(m.name) +
+               "<" + shown_name(m.name) +
                    "> is a xacro macro: run xacro first (xacro FILE > robot.urdf) and load its output");
         if (m.empty) break;
         opened.push_back({m.begin, m.name});

@@ -44,5 +44,7 @@ class Document {
 inline const Element* first(const Element& e, const char* name = nullptr) { return e.FirstChildElement(name); }
 inline const Element* next(const Element& e, const char* name = nullptr) { return e.NextSiblingElement(name); }
 inline int line(const Element& e) { return e.GetLineNum(); }
+// Text of an attribute, or "" if it is missing.
+inline std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
 
 }  // namespace dyn::load

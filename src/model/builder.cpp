@@ -54,8 +54,6 @@ Mat3<double> z_to(const Axis& a) {
 
 namespace {
 
-[[noreturn]] void refuse(dynStatus status, const std::string& message) { throw Error(status, message); }
-
 void check_name(const std::string& what, const std::string& name) {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, what + " has no name: give one");
   if (name.find('\0') != std::string::npos)

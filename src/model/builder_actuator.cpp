@@ -9,8 +9,6 @@ namespace dyn {
 
 namespace {
 
-[[noreturn]] void refuse(dynStatus status, const std::string& message) { throw Error(status, message); }
-
 void check_number(const std::string& who, const char* what, double x, bool negative_too) {
   if (!std::isfinite(x)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(x) + ": give a finite number");
   if (!negative_too && x < 0) refuse(DYN_ERROR_INVALID, who + ": " + what + " is " + number(x) + ": it can't be negative");

@@ -8,8 +8,6 @@ namespace dyn {
 
 namespace {
 
-[[noreturn]] void refuse(dynStatus status, const std::string& message) { throw Error(status, message); }
-
 int find_joint(const std::vector<JointEntry>& joints, const std::string& name, const std::string& who) {
   for (std::size_t j = 0; j < joints.size(); ++j)
     if (joints[j].spec.name == name) return int(j);

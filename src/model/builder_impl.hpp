@@ -13,6 +13,8 @@
 
 namespace dyn {
 
+[[noreturn]] inline void refuse(dynStatus status, const std::string& message) { throw Error(status, message); }
+
 // A simple joint: alone, or a part of a composite.
 struct JointPart {
   dynJointType type;

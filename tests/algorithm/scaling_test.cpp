@@ -26,7 +26,7 @@ ModelPtr robot(int n, const std::function<int(int)>& parent) {
   }
   return b.finish();
 }
-ModelPtr chain(int n) {
+ModelPtr long_chain(int n) {
   return robot(n, [](int k) { return k - 1; });
 }
 ModelPtr star(int n) {
@@ -63,7 +63,7 @@ struct Costs {
 };
 
 TEST(Scaling, RecursionsAreLinear) {
-  for (const auto& shape : {chain, star, binary_tree}) {
+  for (const auto& shape : {long_chain, star, binary_tree}) {
     const Costs small(shape(100)), large(shape(1000));
     EXPECT_NEAR(large.rnea / large.n, small.rnea / small.n, 0.02 * small.rnea / small.n);
     EXPECT_NEAR(large.aba / large.n, small.aba / small.n, 0.02 * small.aba / small.n);
@@ -89,7 +89,7 @@ struct Law {
 };
 
 TEST(Scaling, OfAChainOfAThousand) {
-  const Costs a(chain(100)), b(chain(200)), c(chain(1000));
+  const Costs a(long_chain(100)), b(long_chain(200)), c(long_chain(1000));
   EXPECT_EQ(500500, c.pairs);
   for (double Costs::*cost : {&Costs::crba, &Costs::rnea_derivatives}) {
     const Law law(a, b, cost);
@@ -102,7 +102,7 @@ TEST(Scaling, OfAChainOfAThousand) {
 // A thousand leaves at depth 10 or 11. Entries are computed four rows by four columns, of which few are pairs where subtrees are
 // small: no more than four times the pairs, where all entries would be 200 times as many.
 TEST(Scaling, OfABinaryTreeOfAThousandLeaves) {
-  const Costs a(chain(100)), b(chain(200)), tree(binary_tree(1000));
+  const Costs a(long_chain(100)), b(long_chain(200)), tree(binary_tree(1000));
   EXPECT_EQ(1999, tree.n);
   EXPECT_LT(tree.pairs, 11 * tree.n);
   for (double Costs::*cost : {&Costs::crba, &Costs::rnea_derivatives}) {

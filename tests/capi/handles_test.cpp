@@ -5,7 +5,7 @@
 
 #include "capi/model_functions.hpp"
 
-namespace dyn_test {
+namespace dyn_test::handles_test {
 namespace {
 
 struct Refusal {
@@ -256,4 +256,4 @@ TEST(Handles, TablesAreComplete) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::handles_test

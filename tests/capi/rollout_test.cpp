@@ -2,7 +2,7 @@
 // one that fails; cancelling; arguments.
 #include "capi/batch.hpp"
 
-namespace dyn_test {
+namespace dyn_test::rollout_test {
 namespace {
 
 // A quadruped above a floor.
@@ -262,4 +262,4 @@ TEST(Rollout, Arguments) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::rollout_test

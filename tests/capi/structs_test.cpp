@@ -4,7 +4,7 @@
 
 #include "capi/surfaces.hpp"
 
-namespace dyn_test {
+namespace dyn_test::structs_test {
 namespace {
 
 // A robot with one of everything.
@@ -319,4 +319,4 @@ TEST(Structs, ResultsAreWrittenWithinTheCallersSize) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::structs_test

@@ -6,8 +6,6 @@
 namespace dyn_test {
 namespace {
 
-Pose at(double x, double y, double z) { return {Mat3<double>::identity(), Vec::make(x, y, z)}; }
-
 std::vector<std::pair<Type, Type>> convex_pairs() {
   std::vector<std::pair<Type, Type>> p;
   for (int a = int(Type::Sphere); a < shape::type_count; ++a)

@@ -17,7 +17,6 @@ Manifold manifold(const Scene& s, double margin) {
   collision::contacts(s.a.shape, s.A, s.b.shape, s.B, margin, workspace(), m);
   return m;
 }
-Pose at(double x, double y, double z) { return {Mat3<double>::identity(), Vec::make(x, y, z)}; }
 Mat3<double> turn(const Vec& axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return Mat3<double>::identity() * c + skew(axis) * s + outer(axis, axis) * (1 - c);

@@ -7,7 +7,6 @@ namespace {
 Pose pose(const double (&m)[12]) {  // rows of [R p]
   return {{Vec::make(m[0], m[4], m[8]), Vec::make(m[1], m[5], m[9]), Vec::make(m[2], m[6], m[10])}, Vec::make(m[3], m[7], m[11])};
 }
-Pose at(double x, double y, double z) { return {Mat3<double>::identity(), Vec::make(x, y, z)}; }
 Pose turned(double x, double y, double z, double qx, double qy, double qz, double qw) {
   const double q[4] = {qx, qy, qz, qw};
   return {rotation(load_quaternion(q)), Vec::make(x, y, z)};

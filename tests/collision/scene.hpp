@@ -21,6 +21,8 @@ using shape::Shape;
 using shape::Type;
 using shape::Vec;
 
+inline Pose at(double x, double y, double z) { return {Mat3<double>::identity(), Vec::make(x, y, z)}; }
+
 // Number of samples: DYN_COLLISION_SAMPLES, or as many as take seconds.
 inline int samples(int usual) {
   const char* s = std::getenv("DYN_COLLISION_SAMPLES");

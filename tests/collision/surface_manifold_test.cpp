@@ -8,7 +8,6 @@ namespace {
 using collision::Contact;
 using collision::Manifold;
 
-Pose at(double x, double y, double z) { return {Mat3<double>::identity(), Vec::make(x, y, z)}; }
 Manifold manifold(const Shape& a, const Pose& A, const Shape& b, const Pose& B, double margin) {
   Manifold m;
   collision::contacts(a, A, b, B, margin, workspace(), m);

@@ -4,7 +4,7 @@
 #include "collision/every_pair.hpp"
 #include "collision/survey.hpp"
 
-namespace dyn_test {
+namespace dyn_test::survey_test {
 namespace {
 
 struct Tally {
@@ -59,4 +59,4 @@ TEST_P(SlowSurvey, All) { survey(GetParam(), samples(100000), std::min(samples(1
 INSTANTIATE_TEST_SUITE_P(All, SlowSurvey, testing::ValuesIn(pairs()), pair_name);
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::survey_test

@@ -4,7 +4,7 @@
 #include "common/quad.hpp"
 #include "joint/list.hpp"
 
-namespace dyn_test {
+namespace dyn_test::primitives_test {
 namespace {
 
 constexpr double tol = 1e-14;  // some ten operations on numbers up to 10
@@ -263,4 +263,4 @@ TYPED_TEST(Primitive, NormaliseKeepsThePose) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::primitives_test

@@ -4,7 +4,7 @@
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
 
-namespace dyn_test {
+namespace dyn_test::types_test {
 namespace {
 
 constexpr double tol = 2e-14;  // two joints and three fixed placements: some fifty operations on numbers up to 4
@@ -288,4 +288,4 @@ TEST(JointAxes, PlanarMovesInThePlaneNormalToItsAxis) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::types_test

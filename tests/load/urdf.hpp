@@ -112,6 +112,7 @@ inline const std::string solid =
 inline std::string link(const std::string& name, const std::string& inside = solid) {
   return "<link name=\"" + name + "\">" + inside + "</link>\n";
 }
+inline const std::string ab = link("a") + link("b");
 inline const std::string limit = "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>";
 inline std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
                          const std::string& inside = "<axis xyz=\"0 0 1\"/>" + limit) {

@@ -1,7 +1,7 @@
 // Files that are refused: the status, and a message with the line, the element, and what to do.
 #include "load/urdf.hpp"
 
-namespace dyn_test {
+namespace dyn_test::urdf_bad_test {
 namespace {
 
 struct Case {
@@ -14,8 +14,6 @@ struct Case {
 
 // Columns of the table below.
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
-
-const std::string ab = link("a") + link("b");
 
 std::string inertial(const std::string& inside) { return robot(link("a", "\n<inertial>" + inside + "</inertial>")); }
 std::string inertia(const std::string& xx, const std::string& yy, const std::string& zz, const std::string& mass = "1") {
@@ -397,4 +395,4 @@ TEST(BadUrdfs, EveryByteReplaced) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::urdf_bad_test

@@ -4,8 +4,6 @@
 namespace dyn_test {
 namespace {
 
-const std::string ab = link("a") + link("b");
-
 TEST(Urdf, ReportOfWhatIsNotUsed) {
   const Loaded l = good(
       "<robot name=\"r\">\n"

@@ -8,7 +8,6 @@
 namespace dyn_test {
 namespace {
 
-const std::string ab = link("a") + link("b");
 const double pi = std::acos(-1.0);
 
 TEST(Urdf, JointsDepthFirstInTheOrderOfTheFile) {

@@ -1,7 +1,7 @@
 // Mass properties of closed meshes against closed forms, and statistics of open meshes.
 #include "mesh/meshes.hpp"
 
-namespace dyn_test {
+namespace dyn_test::mass_test {
 namespace {
 
 constexpr double exact = 1e-13;  // relative: rounding of a short sum
@@ -258,4 +258,4 @@ TEST(MeshErrors, Handles) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::mass_test

@@ -3,7 +3,7 @@
 #include "common/work.hpp"
 #include "../src/model/builder_impl.hpp"
 
-namespace dyn_test {
+namespace dyn_test::axes_test {
 namespace {
 
 constexpr std::array<double, 9> unit_inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -95,4 +95,4 @@ TEST(Axes, ChainWithoutNoise) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::axes_test

@@ -3,7 +3,7 @@
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
 
-namespace dyn_test {
+namespace dyn_test::builder_test {
 namespace {
 
 constexpr std::array<double, 9> unit_inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -398,4 +398,4 @@ TEST(Builder, AnEmptyModelIsAModel) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::builder_test

@@ -1,7 +1,7 @@
 // How mimic joints are resolved: chains of them, followers before their leaders, what they add to the leader.
 #include "common/random_tree.hpp"
 
-namespace dyn_test {
+namespace dyn_test::mimic_test {
 namespace {
 
 JointSpec hinge(const std::string& name, const std::string& parent = "", const std::string& mimic = "", double ratio = 1,
@@ -120,4 +120,4 @@ TEST(Mimic, LongChainsOfMimicAreBounded) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::mimic_test

@@ -5,8 +5,6 @@
 namespace dyn_test {
 namespace {
 
-constexpr double g = 9.81;
-
 class Incline : public testing::TestWithParam<double> {};
 
 // A box on an incline: it sticks below the friction angle and slides with g (sin a - mu cos a) above.

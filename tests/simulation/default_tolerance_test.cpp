@@ -4,8 +4,6 @@
 namespace dyn_test {
 namespace {
 
-constexpr double g = 9.81;
-
 // Boxes turned at random fall into a pit with rough walls.
 struct Heap {
   Scene scene;

@@ -3,10 +3,9 @@
 
 #include <random>
 
-namespace dyn_test {
+namespace dyn_test::many_test {
 namespace {
 
-constexpr double g = 9.81;
 
 // Boxes, balls and capsules in a heap over a floor, a slope on a body of its own and a ramp, and optional boxes far away.
 struct Heap {
@@ -238,4 +237,4 @@ TEST(ManyShapes, MovingHalfSpaceCollides) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::many_test

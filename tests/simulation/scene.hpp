@@ -9,6 +9,8 @@
 
 namespace dyn_test {
 
+inline constexpr double g = 9.81;  // m/s^2, along -z
+
 inline dynMaterial material(double friction, double restitution = 0) {
   dynMaterial x{};
   x.friction = friction, x.restitution = restitution;

@@ -6,8 +6,6 @@
 namespace dyn_test {
 namespace {
 
-constexpr double g = 9.81;
-
 void may_sleep(Simulation& run, bool visit) {
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_DEFAULT | DYN_EFFECT_SLEEPING));
   run.options.visit_sleepers = visit;

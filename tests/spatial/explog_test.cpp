@@ -4,7 +4,7 @@
 #include "common/small_matrix.hpp"
 #include "spatial/exponent.hpp"
 
-namespace dyn_test {
+namespace dyn_test::explog_test {
 namespace {
 
 constexpr double tol =
@@ -194,4 +194,4 @@ TEST(ExpLog, InQuadruplePrecisionToItsOwnPrecision) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::explog_test

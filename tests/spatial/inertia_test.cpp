@@ -1,7 +1,7 @@
 // Rigid and articulated inertias against 6 x 6 matrices.
 #include "common/eigen.hpp"
 
-namespace dyn_test {
+namespace dyn_test::inertia_test {
 namespace {
 
 constexpr double tol = 4e-14;  // up to six products of 3 x 3 matrices with elements up to 10: 6 * 9 * 10 * 1.1e-16
@@ -124,4 +124,4 @@ TEST(Inertia, ArticulatedMinusOuter) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::inertia_test

@@ -8,7 +8,7 @@
 #include "common/eigen.hpp"
 #include "common/quad.hpp"
 
-namespace dyn_test {
+namespace dyn_test::portable_test {
 namespace {
 
 using namespace dyn;
@@ -97,4 +97,4 @@ TEST(Portable, SameBitsEverywhere) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::portable_test

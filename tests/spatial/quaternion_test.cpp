@@ -3,7 +3,7 @@
 #include "common/quad.hpp"
 #include "spatial/exponent.hpp"
 
-namespace dyn_test {
+namespace dyn_test::quaternion_test {
 namespace {
 
 constexpr double tol = 2e-15;  // a dozen operations on numbers of size 1
@@ -92,4 +92,4 @@ TEST(Quaternion, TheLogarithmKeepsTinyRotations) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::quaternion_test

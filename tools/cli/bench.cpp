@@ -19,21 +19,21 @@ constexpr int states = 64;
 constexpr std::int64_t max_numbers = 4'000'000;
 constexpr std::size_t max_bytes = 1'000'000'000;
 
-struct Options {
+struct BenchOptions {
   RobotOptions robot;
   double seconds = 5;
   EffectOptions effects{"armature", ""};
 };
 
-struct Sample {
+struct BenchState {
   Vector q, v, a, tau;
 };
 
 struct Algorithm {
   std::string name, after;  // after: calls that its time includes
   dynParts parts;
-  std::function<dynStatus(dynData*, const Sample&)> call;
-  std::function<dynStatus(dynData*, const Sample&)> prepare;  // before each batch: what the call needs; may be empty
+  std::function<dynStatus(dynData*, const BenchState&)> call;
+  std::function<dynStatus(dynData*, const BenchState&)> prepare;  // before each batch: what the call needs; may be empty
 };
 
 dynAlgorithmInfo describe(const Robot& robot, dynAlgorithm algorithm) {
@@ -53,7 +53,7 @@ Algorithm algorithm_row(const Robot& robot, dynAlgorithm algorithm, dynIntegrato
   const auto out = std::make_shared<std::vector<Vector>>();
   const dynModel* m = robot;
   const auto call = [=, frame = robot.nframes - 1, joint = robot.njoints - 1, home = robot.neutral()](dynData* d,
-                                                                                                      const Sample& s) {
+                                                                                                      const BenchState& s) {
     dynBatchArrays x;
     dyn_batch_arrays_init(&x);
     x.q = s.q.data(), x.v = s.v.data(), x.a = s.a.data(), x.tau = x.b = s.tau.data(), x.q1 = home.data();
@@ -70,7 +70,7 @@ Algorithm algorithm_row(const Robot& robot, dynAlgorithm algorithm, dynIntegrato
 
 // Calls that are no dynAlgorithm.
 std::vector<Algorithm> further_rows(const dynModel* m) {
-  using S = const Sample&;
+  using S = const BenchState&;
   const auto mass = [=](dynData* d, S s) { return dyn_crba(m, d, s.q.data(), nullptr); };
   return {
       {"forward_kinematics", "", DYN_PART_KINEMATICS,
@@ -114,14 +114,14 @@ std::vector<Algorithm> algorithms(const Robot& robot, std::vector<std::string>& 
   return table;
 }
 
-std::vector<Sample> random_states(const Robot& robot) {
+std::vector<BenchState> random_states(const Robot& robot) {
   std::mt19937_64 random(1);
   const auto vector = [&] {
     Vector x(robot.nv);
     for (double& value : x) value = 2 * std::generate_canonical<double, 53>(random) - 1;
     return x;
   };
-  std::vector<Sample> out(states);
+  std::vector<BenchState> out(states);
   for (int i = 0; i < states; ++i) {
     out[i] = {Vector(robot.nq), vector(), vector(), vector()};
     check(dyn_configuration_random(robot, static_cast<uint64_t>(i) + 1, nullptr, nullptr, out[i].q.data()));
@@ -131,11 +131,11 @@ std::vector<Sample> random_states(const Robot& robot) {
 
 // ns a call: batches of about 2 microseconds until the time is up. Every call has another state, or else what is already
 // known of it would not be computed again; what needs preparation has one state a batch.
-json measure(const Algorithm& algorithm, dynData* data, const std::vector<Sample>& samples, double seconds,
+json measure(const Algorithm& algorithm, dynData* data, const std::vector<BenchState>& samples, double seconds,
              const InstructionCounter& counter) {
   using Clock = std::chrono::steady_clock;
   const auto nanoseconds = [](Clock::duration d) { return std::chrono::duration<double, std::nano>(d).count(); };
-  const auto prepare = [&](const Sample& s) {
+  const auto prepare = [&](const BenchState& s) {
     if (algorithm.prepare) check(algorithm.prepare(data, s));
   };
   double once = 1e300;
@@ -153,7 +153,7 @@ json measure(const Algorithm& algorithm, dynData* data, const std::vector<Sample
   std::size_t next = 0;
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   for (std::size_t i = 0; i < states || (Clock::now() < end && i < 1 << 20); ++i) {
-    const Sample& s = samples[i % states];
+    const BenchState& s = samples[i % states];
     prepare(s);
     const auto before = counter.read();
     const auto start = Clock::now();
@@ -173,7 +173,7 @@ json measure(const Algorithm& algorithm, dynData* data, const std::vector<Sample
   return row;
 }
 
-void run(const Options& options) {
+void run_bench(const BenchOptions& options) {
   if (!(options.seconds > 0) || !std::isfinite(options.seconds)) bad_usage("--seconds must be a positive number of seconds.");
   parse_effects(options.effects);
   const Robot robot(options.robot);
@@ -225,12 +225,12 @@ void run(const Options& options) {
 }  // namespace
 
 void add_bench(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Time of every algorithm on 64 random states of this robot");
   add_robot_options(*command, options->robot);
   add_effects_option(*command, options->effects);
   command->add_option("--seconds", options->seconds, "Total time of measuring, seconds")->check(decimal)->capture_default_str();
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_bench(*options); });
 }
 
 }  // namespace cli

@@ -132,7 +132,7 @@ Vector satisfying(const Robot& robot, const Data& data, const Vector& q) {
 }
 
 // What is wrong with the constraints where they are satisfied.
-void run(const CheckOptions& options) {
+void run_constraints(const CheckOptions& options) {
   check_lists(options.state);
   const Robot robot(options.robot, contact_count(options.contacts));
   const Data data(robot, DYN_PART_CONSTRAINTS);
@@ -198,7 +198,7 @@ void add_check(CLI::App& app) {
   add_state_options(*command, options->state, false);
   add_contact_options(*command, options->contacts);
   command->add_flag("--as-is", options->as_is, "Use the given q; by default q is projected onto the constraints");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_constraints(*options); });
 }
 
 }  // namespace cli

@@ -8,7 +8,7 @@
 namespace cli {
 namespace {
 
-struct Options {
+struct DistanceOptions {
   RobotOptions robot;
   StateOptions state;
   bool all = false, sweep = false;
@@ -36,7 +36,7 @@ std::string text_of(const json& answer, bool all) {
 }
 
 // The state given, and random ones.
-std::vector<Vector> sampled(const Robot& robot, const Options& options) {
+std::vector<Vector> sampled(const Robot& robot, const DistanceOptions& options) {
   std::vector<Vector> out = {read_state(robot, options.state).q};
   for (int k = 0; k < options.samples; ++k) {
     out.push_back(robot.neutral());
@@ -45,7 +45,7 @@ std::vector<Vector> sampled(const Robot& robot, const Options& options) {
   return out;
 }
 
-void run_sweep(const Options& options) {
+void run_sweep(const DistanceOptions& options) {
   check_lists(options.state);
   const Robot robot(options.robot);
   const std::vector<Vector> states = sampled(robot, options);
@@ -55,7 +55,7 @@ void run_sweep(const Options& options) {
   print(options.robot.json ? json_text(answer) : text);
 }
 
-void run(const Options& options) {
+void run_distance(const DistanceOptions& options) {
   check_lists(options.state);
   const Robot robot(options.robot);
   const Data data(robot, DYN_PART_COLLISION);
@@ -76,7 +76,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_distance(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DistanceOptions>();
   CLI::App* command = app.add_subcommand("distance", "Distances between a robot's collision shapes, the nearest first");
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
@@ -88,7 +88,7 @@ void add_distance(CLI::App& app) {
       ->check(whole)
       ->check(CLI::Range(0, 100000))
       ->needs(sweep);
-  command->callback([options] { options->sweep ? run_sweep(*options) : run(*options); });
+  command->callback([options] { options->sweep ? run_sweep(*options) : run_distance(*options); });
 }
 
 }  // namespace cli

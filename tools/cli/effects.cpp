@@ -132,12 +132,12 @@ json answer_of(const SteppingOptions& options, const Measured& m) {
           {"instructions_per_step", number_or_null(m.all.instructions)}, {"effects", m.effects}};
 }
 
-struct Options : SteppingOptions {
+struct EffectsOptions : SteppingOptions {
   double allowed = 0;
 };
 
-void run(const Options& given, bool asked) {
-  Options options = given;
+void run_effects(const EffectsOptions& given, bool asked) {
+  EffectsOptions options = given;
   check_stepping(options);
   if (asked && (!(options.allowed > 0) || !std::isfinite(options.allowed)))
     bad_usage("--suggest must be a positive number of metres and radians.");
@@ -193,7 +193,7 @@ std::string effects_text(const json& a) {
 }
 
 void add_effects(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EffectsOptions>();
   options->duration = 1;
   CLI::App* command =
       app.add_subcommand("effects", "Each effect of a scene, measured: its price, and the change of the result without it");
@@ -205,7 +205,7 @@ void add_effects(CLI::App& app) {
           ->add_option("--suggest", options->allowed,
                        "Find the fewest effects whose result differs by less than this from that of all effects (m, rad)")
           ->check(decimal);
-  command->callback([options, suggest] { run(*options, suggest->count() > 0); });
+  command->callback([options, suggest] { run_effects(*options, suggest->count() > 0); });
 }
 
 }  // namespace cli

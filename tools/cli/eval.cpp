@@ -10,7 +10,7 @@
 namespace cli {
 namespace {
 
-struct Options {
+struct EvalOptions {
   RobotOptions robot;
   StateOptions state;
   std::vector<std::string> compute;
@@ -289,7 +289,7 @@ const std::vector<Quantity>& quantities() {
   return table;
 }
 
-std::vector<const Quantity*> select(const Options& options) {
+std::vector<const Quantity*> select(const EvalOptions& options) {
   std::vector<const Quantity*> out;
   for (const std::string& list : options.compute) {
     for (const std::string& word : list_of("--compute", list)) {
@@ -334,7 +334,7 @@ void append_text(std::string& out, const std::string& name, const json& value, c
   }
 }
 
-void run(const Options& options) {
+void run_eval(const EvalOptions& options) {
   const auto reference = static_cast<dynReference>(value_of("dynReference", "--reference", options.reference, &Choice::capital));
   const auto wanted = select(options);
   parse_effects(options.effects);
@@ -363,7 +363,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_eval(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvalOptions>();
   CLI::App* command = app.add_subcommand("eval", "Quantities of a robot in a state");
   add_robot_options(*command, options->robot);
   std::vector<std::string> names;
@@ -378,7 +378,7 @@ void add_eval(CLI::App& app) {
   command->add_option("--reference", options->reference, one_of("dynReference", &Choice::capital))->capture_default_str();
   add_effects_option(*command, options->effects);
   add_contact_options(*command, options->contacts);
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_eval(*options); });
 }
 
 }  // namespace cli

@@ -8,7 +8,7 @@
 namespace cli {
 namespace {
 
-struct Options {
+struct IkOptions {
   RobotOptions robot;
   StateOptions state;
   std::vector<std::string> frames, targets;
@@ -75,7 +75,7 @@ std::string sentence(const Robot& robot, const dynIkResult& r) {
   }
 }
 
-void run(const Options& options) {
+void run_ik(const IkOptions& options) {
   if (options.frames.size() != options.targets.size())
     bad_usage("there are " + std::to_string(options.frames.size()) + " --frame and " + std::to_string(options.targets.size()) +
               " --target: give one target for each frame.");
@@ -141,7 +141,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_ik(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IkOptions>();
   CLI::App* command = app.add_subcommand("ik", "Inverse kinematics: a configuration that puts frames at targets");
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
@@ -163,7 +163,7 @@ void add_ik(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--best", options->best, "Print the best configuration when the targets are out of reach");
   command->add_flag("--no-limits", options->no_limits, "Ignore joint limits");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_ik(*options); });
 }
 
 }  // namespace cli

@@ -8,12 +8,12 @@ namespace cli {
 namespace {
 
 using Commands = std::vector<const CLI::App*>;
-using Options = std::vector<const CLI::Option*>;
+using OptionList = std::vector<const CLI::Option*>;
 
 Commands commands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); });
 }
-Options options(const CLI::App& command) {
+OptionList options(const CLI::App& command) {
   return command.get_options([](const CLI::Option* o) { return !o->get_group().empty(); });
 }
 std::vector<std::string> names(const CLI::Option& o) {
@@ -28,7 +28,7 @@ std::string argument(const CLI::Option& o) {
   return o.get_type_size() == 0 ? "" : type.substr(0, type.find(':'));
 }
 // {none,hull}: what may follow, separated by spaces.
-std::string choices(const CLI::Option& o) {
+std::string choices_of(const CLI::Option& o) {
   const std::string type = o.get_type_name();
   const std::size_t from = type.find('{'), to = type.find('}');
   std::string out = from < to && to != std::string::npos ? type.substr(from + 1, to - from - 1) : "";
@@ -52,7 +52,7 @@ std::string roff(const std::string& text) {
   return !out.empty() && (out[0] == '.' || out[0] == '\'') ? "\\&" + out : out;
 }
 // Inside single quotes of a shell.
-std::string quoted(const std::string& text) { return replaced(text, "'", "'\\''"); }
+std::string in_quotes(const std::string& text) { return replaced(text, "'", "'\\''"); }
 
 std::string man(const CLI::App& app) {
   std::string out = ".TH DYN 1 \"\" \"dyn " + std::string(dyn_version()) +
@@ -93,9 +93,9 @@ std::string bash(const CLI::App& app) {
     for (const CLI::Option* o : options(*c)) {
       if (o->get_positional()) continue;
       words += (words.empty() ? "" : " ") + join(names(*o), " ");
-      if (!choices(*o).empty())
+      if (!choices_of(*o).empty())
         values +=
-            "        " + join(names(*o), "|") + ") COMPREPLY=($(compgen -W '" + choices(*o) + "' -- \"$now\")); return ;;\n";
+            "        " + join(names(*o), "|") + ") COMPREPLY=($(compgen -W '" + choices_of(*o) + "' -- \"$now\")); return ;;\n";
     }
     cases += "    " + c->get_name() + ")\n      case $before in\n" + values + "      esac\n      words='" + words + "' ;;\n";
   }
@@ -113,15 +113,15 @@ std::string bash(const CLI::App& app) {
 std::string zsh(const CLI::App& app) {
   std::string out = "#compdef dyn\nlocal -a commands\ncommands=(\n", cases;
   for (const CLI::App* c : commands(app)) {
-    out += "  '" + c->get_name() + ":" + quoted(replaced(c->get_description(), ":", "\\:")) + "'\n";
+    out += "  '" + c->get_name() + ":" + in_quotes(replaced(c->get_description(), ":", "\\:")) + "'\n";
     cases += "  " + c->get_name() + ") _arguments";
     for (const CLI::Option* o : options(*c)) {
       if (o->get_positional()) continue;
-      const std::string text = quoted(replaced(replaced(replaced(o->get_description(), "[", "("), "]", ")"), ":", "\\:"));
+      const std::string text = in_quotes(replaced(replaced(replaced(o->get_description(), "[", "("), "]", ")"), ":", "\\:"));
       for (const std::string& name : names(*o)) {
         cases += " \\\n      '" + name + "[" + text + "]";
         if (!argument(*o).empty())
-          cases += ":value:" + (choices(*o).empty() ? std::string(takes_file(*o) ? "_files" : " ") : "(" + choices(*o) + ")");
+          cases += ":value:" + (choices_of(*o).empty() ? std::string(takes_file(*o) ? "_files" : " ") : "(" + choices_of(*o) + ")");
         cases += "'";
       }
     }
@@ -133,15 +133,15 @@ std::string zsh(const CLI::App& app) {
 std::string fish(const CLI::App& app) {
   std::string out = "# fish completion of dyn\n";
   for (const CLI::App* c : commands(app)) {
-    out += "complete -c dyn -n __fish_use_subcommand -a " + c->get_name() + " -d '" + quoted(c->get_description()) + "'\n";
+    out += "complete -c dyn -n __fish_use_subcommand -a " + c->get_name() + " -d '" + in_quotes(c->get_description()) + "'\n";
     for (const CLI::Option* o : options(*c)) {
       if (o->get_positional()) continue;
       out += "complete -c dyn -n '__fish_seen_subcommand_from " + c->get_name() + "'";
       for (const std::string& s : o->get_snames()) out += " -s " + s;
       for (const std::string& l : o->get_lnames()) out += " -l " + l;
       if (!argument(*o).empty()) out += takes_file(*o) ? " -r" : " -x";
-      if (!choices(*o).empty()) out += " -a '" + choices(*o) + "'";
-      out += " -d '" + quoted(o->get_description()) + "'\n";
+      if (!choices_of(*o).empty()) out += " -a '" + choices_of(*o) + "'";
+      out += " -d '" + in_quotes(o->get_description()) + "'\n";
     }
   }
   return out;

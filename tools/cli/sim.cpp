@@ -18,7 +18,7 @@
 namespace cli {
 namespace {
 
-struct Options : SteppingOptions {
+struct SimOptions : SteppingOptions {
   double accuracy = 0;
   std::string csv, html, postmortem, forces;
   bool dt_given = false, accuracy_given = false, no_error_estimate = false, profile = false, ledger = false;
@@ -197,7 +197,7 @@ std::string text_of(const json& a) {
 
 constexpr double profiled_s = 2;
 
-void write_html(const std::string& html, const Options& options, const Robot& robot, const page::Recording& recording,
+void write_html(const std::string& html, const SimOptions& options, const Robot& robot, const page::Recording& recording,
                 const json& answer, const json& notes) {
   page::Pack pack;
   json head = page::head("simulation", options.robot, robot, recording, pack, notes);
@@ -205,8 +205,8 @@ void write_html(const std::string& html, const Options& options, const Robot& ro
   page::write_file(options.html, page::filled(html, head, pack));
 }
 
-void run(const Options& given) {
-  Options options = given;
+void run_sim(const SimOptions& given) {
+  SimOptions options = given;
   check_stepping(options);
   if (options.accuracy_given && (!(options.accuracy > 0) || !std::isfinite(options.accuracy)))
     bad_usage("--accuracy must be a positive number.");
@@ -388,7 +388,7 @@ void run(const Options& given) {
 }  // namespace
 
 void add_sim(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimOptions>();
   CLI::App* command =
       app.add_subcommand("sim", "Simulation under a constant tau or forces over time, with contacts, limits and constraints");
   add_stepping_options(*command, *options);
@@ -415,7 +415,7 @@ void add_sim(CLI::App& app) {
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Skip the second run, at half the step");
   command->callback([options, accuracy] {
     options->dt_given = !std::isnan(options->dt), options->accuracy_given = accuracy->count() > 0;
-    run(*options);
+    run_sim(*options);
   });
 }
 

@@ -19,7 +19,7 @@ namespace cli {
 
 namespace {
 
-struct Options : SteppingOptions {
+struct ViewOptions : SteppingOptions {
   std::string html;
   bool live = false, no_browser = false;
   int port = 0;
@@ -46,7 +46,7 @@ void open_browser(const std::string& address) {
                address.c_str(), browser.c_str());
 }
 
-void write_still(const Options& options, const std::string& html, const std::string& path) {
+void write_still(const ViewOptions& options, const std::string& html, const std::string& path) {
   json notes = json::array();
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
@@ -57,7 +57,7 @@ void write_still(const Options& options, const std::string& html, const std::str
 }
 
 #ifdef DYN_LIVE
-void run_live(const Options& options, const std::string& html) {
+void run_live(const ViewOptions& options, const std::string& html) {
   live::Simulation simulation(options);
   page::Pack pack;
   const json head = simulation.head(pack);
@@ -68,12 +68,12 @@ void run_live(const Options& options, const std::string& html) {
   });
 }
 #else
-void run_live(const Options&, const std::string&) {
+void run_live(const ViewOptions&, const std::string&) {
   fail("this dyn was built without Boost.Beast (Debian: libboost-dev), which --live needs.");
 }
 #endif
 
-void run(const Options& options) {
+void run_view(const ViewOptions& options) {
   check_stepping(options);
   if (options.live && !options.html.empty()) bad_usage("--live and --html are two ways to look: keep one.");
   check_outputs({{"--html", options.html}}, inputs_of(options.robot, {{"--state", options.state.file}}));
@@ -94,7 +94,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_view(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ViewOptions>();
   options->duration = 1;
   CLI::App* command = app.add_subcommand(
       "view", "The robot in a browser: shapes, frames, masses, movable joints; with --live a running simulation");
@@ -110,7 +110,7 @@ void add_view(CLI::App& app) {
       ->check(whole)
       ->capture_default_str();
   command->add_flag("--no-browser", options->no_browser, "Print the address, and open nothing");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_view(*options); });
 }
 
 }  // namespace cli

@@ -13,6 +13,12 @@ function(dyn_glob result)
   set(${result} "${files}" PARENT_SCOPE)
 endfunction()
 
+# Compiles the sources of a target in a few large files: from nothing that takes a fraction of the time, for most of it is reading headers.
+# Their local names have to differ.
+function(dyn_together target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${DYN_TOGETHER} UNITY_BUILD_BATCH_SIZE 10)
+endfunction()
+
 # Tables of what dyn.h declares, for all that includes src/table/enums.hpp.
 find_program(DYN_PYTHON python3 REQUIRED)
 set(DYN_TABLES ${PROJECT_BINARY_DIR}/tables)
@@ -48,6 +54,9 @@ function(dyn_objects target sources)
   endif()
   add_library(${target} OBJECT ${sources})
   target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
+  if(NOT target MATCHES "core")  # the core's is the time that counts, and its files are long
+    dyn_together(${target})
+  endif()
   # each object's frames beside it, for tools/stack; what loads runs before anything that must not stop
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT target MATCHES "host" AND NOT DYN_SANITIZE)
     target_compile_options(${target} PRIVATE -fstack-usage)

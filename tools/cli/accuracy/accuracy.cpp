@@ -22,7 +22,7 @@ namespace {
 
 using namespace accuracy;
 
-struct Options : SteppingOptions {
+struct AccuracyOptions : SteppingOptions {
   std::string target, budget = "60s", csv, html, svg, reference, resume;
 };
 
@@ -295,8 +295,8 @@ std::string quoted(const std::string& word) {
   return !word.empty() && word.find_first_of(" \t'\"$&;()*?<>|\\") == word.npos ? word : "'" + word + "'";
 }
 
-void run(const Options& given, const std::vector<std::string>& words) {
-  Options options = given;
+void run_accuracy(const AccuracyOptions& given, const std::vector<std::string>& words) {
+  AccuracyOptions options = given;
   check_stepping(options);
   std::string unit, second;
   const double target = options.target.empty() ? 0 : with_unit("--target", options.target, {"m", "rad", "J"}, unit);
@@ -420,7 +420,7 @@ std::vector<std::string> scene_words(const SteppingOptions& o) {
 }  // namespace
 
 void add_accuracy(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AccuracyOptions>();
   options->duration = 1;
   CLI::App* command = app.add_subcommand(
       "accuracy", "The time that accuracy costs on this scene: every integrator and solver, and the cheapest for a target");
@@ -440,7 +440,7 @@ void add_accuracy(CLI::App& app) {
   command->add_option("--svg", options->svg, "Write the diagram to this file")->check(not_empty);
   command->add_option("--html", options->html, "Write a page with diagrams and tables to this file")->check(not_empty);
   command->add_option("--resume", options->resume, "Keep points in this file, and reuse those in it")->check(not_empty);
-  command->callback([options] { run(*options, scene_words(*options)); });
+  command->callback([options] { run_accuracy(*options, scene_words(*options)); });
 }
 
 }  // namespace cli

@@ -8,8 +8,6 @@ namespace cli::stress {
 
 namespace {
 
-constexpr double eps = 2.220446049250313e-16;
-
 // Uniform rods of 1 kg and 1 m in a plane; the last one tip kg.
 Model chain(int n, double tip = 1) {
   Builder b("chain");

@@ -6,8 +6,6 @@ namespace cli::stress {
 
 namespace {
 
-constexpr double eps = 2.220446049250313e-16;
-
 // Rows of a homogeneous matrix, as in FCL's test.
 Placement rows(const std::array<double, 12>& x) {
   return {x[0], x[4], x[8], x[1], x[5], x[9], x[2], x[6], x[10], x[3], x[7], x[11]};

@@ -31,7 +31,7 @@ struct Range {
   }
 };
 
-constexpr int width = 360, height = 200, left = 58, bottom = 34, max_points = 600;
+constexpr int width = 360, page_height = 200, left = 58, bottom = 34, max_points = 600;
 constexpr const char* colours[] = {"#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#8c564b", "#17becf"};
 
 std::string svg(const Picture& p) {
@@ -40,17 +40,17 @@ std::string svg(const Picture& p) {
   for (const Curve& c : p.curves)
     for (std::size_t k = 0; k < c.x.size(); ++k) x.take(c.x[k]), y.take(scaled(c.y[k]));
   if (!(x.high >= x.low) || !(y.high >= y.low)) return "";
-  std::string out = "<svg viewBox=\"0 0 " + std::to_string(width) + " " + std::to_string(height) + "\">";
+  std::string out = "<svg viewBox=\"0 0 " + std::to_string(width) + " " + std::to_string(page_height) + "\">";
   const auto label = [&](double at_x, double at_y, const char* anchor, const std::string& text) {
     out += "<text x=\"" + short_number(at_x, 5) + "\" y=\"" + short_number(at_y, 5) + "\" text-anchor=\"" + anchor + "\">" +
            escaped(text) + "</text>";
   };
   const auto value = [&](double at) { return p.logarithmic ? short_number(std::pow(10, at), 2) : short_number(at, 3); };
-  const double floor = height - bottom;
+  const double floor = page_height - bottom;
   out += "<rect x=\"" + std::to_string(left) + "\" y=\"14\" width=\"" + std::to_string(width - left - 8) + "\" height=\"" +
-         std::to_string(height - bottom - 14) + "\"/>";
+         std::to_string(page_height - bottom - 14) + "\"/>";
   label(left, floor + 13, "start", short_number(x.low, 3)), label(width - 8, floor + 13, "end", short_number(x.high, 3));
-  label((left + width) / 2.0, height - 6, "middle", p.x), label(left - 4, floor, "end", value(y.low)),
+  label((left + width) / 2.0, page_height - 6, "middle", p.x), label(left - 4, floor, "end", value(y.low)),
       label(left - 4, 22, "end", value(y.high)), label(left, 10, "start", p.y);
   for (std::size_t i = 0; i < p.curves.size(); ++i) {
     const Curve& c = p.curves[i];

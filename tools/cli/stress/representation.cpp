@@ -8,8 +8,6 @@ namespace cli::stress {
 
 namespace {
 
-constexpr double eps = 2.220446049250313e-16;
-
 Model ball_joint() {
   Builder b("ball");
   b.add_joint("ball", DYN_JOINT_TYPE_SPHERICAL).add_body("link", "ball", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));

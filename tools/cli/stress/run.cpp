@@ -16,14 +16,14 @@ namespace {
 
 using namespace stress;
 
-struct Options {
+struct StressOptions {
   std::vector<std::string> names;
   std::string html;
   bool json = false, list = false, slow = false;
 };
 
 // Cases by their names or their themes; all that are not slow without any.
-std::vector<const Case*> chosen(const Options& options) {
+std::vector<const Case*> chosen(const StressOptions& options) {
   std::vector<const Case*> out;
   std::set<std::string> known, themes, asked(options.names.begin(), options.names.end());
   for (const Case& c : cases()) known.insert(c.name), themes.insert(c.theme);
@@ -103,7 +103,7 @@ std::string list(const std::vector<const Case*>& all) {
   return table(rows);
 }
 
-void run(const Options& options) {
+void run_stress(const StressOptions& options) {
   const auto all = chosen(options);
   if (options.list) return print(list(all));
   check_outputs({{"--html", options.html}});
@@ -120,14 +120,14 @@ void run(const Options& options) {
 }  // namespace
 
 void add_stress(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StressOptions>();
   CLI::App* command = app.add_subcommand("stress", "Hard cases against their references: error, tolerance, verdict");
   command->add_option("cases", options->names, "Names of cases or themes; default: all quick cases");
   command->add_flag("--json", options->json, "One JSON object");
   command->add_option("--html", options->html, "Write a page with a picture of each case to this file")->check(not_empty);
   command->add_flag("--list", options->list, "List the cases and what is hard about each; run nothing");
   command->add_flag("--long", options->slow, "Run the slow cases, too");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_stress(*options); });
 }
 
 }  // namespace cli

@@ -13,7 +13,7 @@ using dyn::JointSpec;
 using dyn::Model;
 using dyn::Placement;
 
-inline constexpr double g = 9.81, pi = 3.14159265358979323846;
+inline constexpr double g = 9.81, pi = 3.14159265358979323846, eps = 2.220446049250313e-16;
 
 inline std::array<double, 9> diagonal(double x, double y, double z) { return {x, 0, 0, 0, y, 0, 0, 0, z}; }
 inline std::array<double, 9> no_inertia() { return diagonal(0, 0, 0); }
