@@ -56,8 +56,9 @@ class _Plan:
     def __init__(self, model: Model, algorithm: AlgorithmInfo):
         nv = (model.nv,)
         rows = {"q": (model.nq,), "q1": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
-        self.id, self.q = algorithm.id, algorithm.inputs.index("q")
+        self.id = algorithm.id
         self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
+        self.first = next(k for k, (_, row) in enumerate(self._inputs) if row)  # q, mostly: it says how many states there are
         self._outputs = [(k, name, shape) for k, (name, shape) in enumerate(zip(algorithm.outputs, algorithm.shapes(model)))]
         self.matrix = algorithm.dimensions[0] == 2
         self.type = RESULTS.get(algorithm.name)
@@ -183,8 +184,8 @@ class Batch(Algorithms, Rollouts):
         plan = self._plans.get(algorithm.id)
         if plan is None:
             plan = self._plans[algorithm.id] = _Plan(self.model, algorithm)
-        q = given[plan.q]
-        n = len(q) if type(q) is np.ndarray and q.ndim else _count(q)
+        x = given[plan.first]
+        n = len(x) if type(x) is np.ndarray and x.ndim else _count(x)
         if n != plan.n:
             plan.of(n)
         if only is status is None and plan.quick:
