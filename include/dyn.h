@@ -151,7 +151,7 @@ typedef enum dynFrameType {
 typedef enum dynReportLevel {
   DYN_REPORT_LEVEL_INFO = 0,    /* Worth knowing: nothing is lost. */
   DYN_REPORT_LEVEL_WARNING = 1, /* Worth a look. The model is what the file states. */
-  DYN_REPORT_LEVEL_DROPPED = 2  /* Lost: physics of the file, or what a written file lacks. Error if strict. */
+  DYN_REPORT_LEVEL_DROPPED = 2 /* Lost: physics of the file, or what a written file lacks. Error if strict. */
 } dynReportLevel;
 
 /* A view of numbers. Element (i, j) is data[i * stride[0] + j * stride[1]]; strides count doubles. Vectors
