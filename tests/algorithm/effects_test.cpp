@@ -21,9 +21,15 @@ void slow_down(Case& c) {
   c.w.v(c.x.v);
 }
 
-// r(q, v) by its definition.
+// r(q, v) by its definition: the part that dissipates, and all of it.
 static_assert(DYN_EFFECT_ALL == 0x1ff,
               "an effect that joints have beside their rotors is defined here");
+VectorXd dissipative(const Case& c) {
+  VectorXd r(c.nv);
+  for (Index k = 0; k < c.nv; ++k)
+    r[k] = c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY);
+  return r;
+}
 VectorXd resistance(const Case& c) {
   VectorXd r(c.nv), e(c.nv);
   difference(c.m, c.m.spring_reference(), c.x.q.data(), e.data());
@@ -32,10 +38,8 @@ VectorXd resistance(const Case& c) {
     if (joint.type == DYN_JOINT_TYPE_CONTINUOUS && joint.nv)
       e[joint.idx_v] = c.x.q[joint.idx_q] - c.m.spring_reference()[joint.idx_q];  // turns count
   }
-  for (Index k = 0; k < c.nv; ++k)
-    r[k] =
-        c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY) + c.m.stiffness()[k] * e[k];
-  return r;
+  for (Index k = 0; k < c.nv; ++k) r[k] = c.m.stiffness()[k] * e[k];
+  return dissipative(c) + r;
 }
 
 void set_effects(Case& c, std::uint32_t on) {
@@ -220,9 +224,7 @@ TEST(Effects, PowerBalance) {
           kinetic_energy(c.m, w.d), potential_energy(c.m, w.d);
           return Quads{w.d.kinetic[0] + w.d.potential[0]};
         };
-        VectorXd net = c.x.tau;
-        for (Index k = 0; k < c.nv; ++k)
-          net[k] -= c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY);
+        const VectorXd net = c.x.tau - dissipative(c);
         const double power = c.x.v.dot(net), scale = (c.x.v.cwiseAbs().transpose() * c.M().cwiseAbs() * ddq.cwiseAbs())(0) +
                                                      c.x.v.cwiseAbs().sum() * c.terms(ddq);
         EXPECT_LE(std::abs(rate(energy, 1)(0, 0) - power), 1e-12 * scale);
