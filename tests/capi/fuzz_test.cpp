@@ -56,6 +56,7 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
   compute_centroidal_and_regressors(m, fresh);
   compute_other_derivatives(m, fresh, nullptr, s.tau.data());
   ASSERT_EQ(DYN_OK, dyn_distances(m, fresh, nullptr, nullptr));
+  compute_stale(m, fresh);
   double worst_M = 1;
   for (double e : field(m, fresh, "Minv")) worst_M = std::max(worst_M, std::abs(e));
   const Snapshot expected(m, fresh), got(m, d);

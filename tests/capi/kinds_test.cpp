@@ -1,7 +1,9 @@
 // Joint types, shapes, constraints, effects, integrators and contact solvers describe themselves to programs.
+#include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cstring>
-#include <utility>
+#include <string>
 
 #include "capi/each_value.hpp"
 
@@ -86,6 +88,16 @@ TEST(Reflection, ConstraintTypesAndIntegratorsHaveInfos) {
 }
 
 // The array that an effect names is the one that brings it into a model.
+// "damping" of DYN_MODEL_ARRAY_DAMPING
+std::string name_of_array(int array) {
+  std::string name;
+  each_value("dynModelArray", [&](const dynEnumValueInfo& value) {
+    if (value.value == array) name = value.name;
+  });
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return name;
+}
+
 TEST(Reflection, EffectsNameTheirArrays) {
   int arrays = 0;
   each_value("dynEffects", [&](const dynEnumValueInfo& value) {
@@ -109,12 +121,9 @@ TEST(Reflection, EffectsNameTheirArrays) {
     dyn_joint_spec_init(&spec);
     const double one = 1, com[3] = {}, inertia[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     spec.name = "joint", spec.type = DYN_JOINT_TYPE_REVOLUTE;
-    const std::pair<dynModelArray, const double**> members[] = {{DYN_MODEL_ARRAY_ARMATURE, &spec.armature},
-                                                                {DYN_MODEL_ARRAY_DAMPING, &spec.damping},
-                                                                {DYN_MODEL_ARRAY_FRICTION, &spec.friction},
-                                                                {DYN_MODEL_ARRAY_STIFFNESS, &spec.stiffness}};
-    for (const auto& [array, member] : members)
-      if (array == info.array) *member = &one;
+#define COEFFICIENT(member, has, sentence) \
+  if (std::string(#member) == name_of_array(info.array)) spec.member = &one;
+#include "../../src/effect/coefficients.def"
     ASSERT_EQ(dyn_builder_add_joint(builder, &spec), DYN_OK) << dyn_last_error();
     ASSERT_EQ(dyn_builder_add_body(builder, "body", "joint", nullptr, 1, com, inertia), DYN_OK);
     ASSERT_EQ(dyn_builder_finish(builder, &model), DYN_OK) << dyn_last_error();

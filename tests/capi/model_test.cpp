@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "capi/support.hpp"
+#include "common/every.hpp"
 
 namespace dyn_test {
 namespace {
@@ -160,9 +161,9 @@ TEST(Info, SizesAndIndices) {
 
 TEST(Info, Arrays) {
   const Model m = all_types();
-  for (int which = DYN_MODEL_ARRAY_LOWER_LIMIT; which <= DYN_MODEL_ARRAY_SPRING_REFERENCE; ++which)
-    EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
-  for (int bad : {-1, 10, 1000}) {
+  const auto all = every<dynModelArray>("dynModelArray");
+  for (const dynModelArray which : all) EXPECT_NE(nullptr, dyn_model_array(m, which)) << which;
+  for (int bad : {-1, int(all.size()), 1000}) {
     dynModelArray which;
     std::memcpy(&which, &bad, sizeof which);
     EXPECT_EQ(nullptr, dyn_model_array(m, which));

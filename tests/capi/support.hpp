@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/every.hpp"
 #include "common/with.hpp"
 #include "dyn.h"
 
@@ -238,6 +239,23 @@ inline dynStatus compute_derivatives(const dynModel* m, dynData* d, const double
   return status == DYN_OK ? dyn_rnea_derivatives(m, d, nullptr, nullptr, nullptr, fext, nullptr, nullptr) : status;
 }
 
+// Runs the algorithms whose fields nothing has computed.
+inline void compute_stale(const dynModel* m, dynData* d) {
+  dynBatchArrays held;  // inputs that are NULL
+  dyn_batch_arrays_init(&held);
+  for (const dynAlgorithm algorithm : every<dynAlgorithm>("dynAlgorithm")) {
+    dynAlgorithmInfo info{};
+    info.struct_size = sizeof info;
+    ASSERT_EQ(DYN_OK, dyn_algorithm_info(m, algorithm, &info));
+    dynArray a{};
+    a.struct_size = sizeof a;
+    const dynField field = dyn_field_id(info.name);
+    if (field >= 0 && dyn_data_array(m, d, field, &a) == DYN_ERROR_STALE) {
+      ASSERT_EQ(DYN_OK, dyn_algorithm_run(m, d, algorithm, &held)) << dyn_last_error();
+    }
+  }
+}
+
 // Brings every field of the state to life.
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
@@ -253,6 +271,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   compute_centroidal_and_regressors(m, d);
   compute_other_derivatives(m, d, s.fext.data(), s.a.data());
   ASSERT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr)) << dyn_last_error();
+  compute_stale(m, d);
 }
 
 inline dynArray view() {
