@@ -51,7 +51,10 @@ TEST(Urdf, TreesOfAllJointsComeBack) {
                      DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_FREE_FLYER};
     Tree tree = random_tree(seed, options);
     for (JointSpec& s : tree.joints) {
-      s.stiffness.clear(), s.spring_reference.clear();
+      for_each_coefficient([&]<class E>() {  // that URDF lacks
+        if (!E::urdf) E::of(s).clear();
+      });
+      s.spring_reference.clear();
       if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) s.damping.clear(), s.friction.clear();
     }
     const ModelPtr m = tree.build();
