@@ -88,7 +88,7 @@ DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   simulation::Workspace& w = *d.step;
-  if (w.options.time_budget > 0) w.limit.start(clock_seconds, w.options.time_budget);
+  if (w.options.time_budget > 0) [[unlikely]] w.limit.start(clock_seconds, w.options.time_budget);
   if (w.sleep.count > 0) simulation::begin_sleep(m, d, h);  // otherwise no tree can rest
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report, d.backup);
@@ -101,7 +101,7 @@ DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   if (w.sleep.enabled) simulation::end_sleep(m, d, h);
   record_forces(m, d);
   d.time[0] += h;
-  w.limit.finish();
+  if (w.limit.seconds) [[unlikely]] w.limit.finish();
   return DYN_OK;
 }
 

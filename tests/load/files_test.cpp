@@ -95,7 +95,7 @@ TEST_F(Files, PackagesAreSearchedInOrder) {
   const Loaded missing = load_path(robot_file);
   ASSERT_EQ(DYN_OK, missing.status) << missing.error;
   EXPECT_EQ(name, mesh_of(missing));
-  EXPECT_TRUE(missing.reports(name, DYN_REPORT_LEVEL_WARNING, 3));
+  EXPECT_TRUE(missing.reports(name, DYN_REPORT_LEVEL_DROPPED, 3));
   // last resort: the environment
   const std::string ros = write("ros/arm_description/meshes/a.stl", "solid");
   setenv("ROS_PACKAGE_PATH", ("/nowhere:" + (folder / "ros").string()).c_str(), 1);

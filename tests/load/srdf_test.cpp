@@ -127,7 +127,7 @@ TEST(Srdf, NamesOfStates) {
   EXPECT_EQ((std::set<std::string>{"neutral", "arm/home", "hand/home", "only", "arm/neutral"}), names(l));
   EXPECT_EQ(1, configuration(l, "arm/home")[1]);
   EXPECT_EQ(2, configuration(l, "hand/home")[1]);
-  EXPECT_TRUE(l.reports("occurs twice: the first one is used", DYN_REPORT_LEVEL_WARNING, 6));
+  EXPECT_TRUE(l.reports("occurs twice: the first one is used", DYN_REPORT_LEVEL_DROPPED, 6));
 }
 
 TEST(Srdf, DisabledPairs) {
@@ -185,7 +185,7 @@ TEST(Srdf, UnknownNamesAreWarningsAndErrorsUnderStrict) {
     SCOPED_TRACE(text);
     const Loaded l = Beside("\n" + text).load();
     ASSERT_EQ(DYN_OK, l.status) << l.error;
-    EXPECT_TRUE(l.reports(words, DYN_REPORT_LEVEL_WARNING, 3));
+    EXPECT_TRUE(l.reports(words, DYN_REPORT_LEVEL_DROPPED, 3));
     const auto report = l.report();
     EXPECT_EQ(0u, Loaded::find(report, words)->message.rfind("r.srdf: ", 0));
     const Loaded strict = Beside("\n" + text, DYN_BASE_FIXED, true).load();

@@ -19,11 +19,11 @@ TEST(Urdf, ReportOfWhatIsNotUsed) {
   EXPECT_TRUE(l.reports("2 x <gazebo>", DYN_REPORT_LEVEL_INFO, 2));
   EXPECT_TRUE(l.reports("1 x <transmission>", DYN_REPORT_LEVEL_INFO, 4));
   EXPECT_TRUE(l.reports("1 x <material>", DYN_REPORT_LEVEL_INFO, 5));
-  EXPECT_TRUE(l.reports("joint 'j': <dynamics>: element <damping> is not used", DYN_REPORT_LEVEL_WARNING, 9));
+  EXPECT_TRUE(l.reports("joint 'j': <dynamics>: element <damping> is not used", DYN_REPORT_LEVEL_DROPPED, 9));
   EXPECT_TRUE(l.reports("1 x <safety_controller>", DYN_REPORT_LEVEL_INFO, 10));
   EXPECT_TRUE(l.reports("1 x <calibration>", DYN_REPORT_LEVEL_INFO, 11));
-  EXPECT_TRUE(l.reports("joint 'j': <joint>: element <wobble> is not used", DYN_REPORT_LEVEL_WARNING, 12));
-  EXPECT_TRUE(l.reports("<link_order> is not used", DYN_REPORT_LEVEL_WARNING, 13));
+  EXPECT_TRUE(l.reports("joint 'j': <joint>: element <wobble> is not used", DYN_REPORT_LEVEL_DROPPED, 12));
+  EXPECT_TRUE(l.reports("<link_order> is not used", DYN_REPORT_LEVEL_DROPPED, 13));
   const auto all = l.report();
   for (size_t i = 1; i < all.size(); ++i) EXPECT_LE(all[i - 1].line, all[i].line);
 }
@@ -74,9 +74,9 @@ TEST(Urdf, DoubtfulInertiasAreReported) {
                  joint("j", "fixed", "base", "a"));
   };
   EXPECT_TRUE(
-      good(of("1", "0.1", "0.1", "0.5")).reports("principal moments of inertia are 0.1, 0.1, 0.5", DYN_REPORT_LEVEL_WARNING, 4));
+      good(of("1", "0.1", "0.1", "0.5")).reports("principal moments of inertia are 0.1, 0.1, 0.5", DYN_REPORT_LEVEL_DROPPED, 4));
   EXPECT_TRUE(
-      good(of("1", "-0.01", "0.1", "0.1")).reports("no negative one", DYN_REPORT_LEVEL_WARNING, 4));  // welded to the world
+      good(of("1", "-0.01", "0.1", "0.1")).reports("no negative one", DYN_REPORT_LEVEL_DROPPED, 4));  // welded to the world
   EXPECT_TRUE(good(of("2", "0", "0", "0")).reports("a point mass", DYN_REPORT_LEVEL_INFO, 4));
   EXPECT_EQ(0, good(of("1", "0.1", "0.2", "0.3")).warnings());                 // a flat body
   EXPECT_EQ(0, good(of("1", "0", "0.1", "0.1")).warnings());                   // a rod
@@ -91,7 +91,7 @@ TEST(Urdf, InertiaWithoutMassIsReported) {
       link("b",
            "\n<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>") +
       joint("j", "fixed", "a", "b")));
-  EXPECT_TRUE(l.reports("rotational inertia but no mass", DYN_REPORT_LEVEL_WARNING, 4));
+  EXPECT_TRUE(l.reports("rotational inertia but no mass", DYN_REPORT_LEVEL_DROPPED, 4));
 }
 
 TEST(Urdf, NegativeInertiaIsBearableWhereAWeldMakesUpForIt) {
@@ -102,7 +102,7 @@ TEST(Urdf, NegativeInertiaIsBearableWhereAWeldMakesUpForIt) {
                             "\"/><inertia ixx=\"-3e-8\" ixy=\"0\" ixz=\"0\" iyy=\"3e-8\" iyz=\"0\" izz=\"9e-8\"/></inertial>") +
         joint("k", "fixed", "arm", "antenna"));
   };
-  EXPECT_TRUE(good(text("1e-6")).reports("make up for it", DYN_REPORT_LEVEL_WARNING, 6));
+  EXPECT_TRUE(good(text("1e-6")).reports("make up for it", DYN_REPORT_LEVEL_DROPPED, 6));
   EXPECT_EQ(DYN_ERROR_STRICT, load(text("1e-6"), Options(DYN_BASE_FIXED, true)).status);
 }
 

@@ -260,8 +260,8 @@ TEST(Urdf, Shapes) {
   EXPECT_EQ(DYN_SHAPE_TYPE_CAPSULE, s.type);
   EXPECT_EQ(DYN_SHAPE_ROLE_COLLISION, s.role);
   EXPECT_EQ(4, s.size[1]);
-  EXPECT_TRUE(l.reports("<collision> has no geometry", DYN_REPORT_LEVEL_WARNING, 3));
-  EXPECT_TRUE(l.reports("shape <cone> is not known", DYN_REPORT_LEVEL_WARNING, 3));
+  EXPECT_TRUE(l.reports("<collision> has no geometry", DYN_REPORT_LEVEL_DROPPED, 3));
+  EXPECT_TRUE(l.reports("shape <cone> is not known", DYN_REPORT_LEVEL_DROPPED, 3));
 }
 
 TEST(Urdf, UnusualButLegalText) {
@@ -286,9 +286,9 @@ TEST(Urdf, MessagesAreUtf8InOneLine) {
   const Loaded l =
       good(robot(link("a") + "<b\xC3\xA4r/><link name=\"c\"/>" +
                  joint("j", "fixed", "a", "c", "<dynamics x=\"\xE4\nb\" y=\"" + std::string(59, 'a') + "\xC3\xA4\"/>")));
-  EXPECT_TRUE(l.reports("<b\xC3\xA4r> is not used", DYN_REPORT_LEVEL_WARNING, 3));
-  EXPECT_TRUE(l.reports("x=\"? b\"", DYN_REPORT_LEVEL_WARNING, 3));
-  EXPECT_TRUE(l.reports("aaa?...", DYN_REPORT_LEVEL_WARNING, 4));
+  EXPECT_TRUE(l.reports("<b\xC3\xA4r> is not used", DYN_REPORT_LEVEL_DROPPED, 3));
+  EXPECT_TRUE(l.reports("x=\"? b\"", DYN_REPORT_LEVEL_DROPPED, 3));
+  EXPECT_TRUE(l.reports("aaa?...", DYN_REPORT_LEVEL_DROPPED, 4));
 }
 
 TEST(Urdf, SingleLink) {
