@@ -16,7 +16,7 @@ Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>)
     if (active_rows(m, d) > 0) {
       ProximalOptions options;
-      options.tolerance = tuning::rows_precision, options.misalignment = d.misalignment[0];
+      options.misalignment = d.misalignment[0];
       dynConstraintResult result;
       return constrained_dynamics(m, d, static_cast<const T*>(d.v), tau, fext, options, d.ddq, result);
     }

@@ -55,7 +55,7 @@ template <class T>
     w = next, r = r_next;
   }
   using std::sqrt;
-  return dot(r, r) > T(tuning::rotation_failed) * dot(L, L) ? w * (sqrt(dot(L, L)) / sqrt(dot(I * w, I * w))) : w;
+  return w * (sqrt(dot(L, L)) / sqrt(dot(I * w, I * w)));
 }
 
 // Solves I w' = exp(-h w') L.

@@ -54,7 +54,7 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   T *f = s.stage(0), *g = s.stage(1);
   if (const Index joint = motion(s.y0, f)) return s.undo(m, d), joint;
   const T size = std::max(T(1), largest(s.y0, s.n)), rate = largest(f, s.n);
-  const T h0 = rate > T(0) ? std::min(longest, T(tuning::first_change) * size / rate) : longest;
+  const T scale = rate > T(0) ? size / rate : longest, h0 = std::min(longest, T(tuning::first_change) * scale);
   for (Index k = 0; k < s.n; ++k) s.y[k] = s.y0[k] + h0 * f[k];
   const Index joint = motion(s.y, g);
   for (Index k = 0; k < s.n; ++k) g[k] -= f[k];
@@ -62,7 +62,7 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   s.undo(m, d);
   if (joint || !(second < std::numeric_limits<T>::infinity())) return h = h0, 0;  // the first step will tell
   const T by_second = math::pow(T(tuning::first_change) * tolerance / second, T(1) / order) * tuning::first_gain;
-  h = std::min(longest, second > T(0) ? std::min(tuning::first_growth * h0, by_second) : longest);
+  h = std::min(longest, second > T(0) ? std::min(scale, by_second) : longest);
   return 0;
 }
 
@@ -121,7 +121,7 @@ struct StepSizeController {
   }
   T reject(T ratio) {
     tried = true;
-    if (!(ratio < std::numeric_limits<T>::infinity())) return T(tuning::failed_factor);
+    if (!(ratio < std::numeric_limits<T>::infinity())) return T(tuning::min_factor);
     return std::clamp(T(tuning::safety) * math::pow(ratio, -power), T(tuning::min_factor), T(tuning::safety));
   }
 };

@@ -8,10 +8,8 @@ inline constexpr double safety = 0.9;                 // of the step length that
 inline constexpr double error_power = -0.8, history_power = 0.28;  // of this step's and the last's error ratio, over the order
 inline constexpr double min_ratio = 1e-4;             // least error ratio that is remembered
 inline constexpr double min_factor = 0.2, max_factor = 5, max_factor_rows = 2;  // of one change; rows hide errors
-inline constexpr double failed_factor = 0.1;          // after a step without an error estimate
-inline constexpr double cut_factor = 0.5;             // after a step that cut through a corner
-inline constexpr double first_change = 0.01;          // of the scale of y in the first step,
-inline constexpr int first_gain = 4, first_growth = 100;  // and by how much the second derivative may lengthen it
+inline constexpr double first_change = 0.01;          // of the time scale of y: probe of the second derivative,
+inline constexpr int first_gain = 4;                  // which bounds the first step: by first_change of the accuracy, times this
 
 // Rounding (step_control.hpp).
 inline constexpr int ulps = 4;                        // units in the last place that a step adds to the state
@@ -19,8 +17,7 @@ inline constexpr double min_size = 1e-3;              // of the state, for its r
 inline constexpr int motion_share = 256;              // of the state's rounding: floor of the error of one step
 inline constexpr double max_noise = 1e-7;             // per second: more is not rounding
 inline constexpr int noise_share = 4;                 // of the accuracy that noise may take
-inline constexpr double last_step = 1e-12;            // of the duration: a shorter rest belongs to the last step
-inline constexpr double no_step = 1e-13;              // of the duration: shorter steps are refused
+inline constexpr double shortest_step = 1e-13;        // of the duration: shorter ones are refused, or join the last step
 
 inline constexpr int reference_steps = 100000;        // within one step of `reference`: what is too stiff is refused
 
@@ -49,7 +46,6 @@ inline constexpr double solver_share = 0.01, solver_floor = 1e-14;  // of the cl
 
 // Constraints (constrained_motion.hpp).
 inline constexpr double open_rows = 1e-3;             // of the rows' reach (m) or rad: larger errors close first, at order 1
-inline constexpr double rows_precision = 1e-15;       // of the accelerations: solver tolerance
 inline constexpr double aligned_rows = 1e-14;         // of their terms: joints move redundant rows by rounding (settled_rows.hpp)
 inline constexpr double projection_damping = 1e-9;    // least damping of the projection's Newton step
 
@@ -60,10 +56,6 @@ inline constexpr int midpoint_rounding = 64;          // of the rounding: a stal
 // Large rotations of free bodies (free_flight.hpp).
 inline constexpr int rotation_steps = 20, rotation_newton_steps = 50;  // fixed-point iterations, then Newton steps
 inline constexpr double rotation_tolerance = 1e-30;   // squared relative change or residual: rounding
-inline constexpr double rotation_failed = 1e-20;      // squared relative residual: above it only |L| is kept
 inline constexpr double rotation_min_step = 1e-3;     // of the line search
-
-// Semi-implicit Euler.
-inline constexpr int saturation_rounds = 3;           // forward dynamics repeated for actuators that saturate
 
 }  // namespace dyn::integrator::tuning

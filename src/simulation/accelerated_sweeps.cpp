@@ -248,8 +248,8 @@ void AcceleratedSweeps::run(Index most, dynContactReport& report) {
       checked = changed;
       if (residual() <= tolerated) return;
     }
-    if (k % patience == 0) {
-      if (!(least < progress * least_before)) break;
+    if (k % solver::tuning::sweeps_a_check == 0) {
+      if (!(least < tuning::progress * least_before)) break;
       least_before = least;
     }
     if (k == most || w.time_is_up()) break;

@@ -37,9 +37,9 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
                                    T(rounding.held ? tuning::max_factor_rows : tuning::max_factor)};
   SingularityRetry<T> passing{max_noise, h};
   while (t < duration) {
-    const bool last = h >= (duration - t) * (1 - tuning::last_step);
+    const bool last = h >= duration - t - duration * T(tuning::shortest_step);
     if (last) h = duration - t;
-    if (!(h > duration * T(tuning::no_step)) || report.steps + report.rejected >= max_steps) return no_step_left;
+    if (!(h > duration * T(tuning::shortest_step)) || report.steps + report.rejected >= max_steps) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
     const T share = accuracy / T(tuning::growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h));
@@ -63,7 +63,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       rounding.accept(), passing.accept(h);
       h *= controller.accept(error / allowed);
     } else {
-      if (joint && h < duration * T(tuning::last_step)) return joint;
+      if (joint && h * T(tuning::min_factor) < duration * T(tuning::shortest_step)) return joint;
       if (!joint) rounding.reject(error, h), s.undo(m, d);
       ++report.rejected, passing.tries = 0;
       h *= controller.reject(error / allowed);
@@ -120,12 +120,12 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   double h = std::min(duration, first), t = 0;
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
-    if (!(h > duration * tuning::no_step)) return no_step_left;
+    if (!(h > duration * tuning::shortest_step)) return no_step_left;
     double until, depth, ignored;
     const bool rows = meets_constraints(m, d, s, h, closed, until, depth),
                near = d.step->time_to_pass<HUGE_VAL, sunk = depth> deep;
     h = std::min(h, sunk ? first : std::max(until, smallest));
-    const bool last = h >= (duration - t) * (1 - tuning::last_step), cut = h < whole;
+    const bool last = h >= duration - t - duration * tuning::shortest_step, cut = h < whole;
     double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)),
            power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
@@ -142,14 +142,14 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (double raw, moved; !joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error, raw, moved);
     }
     if (joint) {
-      if (h < duration * tuning::last_step) return joint;
-      ++report.rejected, h *= tuning::failed_factor;
+      if (h * tuning::min_factor < duration * tuning::shortest_step) return joint;
+      ++report.rejected, h *= tuning::min_factor;
       continue;
     }
     if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) &&
         depth > closed) {  // the step cut through a corner
       s.undo(m, d);
-      ++report.rejected, h *= tuning::cut_factor;
+      ++report.rejected, h /= 2;
       continue;
     }
     if (error <= allowed || (rows && h <= smallest)) {
@@ -174,7 +174,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     }
     const double factor = error > 0 ? tuning::safety * math::pow(allowed / error, power) : tuning::max_factor;
     h *= error < HUGE_VAL ? std::clamp(factor, tuning::min_factor, rows ? tuning::max_factor_rows : tuning::max_factor)
-                          : tuning::failed_factor;
+                          : tuning::min_factor;
     if (rows) h = std::max(h, smallest);
   }
   return 0;

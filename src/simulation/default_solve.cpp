@@ -45,7 +45,8 @@ void Island::solve_to_default(dynContactReport& report) {
     const bool is_near = report.residual <= near_guess;
     tolerance = std::min(tolerance, tuning::island::fine);
     Newton method(*this);
-    if (!method.run(is_near ? near_steps : far_steps, is_near ? 1 : far_share, wanted, report)) method.write_best(report);
+    if (!method.run(is_near ? near_steps : far_steps, is_near ? 1 : tuning::newton::far_share, wanted, report))
+      method.write_best(report);
     tolerance = wanted;
     sweeps.load();
   }

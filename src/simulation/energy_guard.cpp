@@ -143,8 +143,12 @@ Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<
       const std::complex<double> root = std::sqrt(std::complex<double>(half * half - stiffness * Dinv));
       const std::complex<double> s = -half - root;  // the faster one
       if (amplification(h * s) <= tuning::guard::amplification) continue;
-      length = tuning::guard::stable / std::abs(s);
-      return j;
+      double low = 0, high = h;  // bisection of the longest stable step
+      for (int n = 0; n < 20; ++n) {
+        const double middle = 0.5 * (low + high);
+        (amplification(middle * s) <= tuning::guard::amplification ? low : high) = middle;
+      }
+      return length = low, j;
     }
   }
   return 0;

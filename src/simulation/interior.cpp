@@ -9,6 +9,9 @@ namespace {
 using solver::lorentz;
 using solver::within_cone;
 using namespace tuning::interior;
+using solver::tuning::interior::to_boundary, solver::tuning::interior::newton_reduction,
+    solver::tuning::interior::short_step, solver::tuning::interior::max_short_steps;
+using tuning::newton::min_compliance, tuning::newton::refinements, tuning::newton::near, tuning::newton::far_share;
 
 }  // namespace
 
@@ -199,7 +202,7 @@ bool Interior::step(dynContactReport& report) {
   const double sigma = complementarity();
   direction_to(0);
   const double left = 1 - std::min(1.0, max_step_to_boundary());  // sigma that an affine step would leave
-  direction_to(sigma * std::max(min_centring, left * left * left));
+  direction_to(sigma * left * left * left);
   const double t = std::min(1.0, to_boundary * max_step_to_boundary());
   if (!(t > 0) || !std::all_of(dc, dc + x.rows, [](double change) { return std::isfinite(change); })) return false;
   for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
@@ -222,9 +225,9 @@ bool Interior::run(dynContactReport& report) {
   short_steps = 0;
   for (Index k = 0; k < max_steps && x.within_budget(report) && step(report); ++k) {
     now = error();
-    if (!(now.most < newton_error * speed && now.most < newton_reduction * tried)) continue;
+    if (!(now.most < near * speed && now.most < newton_reduction * tried)) continue;
     tried = now.most;
-    if (newton_refine(newton_steps, newton_share, report)) return true;
+    if (newton_refine(newton_steps, far_share, report)) return true;
   }
   return false;
 }

@@ -101,7 +101,7 @@ void Island::matrix() {
 void Island::project_rhs_to_range() {
   const RowWork<double> work = row_work(m, d);
   const Index n = equalities;
-  const double round_off = tuning::island::round_off * n;  // of the unit diagonal, in pivots
+  const double round_off = solver::tuning::round_off * n;  // of the unit diagonal, in pivots
   const std::ptrdiff_t ld = padded_rows(n);
   double *const block = work.factor, *const asked = work.vector(1), *const consistent = work.vector(2),
                 *const scale = work.vector(3);

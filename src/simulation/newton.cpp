@@ -250,7 +250,7 @@ bool Newton::run(Index most, double share, double enough, dynContactReport& repo
     if (!direction()) break;
     double t = 1, largest = 0;
     Error next = error(t);
-    while (!(next.sum < now.sum) && t > min_step) next = error(t /= 2);
+    while (!(next.sum < now.sum) && t > solver::tuning::shortest_part) next = error(t /= 2);
     if (!(next.sum < now.sum)) {
       if (compliant == damping) break;
       compliant = damping;

@@ -267,14 +267,14 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, kept);
-  w.limit.expect(solver::TimeLimit::Unit::Sweep, batch * rows);
+  w.limit.expect(solver::TimeLimit::Unit::Sweep, solver::tuning::sweeps_a_check * rows);
   for (Index worse = 0, k = 0;
        worse < max_stalls && k < w.method_iterations() / 2 && report.residual > tolerance && !w.time_is_up(); ++k) {
     sweep.start();
-    for (int i = 0; i < batch; ++i) sweep();
-    report.iterations += batch;
+    for (int i = 0; i < solver::tuning::sweeps_a_check; ++i) sweep();
+    report.iterations += solver::tuning::sweeps_a_check;
     const double now = sweep.residual() / most;
-    worse = now < progress * report.residual ? 0 : worse + 1;
+    worse = now < tuning::progress * report.residual ? 0 : worse + 1;
     if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, kept);
   }
   std::copy_n(kept, rows, lambda);

@@ -76,11 +76,11 @@ template <class T, class Part>
                                           const Part& part) {
   const T* fext = forces_on_bodies(m, d);
   simulation::ImplicitActuators<T> actuators(m, d, h);
-  for (int k = 0;; ++k) {
+  for (;;) {  // each round fixes one more actuator at least
     if (const Index joint =
             forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq))
       return joint;
-    if (k == integrator::tuning::saturation_rounds || !actuators.saturate(d.ddq)) return 0;
+    if (!actuators.saturate(d.ddq)) return 0;
     set_implicit_armature(m, d, armature, h, springs, part);  // again without the gains of saturated actuators
   }
 }

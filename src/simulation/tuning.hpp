@@ -58,7 +58,6 @@ inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps 
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
 inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: beyond, zeros cost more
-inline constexpr double round_off = 1e-15;      // of the unit diagonal, a row: pivots below are rounding
 inline constexpr int relaxed_every = 64;        // steps of dt: the smallest impulses cost a Newton step
 inline constexpr Index few_iterations = 20;     // of the dense matrix's first try, where it may end at the default residual
 inline constexpr int rounds = 3;                // of method_iterations for all methods together: three tries by the dense matrix
@@ -69,13 +68,14 @@ inline constexpr double slack = 0.05;           // of g h^2, what gravity closes
 inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations
 }  // namespace island
 
+// Progress of sweeps (pgs_matrix_free.cpp, accelerated_sweeps.cpp).
+inline constexpr double progress = 0.8;         // of the residual or the change, from check to check: more is no progress
+
 // Matrix-free Gauss-Seidel (pgs_matrix_free.cpp).
 namespace gauss_seidel {
 inline constexpr int guess_sweeps = 4;          // over a nearly good guess: cheaper than a matrix
 inline constexpr Index first_sweeps = 5, max_small = 10;  // before Newton; small islands have a matrix after max_small
-inline constexpr int batch = 20;                // sweeps between residuals
 inline constexpr int max_stalls = 3;            // batches in a row without progress
-inline constexpr double progress = 0.9;         // of the residual: a smaller reduction is no progress
 inline constexpr int correction_sweeps = 20;    // bound for position corrections
 inline constexpr double correction_change = 0.02;  // of the first sweep's change: the next steps correct the rest
 }  // namespace gauss_seidel
@@ -86,8 +86,6 @@ inline constexpr int depth = 5;                 // sweeps that are combined
 inline constexpr double ridge = 1e-12;          // of the diagonal of their Gram matrix
 inline constexpr double growth = 2;             // of a sweep's change over the last: above it the combination starts anew
 inline constexpr double recheck = 0.5;          // of the change at which the residual was evaluated
-inline constexpr Index patience = 20;           // sweeps between checks of progress
-inline constexpr double progress = 0.8;         // of the least change: a smaller reduction ends the sweeps
 inline constexpr Index small_sweeps = 50;       // where other methods follow
 }  // namespace acceleration
 
@@ -95,7 +93,6 @@ inline constexpr Index small_sweeps = 50;       // where other methods follow
 namespace default_solve {
 inline constexpr double near_guess = 0.02, far_guess = 1;  // residual of the guess; beyond far, no Newton
 inline constexpr Index near_steps = 16, far_steps = 8;     // Newton steps from a near and from a far guess
-inline constexpr double far_share = 0.5;        // of the squared error: each step from a far guess ends below it
 inline constexpr Index dense_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
 
@@ -111,30 +108,21 @@ inline constexpr double min_compliance = 1e-6;  // of the unit diagonal: steps a
 inline constexpr double damping = 1e-2;         // of the unit diagonal: Levenberg-Marquardt, after a step that failed
 inline constexpr int refinements = 1;           // iterative refinements of a step, which remove the effect of min_compliance
 inline constexpr int relaxations = 3;           // tries to find which contacts press in the smallest impulses
-inline constexpr double min_step = 0.2;         // of the line search
 inline constexpr double jammed = 100;           // of the impulses that stop all motion: larger ones are stress locked by friction
 inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones
 inline constexpr Index max_steps = 15;          // of one attempt
-inline constexpr double near = 1e-2;            // error over speed below which the residual is evaluated
+inline constexpr double near = 1e-2;            // error over speed from which a solution may be near: the residual is evaluated
+inline constexpr double far_share = 0.5;        // of the squared error: each step of an attempt from far ends below it
 inline constexpr double progress = 0.9;         // of the residual: a step that reduces it by less ends a good enough solve
 inline constexpr double block_price = 16000, redundant_block_price = 4000;  // of a segment, in dense rows^3: measured
 }  // namespace newton
 
-// Interior point method on segments (interior.cpp).
+// Interior point method on segments (interior.cpp). Other constants are those of solver/interior.cpp.
 namespace interior {
-inline constexpr double to_boundary = 0.99;     // of the step length to the boundary (Mehrotra 1992)
-inline constexpr double min_centring = 1e-6;    // of sigma
-inline constexpr double min_compliance = 1e-6;  // of the unit diagonal: redundant rows
 inline constexpr double inside = 10;            // of the guess's error: distance of the start from the boundary
 inline constexpr double box_inset = 0.1;        // of a bounded row's range
 inline constexpr double min_pivot = 1e-3;       // of the rank-one update: below it the matrix changes sign, the term is dropped
-inline constexpr int refinements = 1;           // iterative refinements of a direction
 inline constexpr Index max_steps = 30, newton_steps = 6;  // of one path; of each Newton attempt
-inline constexpr double short_step = 0.1;       // step length that counts as short
-inline constexpr Index max_short_steps = 3;     // in a row: the path is stuck
-inline constexpr double newton_error = 1e-2;    // error over speed below which Newton's method is tried,
-inline constexpr double newton_reduction = 0.1;  // if it fell by this since the last attempt
-inline constexpr double newton_share = 0.5;     // of the squared error that each Newton step must remove
 }  // namespace interior
 
 // The same with fixed de Saxce corrections (interior.cpp, newton.cpp).
@@ -160,7 +148,6 @@ inline constexpr double part_share = 0.1;       // the same of all parts so far,
 inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy
 inline constexpr double amplification = 1.01;   // of oscillations in an explicit step: above it the method is unstable
-inline constexpr double stable = 2.5;           // of |h s|: explicit methods of orders 4 and 5 are stable below it
 }  // namespace guard
 
 // Sleep (sleep.cpp).

@@ -12,7 +12,7 @@ bool admm_iterations(Workspace& w, Budget& b, Index steps) {
   double tried = HUGE_VAL;  // error at the last Newton attempt
   for (Index k = 1; k <= steps && !b.spent(); ++k) {
     if (!m.admm_step()) return false;
-    if (!(m.error <= b.tolerance || (b.newton && m.error < newton_reduction * tried) || k % check_interval == 0)) continue;
+    if (!(m.error <= b.tolerance || (b.newton && m.error < newton_reduction * tried) || k % tuning::sweeps_a_check == 0)) continue;
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return true;
     tried = m.error;
@@ -31,7 +31,7 @@ void admm(Workspace& w, Budget& b) {
   }
   // if both fail, the interior point method starts from smaller impulses
   double factor = 1;
-  for (Index steps = first_steps; steps < max_steps && !b.spent(); steps *= growth, factor *= start_reduction)
+  for (Index steps = first_steps; steps < max_steps && !b.spent(); steps *= growth, factor *= tuning::interior::start_reduction)
     if (admm_iterations(w, b, steps) || interior(w, b, factor)) return;
 }
 

@@ -134,7 +134,7 @@ void Newton::matrix() {
   for (Index j = 0; j < active; ++j) {
     const double* column = p.G.column(w.rows[j]);
     for (Index i = 0; i < active; ++i) B(i, j) = column[w.rows[i]];
-    B(j, j) += std::max(proximal, damping);
+    B(j, j) += std::max(tuning::proximal, damping);
   }
   if (symmetric) return;
   each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
@@ -204,21 +204,21 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
     // backtracking
     const double most = strayed ? *std::max_element(errors, errors + memory) : errors[k % memory];
     double t = 1, next = HUGE_VAL;
-    for (; t > min_step; t /= 2) {
+    for (; t >= tuning::shortest_part; t /= 2) {
       for (Index i = 0; i < n; ++i) w.trial[i] = w.newton[i] + t * w.step[i], w.trial_c[i] = w.newton_c[i] + t * w.step_c[i];
       next = error(w.trial, w.trial_c);
       if (next < most) break;
     }
     if (!(next < most)) {
-      if (!damped_steps || damping >= max_damping) break;
+      if (!damped_steps || damping >= 1) break;
       damping = std::max(first_damping, damping_factor * damping), strayed = true;
       errors[(k + 1) % memory] = errors[k % memory];
       continue;
     }
     if (t < 1)  // states change along the step: redundant contacts make null directions too long
-      damping = std::max(min_damping, t > good_step ? damping : damping_factor * damping);
+      damping = std::max(min_damping, damping_factor * damping);
     else
-      damping = damping > proximal ? 0.1 * damping : 0;
+      damping = damping > tuning::proximal ? damping / damping_factor : 0;
     std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);
     // project and recompute: a long step along a cone leaves it by a little
     if (next < tuning::accept::near_round_off * round_off(p, w.newton)) {

@@ -117,7 +117,7 @@ bool Interior::factorize() {
   const Matrix& A = w.factor;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, A.x);
   for (Index i = 0; i < p.boxes; ++i) {
-    A(i, i) += proximal;
+    A(i, i) += box_proximal;
     if (U[i] > 0) A(i, i) += U[i] / (y[i] - p.lower[i]);
     if (upper[i] > 0) A(i, i) += upper[i] / (p.upper[i] - y[i]);
   }
@@ -194,7 +194,7 @@ bool Interior::run(double factor) {
     const double sigma = complementarity();
     direction(0);
     const double left = 1 - std::min(1.0, max_step_to_boundary());  // sigma that an affine step would leave (Mehrotra 1992)
-    direction(sigma * std::max(min_centring, left * left * left));
+    direction(sigma * left * left * left);
     const double t = std::min(1.0, to_boundary * max_step_to_boundary());
     if (!(t > 0)) return false;
     axpy(t, dy, y, p.n), axpy(t, dU, U, p.n), axpy(t, dupper, upper, p.boxes);

@@ -80,7 +80,7 @@ void Multipliers::balance(double primal, double dual) {
     force = std::max(force, std::fabs(y[i]) * p.per_unit[i]), speed = std::max(speed, std::fabs(z[i]) * p.per_unit[i]);
   const double ratio = std::sqrt(primal / force / (dual / speed));
   if (!(ratio > balance_ratio || ratio < 1 / balance_ratio)) return;
-  rho = std::min(std::max(rho * std::min(std::max(ratio, min_rho_factor), max_rho_factor), min_rho), max_rho);
+  rho = std::min(rho * std::min(std::max(ratio, 1 / max_rho_factor), max_rho_factor), 1 / tuning::round_off);  // G counts
   changed = 0;
 }
 
@@ -123,16 +123,15 @@ bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   for (Index k = 0; k < max_steps && gradient > enough && !b.spent(); ++k) {
     ++b.iterations;
     // Levenberg-Marquardt: steps are unique for redundant contacts
-    if (!hessian(std::min(max_damping, std::max(min_damping, damping_by_gradient * gradient / p.speed)))) return false;
+    if (!hessian(std::min(max_damping, std::max(tuning::proximal, damping_by_gradient * gradient / p.speed)))) return false;
     for (Index i = 0; i < n; ++i) w.step[i] = -w.newton[i];
     cholesky_solve(w.factor, n, w.step);
     times(p.G, w.step, nullptr, w.step_c, n);
-    const double slope = dot(w.newton, w.step, n);
     double next = value;
     for (double t = 1; t > min_step; t /= 2) {
       for (Index i = 0; i < n; ++i) w.trial[i] = x[i] + t * w.step[i], w.trial_c[i] = c[i] + t * w.step_c[i];
       next = lagrangian(w.trial, w.trial_c);
-      if (next <= value + armijo * t * slope + value_noise * std::fabs(value)) break;
+      if (next <= value + tuning::round_off * std::fabs(value)) break;
     }
     std::copy_n(w.trial, n, x), std::copy_n(w.trial_c, n, c);
     value = next, gradient = size(w.newton);

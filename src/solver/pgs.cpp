@@ -49,7 +49,7 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
     bt[k] = -l.coupling[k] * b[0] * inverse_Gnn;
     for (int i = 0; i < m; ++i) bt[k] += l.q[i][k] * b[1 + i];
   }
-  const auto noise = [&] { return velocity_noise * (std::fabs(b[0]) + norm(b + 1, m)); };
+  const auto noise = [&] { return tuning::round_off * (std::fabs(b[0]) + norm(b + 1, m)); };
   // lambda_n, |lambda_t|, and d/da of mu lambda_n / |lambda_t|
   double n = 0, length = 0, slope = 0;
   const auto at = [&](double a) {
@@ -194,7 +194,7 @@ void pgs(Workspace& w, Budget& b) {
   while (!b.spent()) {
     ++b.iterations;
     sweep(w, b.relaxation > 0 ? b.relaxation : b.iterations == 1 ? 1 : relaxation, y, c);  // one sweep solves a single contact
-    if (residual(p, y, c).residual > b.tolerance && b.iterations % check_interval != 0 && b.iterations < b.max_iterations)
+    if (residual(p, y, c).residual > b.tolerance && b.iterations % tuning::sweeps_a_check != 0 && b.iterations < b.max_iterations)
       continue;
     times(p.G, y, p.g, c, p.n);  // without accumulated round-off
     if (keep_best(w, b, y, c)) return;

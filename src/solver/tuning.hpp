@@ -5,8 +5,12 @@
 
 namespace dyn::solver::tuning {
 
-inline constexpr double epsilon = 2.2e-16;  // relative rounding of a double
-inline constexpr double time_fading = 0.9;  // of the longest duration seen, at each shorter one (time_limit.hpp)
+inline constexpr double epsilon = 2.2e-16;   // relative rounding of a double
+inline constexpr double round_off = 1e-15;   // the same of a sum of several terms
+inline constexpr int sweeps_a_check = 20;    // sweeps between looks at the best iterate, and at the progress
+inline constexpr double proximal = 1e-11;    // of the unit diagonal: Newton steps are unique for redundant contacts
+inline constexpr double shortest_part = 0.125;  // of a Newton step in the line search; shorter ones are damped, or the last
+inline constexpr double time_fading = 0.9;   // of the longest duration seen, at each shorter one (time_limit.hpp)
 
 // Acceptance of a solution (solve.cpp, budget.hpp, residuals.hpp, problem.cpp).
 namespace accept {
@@ -32,7 +36,6 @@ inline constexpr double relaxation = 1.1;          // over-relaxation after the 
 inline constexpr double tiny = 1e-14;              // of the diagonal: stiffness that counts as none
 inline constexpr int jacobi_sweeps = 20;           // bound; convergence is quadratic
 inline constexpr double jacobi_tolerance = 1e-32;  // squared off-diagonal over squared diagonal: rounding
-inline constexpr double velocity_noise = 1e-15;    // of a block's velocity: rounding of its sum
 inline constexpr int warm_steps = 4;               // Newton steps from the last resistance
 inline constexpr double warm_change = 0.5;         // of the resistance: a larger change starts anew
 inline constexpr double warm_enough = 1e-3;        // of the resistance: a smaller change ends; Newton then has twice the digits
@@ -42,24 +45,20 @@ inline constexpr double root_growth = 4;           // of the resistance while no
 inline constexpr double slip_tolerance = 1e-9;     // the same of one contact in a sweep, which the next sweep repeats
 inline constexpr double singular_block = 1e-10;    // of the product of the diagonal: such a determinant is none
 inline constexpr double root_width = 4e-16;        // of the resistance: two units in the last place
-inline constexpr Index check_interval = 50;        // sweeps between removals of accumulated rounding
 }  // namespace pgs
 
 // Multipliers: ADMM and augmented Lagrangian steps (multipliers.cpp).
 namespace multipliers {
 inline constexpr double relaxation = 1.6;            // over-relaxation of ADMM (OSQP: Stellato et al. 2020)
 inline constexpr double first_rho = 0.1;             // penalty at the start (OSQP)
-inline constexpr double min_rho = 1e-10, max_rho = 1e8;  // G + rho I stays factorizable
 inline constexpr Index balance_interval = 5;         // steps between changes of rho: each costs a factorization
 inline constexpr double balance_ratio = 3;           // of the errors; below it rho stays
-inline constexpr double min_rho_factor = 0.03, max_rho_factor = 30;  // of one change of rho
+inline constexpr double max_rho_factor = 30;         // of one change of rho, or its inverse
 inline constexpr double subproblem_tolerance = 0.1;  // of the tolerance: gradient at which a subproblem counts as solved,
 inline constexpr double subproblem_reduction = 1e-2;  // or of the primal error before it
-inline constexpr double min_damping = 1e-11, max_damping = 1e-5;  // Levenberg-Marquardt, of the unit diagonal
+inline constexpr double max_damping = 1e-5;          // Levenberg-Marquardt, of the unit diagonal; the least is proximal
 inline constexpr double damping_by_gradient = 1e-4;  // damping over the relative gradient
 inline constexpr double min_step = 1e-4;             // of the line search
-inline constexpr double armijo = 1e-4;               // sufficient decrease (Nocedal and Wright 2006, 3.1)
-inline constexpr double value_noise = 1e-15;         // relative rounding of the Lagrangian
 inline constexpr double slow_primal = 0.1;           // reduction of the primal error below which the penalty grows,
 inline constexpr double small_gradient = 0.1;        // if the gradient over the speed is below this
 inline constexpr double penalty_growth = 3;          // of joint_rho
@@ -68,9 +67,7 @@ inline constexpr double penalty_growth = 3;          // of joint_rho
 // admm.cpp
 namespace admm {
 inline constexpr double newton_reduction = 0.3;  // of the error since the last Newton attempt, before the next
-inline constexpr Index check_interval = 10;      // steps between checks of the residual
 inline constexpr Index first_steps = 10, max_steps = 10000, growth = 3;  // ADMM steps before the interior point method takes over
-inline constexpr double start_reduction = 0.1;   // of the interior point method's initial impulses between attempts
 }  // namespace admm
 
 // newton.cpp
@@ -78,14 +75,13 @@ namespace newton {
 inline constexpr Index subproblem_steps = 20;  // Newton steps in one augmented Lagrangian subproblem
 inline constexpr int admm_steps = 10;          // between subproblems
 inline constexpr Index first_steps = 1, max_steps = 100, growth = 2;  // subproblems before interior points again
-inline constexpr double start_reduction = 0.1;  // of its initial impulses
 }  // namespace newton
 
-// Interior point method (interior.cpp).
+// Interior point method (interior.cpp; simulation/interior.cpp).
 namespace interior {
-inline constexpr double proximal = 1e-14;         // of the unit diagonal: redundant boxes stay regular
+inline constexpr double start_reduction = 0.1;    // of the initial impulses, from one attempt to the next
+inline constexpr double box_proximal = 1e-14;     // of the unit diagonal: redundant boxes stay regular
 inline constexpr double to_boundary = 0.99;       // of the step length to the boundary (Mehrotra 1992)
-inline constexpr double min_centring = 1e-6;      // of sigma: the path is not left entirely
 inline constexpr Index max_steps = 40;            // bound of one attempt
 inline constexpr double exact = 1e-10, rough = 1e-4;  // of the unit diagonal: regularisation of the initial impulses
 inline constexpr double contradiction = 1e-3;     // of the speed: velocity left by exact, above which rough is used
@@ -97,11 +93,8 @@ inline constexpr double newton_reduction = 0.1;   // if it fell by this since th
 
 // Newton's method on the whole problem (alart_curnier.cpp).
 namespace alart_curnier {
-inline constexpr double proximal = 1e-11;  // of the unit diagonal: steps are unique for redundant contacts
-inline constexpr double min_damping = 1e-8, first_damping = 1e-3, max_damping = 1;  // Levenberg-Marquardt
+inline constexpr double min_damping = 1e-8, first_damping = 1e-3;  // Levenberg-Marquardt: after a short step, after a failed one
 inline constexpr double damping_factor = 10;  // of one change of the damping
-inline constexpr double good_step = 0.25;     // step length above which the damping does not grow
-inline constexpr double min_step = 0.1;       // of the line search; shorter steps are damped instead
 inline constexpr double near = 1e3;           // tolerances: error at which the projected iterate may be a solution
 inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one attempt
 inline constexpr Index memory = 12;           // errors of the nonmonotone line search (Grippo, Lampariello and Lucidi 1986: 10)

@@ -1,0 +1,166 @@
+// Where small motions, gaps and errors begin to count: on one side of each threshold nothing acts, on the other something does.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+constexpr double g = 9.81, radius = 0.1;
+using Gravity = std::array<double, 3>;
+
+// A ball of 1 kg over the ground, its lowest point at a height, with a vertical velocity.
+struct Ball : Simulation {
+  Ball(double gap, double speed, double dt, Gravity gravity = {0, 0, 0}, double restitution = 0)
+      : Simulation(Scene(gravity).ground().sphere("ball", 1, radius, material(0.5, restitution)).finish(), dt) {
+    set({0, 0, radius + gap, 0, 0, 0, 1}, {0, 0, speed, 0, 0, 0});
+  }
+  double force() const { return contacts().empty() ? 0 : contacts()[0].force_on_b[2]; }
+  double after_step() {
+    steps(1);
+    return q[2] - radius;
+  }
+};
+
+// The unit of length of thresholds: five times sqrt(tr I / m).
+const double length = 5 * std::sqrt(3 * 0.4) * radius;
+
+// Overlap of a billionth of the length is left alone; half of more is removed in a step.
+TEST(Thresholds, OverlapOfRoundingIsLeft) {
+  EXPECT_EQ(-3e-10 - radius + radius, Ball(-3e-10, 0, 1e-3).after_step());
+  EXPECT_NEAR(-5e-10, Ball(-1e-9, 0, 1e-3).after_step(), 1e-16);
+}
+
+// Deep overlap is removed at a thousandth of the length in a step, or at the speed of a fall over a twentieth of it.
+TEST(Thresholds, DeepOverlapIsRemovedAtAStatedSpeed) {
+  for (const double h : {1e-3, 1e-4}) {
+    EXPECT_NEAR(1e-3 * length, Ball(-0.05, 0, h).after_step() + 0.05, 1e-9);
+    EXPECT_NEAR(std::sqrt(g * length / 10) * h, Ball(-0.05, 0, h, {0, 0, -g}).after_step() + 0.05, 0.02 * h);
+  }
+}
+
+// A touching ball that closes by 1e-12 of its radius in a step needs no impulse, nor one that closes by 1e-6 of g h^2.
+TEST(Thresholds, ClosingByRoundingNeedsNoImpulse) {
+  const auto without_gravity = [](double closing) {
+    Ball ball(0, -closing / 1e-3, 1e-3);
+    ball.steps(1);
+    return ball.force();
+  };
+  EXPECT_EQ(0, without_gravity(3e-14));
+  EXPECT_NEAR(3e-13 / 1e-6, without_gravity(3e-13), 1e-9);
+  const auto falling = [](double closing) {
+    const double h = 1e-5;
+    Ball ball(0, g * h - closing / h, h, {0, 0, -g});
+    ball.steps(1);
+    return ball.force();
+  };
+  EXPECT_EQ(0, falling(3e-16));
+  EXPECT_NEAR(3e-15 / 1e-10, falling(3e-15), 1e-8);
+}
+
+// An approach slower than a twentieth of the speed of that fall is rest: no rebound.
+TEST(Thresholds, SlowApproachDoesNotRebound) {
+  const auto after = [](double approach) {
+    Ball ball(0, -approach, 1e-2, {0, 0, -g}, 1);
+    ball.steps(1);
+    return ball.v[2];
+  };
+  EXPECT_NEAR(0, after(0.02), 1e-9);
+  EXPECT_NEAR(0.07, after(0.07), 1e-9);
+}
+
+// Shapes nearer than a fiftieth of the smaller one's radius are contacts, by lists of pairs and by boxes.
+TEST(Thresholds, NearShapesAreContacts) {
+  for (const int far_away : {0, 3000})
+    for (const double gap : {0.012, 0.03}) {
+      Scene scene({0, 0, 0});
+      scene.sphere("a", 1, radius, material(0.5)).sphere("b", 1, radius, material(0.5));
+      dynShapeSpec s;
+      dyn_shape_spec_init(&s);
+      s.body = "universe", s.type = DYN_SHAPE_TYPE_BOX, s.placement[11] = -50, s.size[0] = s.size[1] = s.size[2] = 0.5;
+      for (int k = 0; k < far_away; ++k) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
+      Simulation run(scene.finish());
+      run.place({{0, 0, 0}, {0.12 + gap * radius + 0.08, 0, 0}});
+      run.steps(1);
+      EXPECT_EQ(gap < 0.02 ? 1u : 0u, run.contacts().size()) << far_away;
+    }
+}
+
+// A hinge nearer than 1e-4 rad to its limit has a row, however slow it is.
+TEST(Thresholds, NearLimitsAreRows) {
+  for (const double gap : {5e-5, 5e-4}) {
+    const double lower = -1, upper = 0.5, none[3] = {0, 0, 0};
+    Builder b;
+    EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+    Spec hinge("hinge", DYN_JOINT_TYPE_REVOLUTE);
+    hinge.lower = &lower, hinge.upper = &upper;
+    Simulation run(b.joint(hinge).body("arm", "hinge").finish());
+    run.set({upper - gap}, {0});
+    run.steps(1);
+    EXPECT_EQ(gap < 1e-4 ? 1 : 0, run.report().rows);
+  }
+}
+
+// A slide along the ground that is tilted by 1e-8 rad moves a ball along the contact's normal by rounding only: the contact does
+// not hold it. A slide of a larger tilt is held.
+TEST(Thresholds, ContactThatNothingMovesIsLeftOut) {
+  for (const double tilt : {3e-9, 3e-8}) {
+    const double none[3] = {0, 0, 0};
+    Builder b;
+    EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+    Spec across("across", DYN_JOINT_TYPE_PRISMATIC), slide("slide", DYN_JOINT_TYPE_PRISMATIC, "across", {0, 0, radius});
+    across.about(0, 1, 0), slide.about(std::cos(tilt), 0, std::sin(tilt));  // bodies of one joint and the world do not collide
+    b.joint(across).body("rail", "across").joint(slide).body("ball", "slide", 1, {0, 0, 0}).shape("ball", DYN_SHAPE_TYPE_SPHERE, {radius, 0, 0});
+    b.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0});
+    Simulation run(b.finish());
+    run.set({0}, {-1});
+    run.steps(1);
+    ASSERT_EQ(1u, run.contacts().size());
+    EXPECT_EQ(tilt > 1e-8, run.contacts()[0].force_on_b[2] != 0) << tilt;
+  }
+}
+
+// One mass of 1 kg on a spring.
+struct Spring : Simulation {
+  Spring(double stiffness, double dt, dynIntegrator by) : Simulation(model(stiffness), dt) {
+    integrate_by(*this, by);
+    set({1}, {0});
+  }
+  static Model model(double stiffness) {
+    const double none[3] = {0, 0, 0};
+    Builder b;
+    EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+    Spec slide("slide", DYN_JOINT_TYPE_PRISMATIC);
+    slide.stiffness = &stiffness;
+    return b.joint(slide).body("mass", "slide", 1, {0, 0, 0}).finish();
+  }
+};
+
+// Half a radian of a spring's oscillation in a step is the bound of explicit springs, which keep their energy; implicit ones
+// lose it.
+TEST(Thresholds, StiffSpringsAreImplicitInEulerSteps) {
+  for (const double square : {0.1, 0.6}) {  // (h rate)^2
+    Spring run(square * 1e6, 1e-3, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER);
+    run.steps(200);
+    const double amplitude = std::hypot(run.q[0], run.v[0] / (1e3 * std::sqrt(square)));
+    EXPECT_LT(amplitude, square < 0.25 ? 1.2 : 1e-3);
+    EXPECT_GT(amplitude, square < 0.25 ? 0.8 : 0);
+  }
+}
+
+// The dt that a refused explicit step names is stable, and not much shorter than need be.
+TEST(Thresholds, RefusedExplicitStepsNameAStableLength) {
+  for (const dynIntegrator by : {DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_RK45}) {
+    Spring refused(1e6, 0.05, by);
+    ASSERT_EQ(DYN_ERROR_NUMERIC, dyn_step(refused.m, refused.d));
+    const char* found = std::strstr(dyn_last_error(), "a dt below ");
+    ASSERT_NE(nullptr, found) << dyn_last_error();
+    const double named = std::atof(found + 11);
+    Spring stable(1e6, 0.9 * named, by);
+    stable.steps(100);
+    EXPECT_LT(std::abs(stable.q[0]), 3);
+    Spring longer(1e6, 1.2 * named, by);
+    EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_step(longer.m, longer.d));
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test

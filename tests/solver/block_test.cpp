@@ -1,0 +1,154 @@
+// One contact in a sweep: its block is solved exactly, whatever its scales, from nothing and from the last solution.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "solver/pgs.hpp"
+#include "solver/point_contact.hpp"
+
+namespace dyn::solver {
+namespace {
+
+struct Draw {
+  std::mt19937 generator{7};
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(generator); }
+  double normal() { return std::normal_distribution<double>()(generator); }
+  double power(double low, double high) { return std::pow(10, uniform(low, high)); }
+};
+
+// G of one contact of n rows, the normal first, positive definite.
+struct Block {
+  Index n;
+  double mu;
+  double entries[6 * 8] = {}, b[6];
+  Problem p;
+  Cone cone;
+  Block(Index rows, Draw& draw, double spread = 2) : n(rows), mu(draw.power(-2, 0.5)) {
+    double factor[6][6], scale[6];
+    for (auto& row : factor)
+      for (double& x : row) x = draw.normal();
+    for (double& x : scale) x = draw.power(-spread / 2, spread / 2);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j) {
+        double sum = i == j;
+        for (Index k = 0; k < n; ++k) sum += factor[i][k] * factor[j][k];
+        entries[i + 8 * j] = scale[i] * scale[j] * sum;
+      }
+    for (Index i = 0; i < n; ++i) b[i] = scale[i] * draw.normal();
+    b[0] = -std::fabs(b[0]);
+    p.n = n, p.G = {entries, 8}, cone = {0, n, mu};
+  }
+  double at(Index i, Index j) const { return entries[i + 8 * j]; }
+  // By how much y misses the law, relative: sticking contacts do not move, sliding ones along -y_t.
+  double error(const double* y) const {
+    double c[6], size = 0, worst = 0, ct = 0, yt = 0, product = 0;
+    for (Index i = 0; i < n; ++i) {
+      c[i] = b[i];
+      double terms = std::fabs(b[i]);
+      for (Index j = 0; j < n; ++j) c[i] += at(i, j) * y[j], terms += std::fabs(at(i, j) * y[j]);
+      size = std::max(size, terms);
+    }
+    for (Index i = 1; i < n; ++i) ct += c[i] * c[i], yt += y[i] * y[i], product += c[i] * y[i];
+    ct = std::sqrt(ct), yt = std::sqrt(yt);
+    worst = std::fabs(c[0]) / size;
+    const double inside = 1 - yt / (mu * y[0]);  // of the cone, as a share
+    if (inside < 1e-3) return std::max({worst, (product / yt + ct) / size, inside * ct / size});  // slides
+    return std::max(worst, ct / size);
+  }
+};
+
+// S = Q E Q' of the tangential block without the normal.
+TEST(ContactBlock, EigenvectorsAreExact) {
+  Draw draw;
+  for (int k = 0; k < 500; ++k) {
+    const Block x(6, draw);
+    const LocalCone l = local_cone(x.p, x.cone);
+    double size = 0, worst = 0, turned = 0;
+    for (Index i = 0; i < 5; ++i)
+      for (Index j = 0; j < 5; ++j) {
+        const double S = x.at(1 + i, 1 + j) - x.at(1 + i, 0) * x.at(1 + j, 0) / x.at(0, 0);
+        double sum = -S, product = -(i == j);
+        for (Index e = 0; e < 5; ++e) sum += l.q[i][e] * l.e[e] * l.q[j][e], product += l.q[e][i] * l.q[e][j];
+        size = std::max(size, std::fabs(S)), worst = std::max(worst, std::fabs(sum)), turned = std::max(turned, std::fabs(product));
+      }
+    EXPECT_LT(worst, 6e-15 * size);
+    EXPECT_LT(turned, 6e-15);
+  }
+}
+
+// A direction that moves by rounding alone has no stiffness.
+TEST(ContactBlock, RoundingIsNoStiffness) {
+  for (const double least : {3e-15, 3e-14}) {
+    Draw draw;
+    Block x(3, draw);
+    std::fill_n(x.entries, 24, 0.0);
+    x.entries[0] = x.entries[9] = 1, x.entries[18] = least;
+    const LocalCone l = local_cone(x.p, x.cone);
+    EXPECT_EQ(least > 1e-14 ? least : 0, std::min(l.e[0], l.e[1]));
+  }
+}
+
+TEST(ContactBlock, LawIsMetToRounding) {
+  Draw draw;
+  for (const auto& [rows, tolerance] : {std::pair(2, 1e-12), {3, 1e-12}, {4, 1e-10}, {6, 1e-10}}) {
+    double worst = 0;
+    for (int k = 0; k < 500; ++k) {
+      const Block x(rows, draw, 6);
+      LocalCone l = local_cone(x.p, x.cone);
+      double y[6];
+      solve_cone(x.cone, l, x.at(0, 0), x.b, y);
+      worst = std::max(worst, x.error(y));
+    }
+    EXPECT_LT(worst, tolerance) << rows;
+  }
+}
+
+// The next sweep starts from the last resistance: a small change takes Newton steps from there, a large one a new search.
+TEST(ContactBlock, LastSolutionIsAStart) {
+  Draw draw;
+  for (const auto& [change, tolerance] : {std::pair(1e-4, 1e-7), {1e-2, 1e-6}, {0.1, 1e-6}, {3.0, 1e-5}}) {
+    double worst = 0;
+    for (int k = 0; k < 500; ++k) {
+      Block x(3, draw, 4);
+      LocalCone l = local_cone(x.p, x.cone);
+      double y[6];
+      solve_cone(x.cone, l, x.at(0, 0), x.b, y);
+      for (Index i = 0; i < 3; ++i) x.b[i] *= 1 + change * draw.uniform(0, 1);
+      solve_cone(x.cone, l, x.at(0, 0), x.b, y);
+      worst = std::max(worst, x.error(y));
+    }
+    EXPECT_LT(worst, tolerance) << change;
+  }
+}
+
+TEST(PointContact, LawIsMetToItsTolerance) {
+  Draw draw;
+  for (const double spread : {2.0, 4.0}) {
+    double worst = 0, again = 0;
+    for (int k = 0; k < 500; ++k) {
+      Block x(3, draw, spread);
+      PointContact point;
+      ASSERT_TRUE(point.set(x.entries, 8));
+      double y[3];
+      point.solve(x.mu, x.b, y);
+      worst = std::max(worst, x.error(y));
+      for (double& b : x.b) b *= 1 + draw.uniform(0, 0.3);
+      point.solve(x.mu, x.b, y);
+      again = std::max(again, x.error(y));
+    }
+    EXPECT_LT(worst, 3e-9) << spread;
+    EXPECT_LT(again, 3e-9) << spread;
+  }
+}
+
+// Its inverse has half the digits: blocks that are nearer to singular take the eigenvectors.
+TEST(PointContact, NearlySingularBlocksAreRefused) {
+  for (const double share : {3e-11, 3e-10}) {
+    const double block[9] = {1, 0, 0, 0, 1, std::sqrt(1 - share), 0, std::sqrt(1 - share), 1};
+    PointContact point;
+    EXPECT_EQ(share > 1e-10, point.set(block, 3)) << share;
+  }
+}
+
+}  // namespace
+}  // namespace dyn::solver
