@@ -70,7 +70,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
   const auto add = [&](Index a, Index b, Index number) {
     const Ball A = within(m, d, a), B = within(m, d, b);
     const double near = search::near * std::min(d.geoms[a].bounding_radius, d.geoms[b].bounding_radius);
-    if (shape::norm(A.center - B.center) * (1 - search::rounding) > A.radius + B.radius + near) return;
+    if (shape::norm(A.center - B.center) > A.radius + B.radius + near) return;
     if (w.pair_count < room) w.pairs[w.pair_count] = {a, b, number}, w.speeds[a] = w.speeds[b] = 1;
     ++w.pair_count;
   };

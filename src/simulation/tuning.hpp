@@ -21,7 +21,6 @@ namespace search {
 inline constexpr double near = 0.02;            // of the radius: nearer shapes are always tested
 inline constexpr double box = 0.01;             // of the radius: `near` of each shape's box; half, so that two boxes cover it
 inline constexpr double speed_margin = 1.5;     // of the motion in the step: impulses may speed shapes up
-inline constexpr double rounding = 1e-9;        // relative, of a distance between centres
 inline constexpr double same_normal = 0.9;      // cosine: below it the contact turned within the step
 inline constexpr double graze = 0.05;           // of the relative motion in the step: deeper overlap at its end is a hit
 inline constexpr Index sweep_steps = 50;        // bound of conservative advancement; beyond it the pair counts as met

@@ -1,0 +1,100 @@
+// How many steps, rejected steps and evaluations an accuracy costs, and how honest their error estimate is. More or fewer by a
+// tenth are a change of step control.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+void expect_about(double stated, double found, double share = 0.1) { EXPECT_NEAR(stated, found, share * stated + 1); }
+
+dynStepReport advanced(Simulation& run, double accuracy, double duration) {
+  run.options.accuracy = accuracy;
+  EXPECT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_advance(run.m, run.d, duration)) << dyn_last_error();
+  return run.report();
+}
+
+struct Pendulum : Simulation {
+  Pendulum(dynIntegrator by, double dt, const Numbers& at, const Numbers& rates = {0, 0})
+      : Simulation(robot("double_pendulum"), dt) {
+    EXPECT_EQ(DYN_OK, dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE));
+    integrate_by(*this, by);
+    set(at, rates);
+  }
+};
+
+TEST(StepWork, OfSmoothMotion) {
+  const struct {
+    dynIntegrator by;
+    double accuracy;
+    int steps;
+  } cases[] = {{DYN_INTEGRATOR_RK45, 1e-3, 51},     {DYN_INTEGRATOR_RK45, 1e-6, 275},     {DYN_INTEGRATOR_RK45, 1e-9, 1563},
+               {DYN_INTEGRATOR_REFERENCE, 1e-3, 25}, {DYN_INTEGRATOR_REFERENCE, 1e-6, 62}, {DYN_INTEGRATOR_REFERENCE, 1e-9, 161}};
+  std::int64_t rejected = 0;
+  for (const auto& x : cases) {
+    Pendulum run(x.by, 1e-3, {1, 2}, {0.5, -1});
+    const dynStepReport r = advanced(run, x.accuracy, 2);
+    expect_about(x.steps, double(r.steps));
+    rejected += r.rejected;
+    // local errors may grow by four until the end
+    EXPECT_LT(r.error_estimate, 0.3 * x.accuracy);
+    EXPECT_GT(r.error_estimate, 0.05 * x.accuracy);
+  }
+  EXPECT_LE(rejected, 24);
+  EXPECT_GE(rejected, 12);
+}
+
+// Steps to rounding: errors below it are none.
+TEST(StepWork, OfTheReference) {
+  Pendulum small(DYN_INTEGRATOR_REFERENCE, 0.05, {1e-9, 0}), large(DYN_INTEGRATOR_REFERENCE, 0.1, {1, 2}, {0.5, -1});
+  double of_small = 0, of_large = 0;
+  for (int k = 0; k < 10; ++k) {
+    small.steps(1), large.steps(1);
+    of_small += double(small.report().evaluations), of_large += double(large.report().evaluations);
+  }
+  expect_about(380, of_small), expect_about(4016, of_large);
+}
+
+// A step of the reference that would need more than a hundred thousand is refused.
+TEST(StepWork, OfStiffReferencesIsBounded) {
+  for (const double rate : {1e3, 2e4}) {
+    const double none[3] = {0, 0, 0}, stiffness = rate * rate;
+    Builder b;
+    ASSERT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+    Spec slide("slide", DYN_JOINT_TYPE_PRISMATIC);
+    slide.stiffness = &stiffness;
+    Simulation run(b.joint(slide).body("mass", "slide", 1, {0, 0, 0}).finish(), 1);
+    integrate_by(run, DYN_INTEGRATOR_REFERENCE);
+    run.set({1}, {0});
+    EXPECT_EQ(rate < 1e4 ? DYN_OK : DYN_ERROR_NUMERIC, dyn_step(run.m, run.d)) << rate;
+  }
+}
+
+// A ball that overlaps the ground is pushed out in steps of fixed length while it is deep; then steps are as short as the accuracy
+// needs, but not shorter than a thousandth of it.
+TEST(StepWork, OfOverlap) {
+  for (const auto& [accuracy, steps] : {std::pair(1e-3, 64), {1e-4, 79}}) {
+    Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.5)).finish());
+    run.place({{0, 0, 0.07}});
+    const dynStepReport r = advanced(run, accuracy, 0.1);
+    expect_about(steps, double(r.steps)), expect_about(5, double(r.rejected), 0.2);
+    EXPECT_NEAR(1e-3 * accuracy * 0.1, r.smallest_dt, 1e-6 * accuracy);
+  }
+}
+
+// A rolling ball: the solver's tolerance follows the accuracy.
+TEST(StepWork, OfRolling) {
+  const struct {
+    double accuracy;
+    int steps, iterations;
+  } cases[] = {{1e-3, 22, 73}, {1e-5, 38, 57}, {1e-8, 128, 87}, {1e-10, 363, 242}};
+  for (const auto& x : cases) {
+    Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.2)).finish());
+    run.set({0, 0, 0.1, 0, 0, 0, 1}, {1, 0, 0, 0, 0, 0});
+    const dynStepReport r = advanced(run, x.accuracy, 0.5);
+    expect_about(x.steps, double(r.steps)), expect_about(x.iterations, double(r.iterations), 0.15);
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test
