@@ -194,8 +194,7 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
   bool strayed = false;
   const auto keep = [&] {
     project(p, w.newton, w.trial);
-    for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
-    times(p.G, w.t, w.newton_c, w.trial_c, n);
+    times(p.G, w.trial, p.g, w.trial_c, n);  // anew: long steps leave the rounding of their own size in newton_c
     return keep_best(w, b, w.trial, w.trial_c);
   };
   for (Index k = 0; k < (damped_steps ? max_damped_steps : max_steps) && !b.spent(); ++k) {
