@@ -12,7 +12,8 @@ bool admm_iterations(Workspace& w, Budget& b, Index steps) {
   double tried = HUGE_VAL;  // error at the last Newton attempt
   for (Index k = 1; k <= steps && !b.spent(); ++k) {
     if (!m.admm_step()) return false;
-    if (!(m.error <= b.tolerance || (b.newton && m.error < newton_reduction * tried) || k % tuning::sweeps_a_check == 0)) continue;
+    if (!(m.error <= b.tolerance || (b.newton && m.error < newton_reduction * tried) || k % tuning::sweeps_a_check == 0))
+      continue;
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return true;
     tried = m.error;

@@ -70,7 +70,7 @@ TEST(StepWork, OfStiffReferencesIsBounded) {
   }
 }
 
-// A ball that overlaps the ground is pushed out in steps of fixed length while it is deep; then steps are as short as the accuracy
+// A ball that overlaps the ground is pushed out in steps of fixed length while deep; then steps are as short as the accuracy
 // needs, but not shorter than a thousandth of it.
 TEST(StepWork, OfOverlap) {
   for (const auto& [accuracy, steps] : {std::pair(1e-3, 64), {1e-4, 79}}) {

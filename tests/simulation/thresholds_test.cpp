@@ -67,7 +67,7 @@ TEST(Thresholds, SlowApproachDoesNotRebound) {
   EXPECT_NEAR(0.07, after(0.07), 1e-9);
 }
 
-// Of shapes that move side by side those nearer than a fiftieth of the smaller one's radius are contacts, by lists of pairs and by
+// Shapes that move side by side nearer than a fiftieth of the smaller one's radius are contacts, by lists of pairs and by
 // boxes.
 TEST(Thresholds, NearShapesAreContacts) {
   for (const int far_away : {0, 3000})

@@ -64,7 +64,8 @@ TEST(Acceptance, RowsThatOnlyRoundingMovesHaveNoScaleOfTheirOwn) {
 // A ball whose rebound gains energy: by this share of what it loses on the way.
 Scene gaining(double share) {
   Scene s;
-  s.G = {1, 0, 0, 0, 1, 0, 0, 0, 1}, s.g = {0, 0, -1}, s.v_minus = {0, 0, -1 - 2 * share}, s.friction = {0.5}, s.restitution = {1};
+  s.G = {1, 0, 0, 0, 1, 0, 0, 0, 1}, s.g = {0, 0, -1}, s.v_minus = {0, 0, -1 - 2 * share};
+  s.friction = {0.5}, s.restitution = {1};
   return s;
 }
 

@@ -69,7 +69,8 @@ TEST(ContactBlock, EigenvectorsAreExact) {
         const double S = x.at(1 + i, 1 + j) - x.at(1 + i, 0) * x.at(1 + j, 0) / x.at(0, 0);
         double sum = -S, product = -(i == j);
         for (Index e = 0; e < 5; ++e) sum += l.q[i][e] * l.e[e] * l.q[j][e], product += l.q[e][i] * l.q[e][j];
-        size = std::max(size, std::fabs(S)), worst = std::max(worst, std::fabs(sum)), turned = std::max(turned, std::fabs(product));
+        size = std::max(size, std::fabs(S)), worst = std::max(worst, std::fabs(sum));
+        turned = std::max(turned, std::fabs(product));
       }
     EXPECT_LT(worst, 6e-15 * size);
     EXPECT_LT(turned, 6e-15);
