@@ -9,7 +9,7 @@
 namespace dyn::solver {
 namespace {
 
-struct Draw {
+struct Random {
   std::mt19937 generator{7};
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(generator); }
   double normal() { return std::normal_distribution<double>()(generator); }
@@ -23,7 +23,7 @@ struct Block {
   double entries[6 * 8] = {}, b[6];
   Problem p;
   Cone cone;
-  Block(Index rows, Draw& draw, double spread = 2) : n(rows), mu(draw.power(-2, 0.5)) {
+  Block(Index rows, Random& draw, double spread = 2) : n(rows), mu(draw.power(-2, 0.5)) {
     double factor[6][6], scale[6];
     for (auto& row : factor)
       for (double& x : row) x = draw.normal();
@@ -59,7 +59,7 @@ struct Block {
 
 // S = Q E Q' of the tangential block without the normal.
 TEST(ContactBlock, EigenvectorsAreExact) {
-  Draw draw;
+  Random draw;
   for (int k = 0; k < 500; ++k) {
     const Block x(6, draw);
     const LocalCone l = local_cone(x.p, x.cone);
@@ -80,7 +80,7 @@ TEST(ContactBlock, EigenvectorsAreExact) {
 // A direction that moves by rounding alone has no stiffness.
 TEST(ContactBlock, RoundingIsNoStiffness) {
   for (const double least : {3e-15, 3e-14}) {
-    Draw draw;
+    Random draw;
     Block x(3, draw);
     std::fill_n(x.entries, 24, 0.0);
     x.entries[0] = x.entries[9] = 1, x.entries[18] = least;
@@ -90,7 +90,7 @@ TEST(ContactBlock, RoundingIsNoStiffness) {
 }
 
 TEST(ContactBlock, LawIsMetToRounding) {
-  Draw draw;
+  Random draw;
   for (const auto& [rows, tolerance] : {std::pair(2, 1e-12), {3, 1e-12}, {4, 1e-10}, {6, 1e-10}}) {
     double worst = 0;
     for (int k = 0; k < 500; ++k) {
@@ -106,7 +106,7 @@ TEST(ContactBlock, LawIsMetToRounding) {
 
 // The next sweep starts from the last resistance: a small change takes Newton steps from there, a large one a new search.
 TEST(ContactBlock, LastSolutionIsAStart) {
-  Draw draw;
+  Random draw;
   for (const auto& [change, tolerance] : {std::pair(1e-4, 1e-7), {1e-2, 1e-6}, {0.1, 1e-6}, {3.0, 1e-5}}) {
     double worst = 0;
     for (int k = 0; k < 500; ++k) {
@@ -123,7 +123,7 @@ TEST(ContactBlock, LastSolutionIsAStart) {
 }
 
 TEST(PointContact, LawIsMetToItsTolerance) {
-  Draw draw;
+  Random draw;
   for (const double spread : {2.0, 4.0}) {
     double worst = 0, again = 0;
     for (int k = 0; k < 500; ++k) {

@@ -15,15 +15,15 @@ namespace {
 
 namespace solver = dyn::solver;
 
-struct Draw {
+struct Dice {
   std::mt19937 generator;
-  explicit Draw(int seed) : generator(unsigned(seed)) {}
+  explicit Dice(int seed) : generator(unsigned(seed)) {}
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(generator); }
   double normal() { return std::normal_distribution<double>()(generator); }
 };
 
-Scene pushed(const Bodies& bodies, int seed, double mu) {
-  Draw draw(seed);
+Scene set_moving(const Bodies& bodies, int seed, double mu) {
+  Dice draw(seed);
   Vector v = bodies.falling(1e-3);
   const double speed = std::pow(10, draw.uniform(-3, -1));
   for (double& x : v) x += speed * draw.normal();
@@ -32,7 +32,7 @@ Scene pushed(const Bodies& bodies, int seed, double mu) {
 
 // Two equalities, four boxes of which two are bounded on both sides, three contacts. copies: each equality appears twice.
 Scene all_rows(int seed, bool copies) {
-  Draw draw(seed);
+  Dice draw(seed);
   Scene s;
   const int rows = 15 + (copies ? 2 : 0), dof = 20;
   s.problem.equalities = copies ? 4 : 2, s.problem.boxes = 4, s.friction.assign(3, 0.5);
@@ -47,21 +47,21 @@ Scene all_rows(int seed, bool copies) {
   return s;
 }
 
-struct Family {
+struct Problems {
   const char* name;
   Scene (*scene)(int seed);
 };
-const Family families[] = {
+const Problems problem_kinds[] = {
     {"random", [](int k) { return random_scene(3 + k % 10, 8 + 2 * k, 0.1 + 0.05 * k, unsigned(k)); }},
     {"at rest", [](int k) { return stack(Vector(2 + k % 4, 1.0)).scene(0.5, stack(Vector(2 + k % 4, 1.0)).falling(1e-3)); }},
-    {"cubes", [](int k) { return pushed(stack(Vector(5, 1.0)), k, 0.2 + 0.06 * k); }},
-    {"light", [](int k) { return pushed(stack({1, 1e3}), k, 0.5); }},
-    {"table", [](int k) { return pushed(table(3 + k % 5, 1 + k % 6, 0.3), k, 0.5); }},
+    {"cubes", [](int k) { return set_moving(stack(Vector(5, 1.0)), k, 0.2 + 0.06 * k); }},
+    {"light", [](int k) { return set_moving(stack({1, 1e3}), k, 0.5); }},
+    {"table", [](int k) { return set_moving(table(3 + k % 5, 1 + k % 6, 0.3), k, 0.5); }},
     {"all rows", [](int k) { return all_rows(k, false); }},
     {"redundant", [](int k) { return all_rows(k, true); }},
     {"uneven",  // a table whose legs have gaps of their own
      [](int k) {
-       Scene s = pushed(table(4 + k % 3, 2, 0.3), k, 0.5);
+       Scene s = set_moving(table(4 + k % 3, 2, 0.3), k, 0.5);
        s.bias.assign(s.g.size(), 0);
        for (std::size_t i = 2; i < s.bias.size(); i += 3) s.bias[i] = 0.02 * (1 + std::sin(7.0 * double(i)));
        return s;
@@ -159,8 +159,8 @@ const Cost costs[] = {
 
 TEST(SolverWork, IsAsStated) {
   for (const Cost& cost : costs) {
-    const auto family = std::find_if(std::begin(families), std::end(families),
-                                     [&](const Family& f) { return std::string(f.name) == cost.family; });
+    const auto family = std::find_if(std::begin(problem_kinds), std::end(problem_kinds),
+                                     [&](const Problems& f) { return std::string(f.name) == cost.family; });
     int iterations = 0, newton_steps = 0, factorizations = 0, solved = 0;
     for (int seed = 1; seed <= 12; ++seed) {
       Scene s = family->scene(seed);
