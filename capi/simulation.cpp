@@ -83,25 +83,29 @@ void begin(Call& call) {
     simulation::open_ledger(call.m(), call.d());
 }
 
+// Apart, so that steps without a deadline have no part in it.
+[[gnu::cold, gnu::noinline]] void start_limit(simulation::Workspace& w) { w.limit.start(clock_seconds, w.options.time_budget); }
+[[gnu::cold, gnu::noinline]] void finish_limit(simulation::Workspace& w) { w.limit.finish(); }
+
 // One step of h; the state is as before after an error.
 DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   simulation::Workspace& w = *d.step;
-  if (w.options.time_budget > 0) [[unlikely]] w.limit.start(clock_seconds, w.options.time_budget);
+  if (w.options.time_budget > 0) [[unlikely]] start_limit(w);
   if (w.sleep.count > 0) simulation::begin_sleep(m, d, h);  // otherwise no tree can rest
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report, d.backup);
   if (answer || !has_finite_state(m, d)) [[unlikely]] {
     const dynStatus status = explain(m, d, answer, function, d.time[0]);
-    w.limit.finish(), call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
+    finish_limit(w), call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
     return status;
   }
   call.end_step();
   if (w.sleep.enabled) simulation::end_sleep(m, d, h);
   record_forces(m, d);
   d.time[0] += h;
-  if (w.limit.seconds) [[unlikely]] w.limit.finish();
+  if (w.limit.seconds) [[unlikely]] finish_limit(w);
   return DYN_OK;
 }
 
