@@ -21,22 +21,22 @@ void seal_dynb(std::string& file, std::uint64_t tag) {
   h.handle.magic = live_model, h.handle.in_place = 1;
   h.handle.m.distance = sizeof h - summed - offsetof(dynModel, m);
   std::memcpy(file.data(), &h, sizeof h);
-  const std::uint64_t sum = dynb_checksum(file.data() + summed, file.size() - summed);
+  const std::uint64_t sum = tag ^ dynb_checksum(file.data() + summed, file.size() - summed);
   std::memcpy(file.data() + offsetof(DynbHeader, checksum), &sum, sizeof sum);
 }
 
-namespace {
-
-[[noreturn]] void damaged(const std::string& what) {
+void fail_of_damage(const std::string& what) {
   throw Error(DYN_ERROR_PARSE, "the file is damaged: " + what + ": write it again from the robot file");
 }
+
+namespace {
 
 void refuse(const Damage& d) {
   if (!d) return;
   const std::string what = d.what + (d.count >= 0 ? " is " + std::to_string(d.value) + " of " + std::to_string(d.count) : "");
   if (d.status == DYN_ERROR_UNSUPPORTED)
     throw Error(d.status, "the .dynb cannot be read: " + what + ": write it again from the robot file");
-  damaged(what);
+  fail_of_damage(what);
 }
 
 // Adds the whole model to a builder as a user would, so the builder checks names and numbers.
@@ -59,7 +59,7 @@ void check_by_building(const Model& m) {
     const FrameRecord& r = m.frames()[f];
     const std::string name = m.string(r.name);
     if (r.type == DYN_FRAME_TYPE_JOINT) {
-      if (name != m.string(m.joints()[r.joint].name)) damaged("joint '" + name + "' and its frame have different names");
+      if (name != m.string(m.joints()[r.joint].name)) fail_of_damage("joint '" + name + "' and its frame have different names");
       JointSpec s = spec_of(m, m.joints()[r.joint]);
       s.parent = on(m.joints()[r.joint].parent);
       b.joint(s), ++joints;
@@ -78,7 +78,7 @@ void check_by_building(const Model& m) {
     }
   }
   if (joints != m.n.joints - 1)
-    damaged("it has " + std::to_string(m.n.joints - 1) + " joints, and frames of " + std::to_string(joints));
+    fail_of_damage("it has " + std::to_string(m.n.joints - 1) + " joints, and frames of " + std::to_string(joints));
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& r = m.shapes()[k];
     Shape s{m.string(r.name),       r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name),
@@ -119,10 +119,10 @@ struct Free {
 }  // namespace load
 
 ModelPtr load_dynb(const std::string& given, const std::string& file, const LoadOptions& options) {
-  const std::string renewed = load::from_older_dynb(given);
-  const std::string& bytes = renewed.empty() ? given : renewed;
   const std::string where = file.empty() ? "" : load::printable(file) + ": ";
   try {
+    const std::string translated = load::translate_dynb(given);
+    const std::string& bytes = translated.empty() ? given : translated;
     load::refuse(check_header(bytes.data(), bytes.size()));
     if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() ||
         options.meshes != LoadOptions().meshes)
@@ -139,7 +139,8 @@ ModelPtr load_dynb(const std::string& given, const std::string& file, const Load
     load::check_by_building(m);
     Builder builder(m);
     const auto is_drawn = [&](Index k) { return std::strcmp(m.string(m.configuration_names()[k]), "qpos0") == 0; };
-    for (Index k = 1; !renewed.empty() && k < m.n.configurations; ++k)
+    const bool is_version_2 = given[offsetof(DynbHeader, version)] == 2;  // which has no initial configuration
+    for (Index k = 1; is_version_2 && k < m.n.configurations; ++k)
       if (is_drawn(k)) builder.initial_configuration("qpos0");
     if (options.gravity != LoadOptions().gravity) builder.gravity(options.gravity);
     if (options.constraint_slots != LoadOptions().constraint_slots) builder.constraint_slots(options.constraint_slots);

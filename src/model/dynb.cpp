@@ -25,15 +25,18 @@ Damage check_header(const void* buffer, std::size_t bytes) {
   if (h.version != dynb_version)
     return {DYN_ERROR_UNSUPPORTED, "it is of another version of the format: the version", h.version, dynb_version};
   constexpr std::uint64_t tag = dynb_tag();
-  if (h.tag != tag) return {DYN_ERROR_UNSUPPORTED, "it is of a build whose models lie in memory in another way"};
+  if (h.tag >> 8 != tag >> 8) return {DYN_ERROR_UNSUPPORTED, "it is of a build whose models lie in memory in another way"};
   if (h.bytes != bytes - sizeof h)
     return {DYN_ERROR_PARSE, "the number of bytes after its header", std::int64_t(bytes - sizeof h), std::int64_t(h.bytes)};
   constexpr std::size_t summed = offsetof(DynbHeader, handle), to_block = sizeof(DynbHeader) - summed - offsetof(dynModel, m);
-  if (h.checksum != dynb_checksum(static_cast<const char*>(buffer) + summed, bytes - summed))
+  if (h.checksum != (h.tag ^ dynb_checksum(static_cast<const char*>(buffer) + summed, bytes - summed)))
     return {DYN_ERROR_PARSE, "its checksum is wrong"};
   if (h.bytes < sizeof(Model)) return {DYN_ERROR_PARSE, "it is too short for a model"};
   if (h.handle.magic != live_model || h.handle.m.distance != std::int64_t(to_block) || h.handle.in_place != 1)
     return {DYN_ERROR_PARSE, "its handle is wrong"};
+  if (h.tag != tag)
+    return {DYN_ERROR_UNSUPPORTED, "it is of a library with other effects: its number of coefficients of a joint",
+            std::int64_t(h.tag & 255), std::int64_t(coefficient_count)};
   return {};
 }
 

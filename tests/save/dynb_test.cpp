@@ -109,7 +109,8 @@ TEST(Dynb, OtherFilesAreRefused) {
   refused(changed(5), DYN_ERROR_PARSE, "first eight bytes");
   refused(changed(offsetof(DynbHeader, version)), DYN_ERROR_UNSUPPORTED, "version");
   refused(changed(offsetof(DynbHeader, byte_order)), DYN_ERROR_UNSUPPORTED, "order of bytes");
-  refused(changed(offsetof(DynbHeader, tag)), DYN_ERROR_UNSUPPORTED, "build");
+  refused(changed(offsetof(DynbHeader, tag) + 1), DYN_ERROR_UNSUPPORTED, "build");
+  refused(changed(offsetof(DynbHeader, tag)), DYN_ERROR_PARSE, "checksum");  // the number of coefficients
   refused(changed(offsetof(DynbHeader, bytes)), DYN_ERROR_PARSE, "bytes after its header");
   refused(changed(offsetof(DynbHeader, handle)), DYN_ERROR_PARSE, "checksum");
   refused(changed(good.size() / 2), DYN_ERROR_PARSE, "checksum");
