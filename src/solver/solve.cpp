@@ -49,7 +49,10 @@ void Attempt::operator()(double restitution) {
     project(p, w.x, w.x);
     times(p.G, w.x, p.g, w.v, p.n);
   }
-  if (!keep_best(w, b, w.x, w.v)) solver(w, b);
+  if (!keep_best(w, b, w.x, w.v)) {
+    if (b.best == HUGE_VAL) std::copy_n(w.x, p.n, w.y), std::copy_n(w.v, p.n, w.c);  // too large to be the best: yet the start
+    solver(w, b);
+  }
   b.tolerance = tolerance;
   if (b.brief && !p.bounces)
     out.residual = b.best > 0 ? b.best / p.speed : 0;
