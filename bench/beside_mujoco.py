@@ -1,6 +1,12 @@
-"""An MJCF model here and in MuJoCo: forces at random states, and the motion of the simulation without controls."""
+"""An MJCF model here and in MuJoCo: forces at random states, and the motion of the simulation under held controls.
+
+motion() compares with MuJoCo as the file is. rigid_motion() compares with MuJoCo's limit of rigid contacts, limits and
+equalities, from a pose at which none of them is violated: there both have the same law of contact.
+"""
 
 import contextlib
+import copy
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -139,13 +145,12 @@ def forces(beside, states=5):
 
 
 class Run:
-    """Configurations, energies and bodies in contact of MuJoCo's steps."""
+    """Configurations, energies and bodies in contact of MuJoCo's steps, from where the file draws or from a Start."""
 
-    def __init__(self, mm, duration, refine=1):
+    def __init__(self, mm, duration, refine=1, start=None):
         before = mm.opt.timestep
         mm.opt.timestep, mm.opt.enableflags = before / refine, mm.opt.enableflags | mujoco.mjtEnableBit.mjENBL_ENERGY
-        md, self.qpos = mujoco.MjData(mm), []
-        mujoco.mj_forward(mm, md)
+        md, self.qpos = begin(mm, start), []
         self.energy, self.kinetic = [md.energy.sum()], [md.energy[1]]
         for _ in range(max(round(duration / before), 1)):
             for _ in range(refine):
@@ -155,6 +160,16 @@ class Run:
         mm.opt.timestep = before
         pairs = mm.geom_bodyid[[c.geom for c in md.contact if c.dist < 0]].reshape(-1, 2)
         self.touching = {frozenset((name_of(mm, a), name_of(mm, b))) for a, b in pairs}
+
+
+def begin(mm, start=None):
+    md = mujoco.MjData(mm)
+    if start:
+        if start.key is not None:
+            mujoco.mj_resetDataKeyframe(mm, md, start.key)
+        md.qpos[:] = start.qpos
+    mujoco.mj_forward(mm, md)
+    return md
 
 
 @contextlib.contextmanager
@@ -176,6 +191,15 @@ def name_of(mm, body):
     return "world" if mm.body_weldid[body] == 0 else mm.body(mm.body_weldid[body]).name or f"body_{mm.body_weldid[body]}"
 
 
+def distances(beside, peer, sim, steps=1):
+    """Of the configurations, after some steps of the simulation for each of the peer's."""
+    out = []
+    for qpos in peer.qpos:
+        sim.step(steps)
+        out.append(beside.apart(qpos, beside.qpos(sim.q)))
+    return out
+
+
 def motion(beside, duration):
     """The motion here beside MuJoCo's: {"moves", "itself", "energy", "contacts"}.
 
@@ -192,12 +216,8 @@ def motion(beside, duration):
     def energy():
         return sum(data.energy(sim.q, sim.v))
 
-    begin, worst = energy(), 0.0
-    for qpos in peer.qpos:
-        sim.step()
-        worst = max(worst, beside.apart(qpos, beside.qpos(sim.q)))
-    out = {"moves": worst}
-    if worst <= MOVES:
+    begin, out = energy(), {"moves": max(distances(beside, peer, sim))}
+    if out["moves"] <= MOVES:
         return out
     with stiffer(mm):
         stiff = Run(mm, duration, 4)
@@ -222,6 +242,71 @@ def body_of(m, shape):
     if joint == 0:
         return "world"
     return next(f.name for f in m.frames if f.joint == joint and f.type is dyn.FrameType.BODY)
+
+
+class Start(NamedTuple):
+    name: str  # "drawn", or a key's; "raised": moved by within_limits()
+    key: int | None
+    qpos: np.ndarray
+
+
+def within_limits(mm, qpos):
+    """Moved to the nearest limits, and with its free bodies raised out of the deepest overlap."""
+    q = np.array(qpos)
+    for j in np.flatnonzero(mm.jnt_limited & (mm.jnt_type >= 2)):
+        q[mm.jnt_qposadr[j]] = np.clip(q[mm.jnt_qposadr[j]], *mm.jnt_range[j])
+    md = begin(mm, Start("", None, q))
+    deepest = min((c.dist for c in md.contact), default=0.0)
+    q[mm.jnt_qposadr[mm.jnt_type == mujoco.mjtJoint.mjJNT_FREE] + 2] -= min(deepest, 0.0)
+    return q
+
+
+def violated(mm, start):
+    """Whether contacts overlap by more than 1 mm, joints are beyond limits by 1 mm or mrad, or equalities off by 2."""
+    md = begin(mm, start)
+    q = md.qpos[mm.jnt_qposadr]
+    beyond = np.where(mm.jnt_limited & (mm.jnt_type >= 2), np.maximum(mm.jnt_range[:, 0] - q, q - mm.jnt_range[:, 1]), 0)
+    opened = np.abs(md.efc_pos[md.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY])
+    return min((c.dist for c in md.contact), default=0.0) < -1e-3 or beyond.max(initial=0) > 1e-3 or opened.max(initial=0) > 2e-3
+
+
+def sound_start(mm):
+    """The first pose of the file at which nothing is violated, as it is or raised; None if there is none."""
+    written = [Start("drawn", None, mm.qpos0)]
+    written += [Start(mm.key(k).name or f"key {k}", k, mm.key_qpos[k]) for k in range(mm.nkey) if not mm.key_act[k].any()]
+    raised = [s._replace(name=s.name + ", raised", qpos=within_limits(mm, s.qpos)) for s in written]
+    return next((s for s in written + raised if not violated(mm, s)), None)
+
+
+def rigid(mm):
+    """A copy with contacts, limits and equalities 16 times as fast, without rebound or compliance, and with round cones."""
+    out = copy.copy(mm)
+    for name in ("geom", "jnt", "eq", "pair"):
+        law, impedance = getattr(out, name + "_solref"), getattr(out, name + "_solimp")
+        standard = law[:, 0] > 0
+        law[standard] *= (1 / 16, 3)  # time constant, damping ratio
+        law[~standard] *= (16**2, 3 * 16)  # stiffness, damping
+        impedance[:, :2] = 1 - 1e-4
+    out.opt.cone, out.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(out.opt.impratio, 10)
+    out.opt.iterations, out.opt.ls_iterations, out.opt.tolerance = 200, 50, 1e-12
+    return out
+
+
+def rigid_motion(beside, duration):
+    """The motion here beside rigid() MuJoCo's, both in fine steps from sound_start(): {"start", "rigid", "until"}, {} without one.
+
+    rigid: largest distance of the configurations. until: the time at which it is first beyond MOVES.
+    """
+    mm, start = beside.mm, sound_start(beside.mm)
+    if not start:
+        return {}
+    sim, md = dyn.Simulation(beside.m, dt=mm.opt.timestep / 4, tolerance=1e-8), begin(mm, start)
+    sim.data.set_state(beside.q(md.qpos), beside.velocity_map(md.qpos) @ md.qvel)
+    if mm.nu:
+        sim.data.set_control(md.ctrl)
+    away = distances(beside, Run(rigid(mm), duration, 32, start), sim, 4)
+    parts = next((k for k, x in enumerate(away) if x > MOVES), None)
+    return {"start": start.name, "rigid": max(away)} | ({} if parts is None else {"until": parts * mm.opt.timestep})
 
 
 def beginning(mm):

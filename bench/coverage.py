@@ -11,8 +11,9 @@ Usage:  coverage.py FOLDER... [--only PATTERN] [--duration S] [--page FILE.md] [
   --check FILE     exit with 1 if a file that FILE (a CSV of --csv) has as good is worse now
 
 Every file is tried in a process of its own. MJCF: sizes, timestep, initial configuration, M, bias, passive and actuator forces at
-random states, and the motion of the simulation without controls, against MuJoCo (beside_mujoco.py). URDF: nv and kinetic energies
-against Pinocchio. Needs the package mujoco for MJCF, and pin for URDF. Without them a file is only loaded.
+random states, and the motion of the simulation under held controls, against MuJoCo (beside_mujoco.py). A motion that differs is
+compared with that of MuJoCo's rigid contacts, too. URDF: nv and kinetic energies against Pinocchio. Needs the package mujoco for
+MJCF, and pin for URDF. Without them a file is only loaded.
 """
 
 import argparse
@@ -30,10 +31,12 @@ sys.path[:0] = [str(PROJECT / "capi" / "python"), str(PROJECT / "bench")]
 
 import numpy as np  # noqa: E402
 
-FIELDS = "file format peer result sizes timestep begins forces moves itself energy contacts unsupported reason".split()
+MOTION = "moves itself energy contacts rigid until start".split()
+FIELDS = [*"file format peer result sizes timestep begins forces".split(), *MOTION, "unsupported", "reason"]
 ENERGIES, CONTACTS = 0.1, 0.7  # where motion amplifies: relative difference of energies, share of pairs that touch in both
-MOVES_ITSELF = 0.06  # rad or m
-GOOD = ("as the peer", "as the peer, with warnings")
+MOVES = 0.06  # rad or m
+RIGID = "as the rigid peer"
+GOOD = ("as the peer", "as the peer, with warnings", RIGID, RIGID + ", with warnings")
 NOT_COMPARED = ("loaded here alone", "refused by both")
 
 
@@ -98,16 +101,31 @@ def mjcf(path, duration):
         return row | {"result": "fails", "reason": str(error).splitlines()[0]}
     off = [f"{part} {x:.0e}" for part, x in forces.items() if x > peer.FORCES]
     row["forces"] = ", ".join(off) or f"{max(forces.values(), default=0):.0e}"
-    row |= {what: f"{x:.2g}" for what, x in moves.items()}
-    as_peer = row["sizes"] == row["timestep"] == row["begins"] == "same" and not off
-    if as_peer and moves["moves"] > peer.MOVES:
-        amplifies = moves["itself"] > peer.MOVES and moves["energy"] < ENERGIES and moves["contacts"] > CONTACTS
-        as_peer = amplifies
-        agrees = "motion amplifies: energy and contacts agree"
-        row["reason"] = agrees if amplifies else reason_of(peer.beginning(mm), moves, said)
-    elif not as_peer:
+    row |= {what: f"{moves[what]:.2g}" for what in ("moves", "itself", "energy", "contacts") if what in moves}
+    result = "differs"
+    if row["sizes"] == row["timestep"] == row["begins"] == "same" and not off:
+        result = as_moved(moves, row) or as_rigid(peer.rigid_motion(beside, duration), row) or "differs"
+    if result == "differs":
         row["reason"] = reason_of(peer.beginning(mm), moves, said)
-    return row | {"result": ("as the peer" if as_peer else "differs") + (", with warnings" if said else "")}
+    return row | {"result": result + (", with warnings" if said else "")}
+
+
+def as_moved(moves, row):
+    """The result where the motions agree, with the reason in the row, or None."""
+    if moves["moves"] > MOVES:
+        if moves["itself"] <= MOVES or moves["energy"] >= ENERGIES or moves["contacts"] <= CONTACTS:
+            return None
+        row["reason"] = "motion amplifies: energy and contacts agree"
+    return "as the peer"
+
+
+def as_rigid(moves, row):
+    """The same beside MuJoCo's limit of rigid contacts. There is no excuse for what amplifies."""
+    row |= {what: x if what == "start" else f"{x:.2g}" for what, x in moves.items()}
+    if not moves.get("rigid", MOVES) < MOVES:
+        return None
+    row["reason"] = "MuJoCo's contacts are soft, and it moves as here where they are rigid"
+    return RIGID
 
 
 def reason_of(beginning, moves, said):
@@ -118,7 +136,7 @@ def reason_of(beginning, moves, said):
         reasons.append(f"drawn beyond the limits of {len(beyond)} joints ({beyond[0]})")
     if deep:
         reasons.append(f"drawn with {deep} contacts deeper than 1 mm")
-    if moves.get("itself", 0) > MOVES_ITSELF:
+    if moves.get("itself", 0) > MOVES:
         reasons.append("MuJoCo's motion depends as much on timestep and stiffness")
     return "; ".join(reasons)
 
@@ -177,7 +195,7 @@ def summary(rows):
     counts = collections.defaultdict(collections.Counter)
     for r in rows:
         counts[r["folder"], r["format"]][r["result"]] += 1
-    kinds = ["as the peer", "as the peer, with warnings", "differs, with warnings", "differs", "fails", "refused"]
+    kinds = [*GOOD, "differs, with warnings", "differs", "fails", "refused"]
     lines = ["| folder | files | " + " | ".join(kinds) + " | others |", "|---|---" + "|---" * (len(kinds) + 1) + "|"]
     for (folder, kind), c in counts.items():
         total = sum(c.values())
@@ -186,7 +204,7 @@ def summary(rows):
     return "\n".join(lines)
 
 
-ALL = "file result sizes timestep begins forces moves itself energy contacts unsupported reason".split()
+ALL = [*"file result sizes timestep begins forces".split(), *MOTION, "unsupported", "reason"]
 
 
 def table(rows, head=ALL):
@@ -195,6 +213,21 @@ def table(rows, head=ALL):
         cells = [r["file"] if k == "file" else without_paths(str(r.get(k, ""))) for k in head]
         lines.append("| " + " | ".join(cell.replace("|", "/")[:160] for cell in cells) + " |")
     return "\n".join(lines)
+
+
+def publish(rows, args):
+    import pages
+
+    named = " ".join(folder.resolve().name for folder in args.folder)
+    only = f" --only '{args.only}'" if args.only else ""
+    command = f"python3 bench/coverage.py {named}{only} --duration {args.duration} --write {args.write}"
+    short = [r | {"file": " ".join(Path(r["file"]).parts[-2:])} for r in rows]
+    text = [summary(rows)]
+    if soft := [r for r in short if r["result"].startswith(RIGID)]:
+        text += ["Files as the rigid peer:", table(soft, "file moves rigid start".split())]
+    if differ := [r for r in short if r["result"] not in (*GOOD, *NOT_COMPARED)]:
+        text += ["Files that differ:", table(differ, ["file", "forces", *MOTION, "reason"])]
+    pages.write(args.write, "\n\n".join([*text, f"```\n{command}\n```"]))
 
 
 def worse(rows, file):
@@ -235,14 +268,7 @@ def main():
     if args.page:
         args.page.write_text(f"# Coverage\n\n{text}\n\n{table(rows)}\n", encoding="utf-8")
     if args.write:
-        import pages
-
-        named = " ".join(folder.resolve().name for folder in args.folder)
-        only = f" --only '{args.only}'" if args.only else ""
-        command = f"python3 bench/coverage.py {named}{only} --duration {args.duration} --write {args.write}"
-        differ = [r | {"file": " ".join(Path(r["file"]).parts[-2:])} for r in rows if r["result"] not in (*GOOD, *NOT_COMPARED)]
-        found = table(differ, "file forces moves itself energy contacts reason".split())
-        pages.write(args.write, f"{text}\n\nFiles that differ:\n\n{found}\n\n```\n{command}\n```")
+        publish(rows, args)
     if args.check:
         for line in (found := worse(rows, args.check)):
             print("worse: " + line)

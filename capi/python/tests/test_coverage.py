@@ -36,6 +36,26 @@ def test_a_pendulum_runs_as_in_mujoco(coverage, tmp_path):
     assert "as the peer | " in coverage.summary([row | {"folder": "f", "format": "MJCF"}])
 
 
+SOFT = """<mujoco><default><geom solref=".2 1"/></default><worldbody><geom type="plane" size="9 9 1"/><body pos="0 0 {height}"
+  euler="20 0 0"><freejoint/><geom type="box" size=".1 .2 .05"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("height, start", [(0.2, "drawn"), (0.06, "drawn, raised")])
+def test_soft_contacts_are_compared_where_they_are_rigid(coverage, tmp_path, height, start):
+    pytest.importorskip("mujoco")
+    (tmp_path / "a.xml").write_text(SOFT.format(height=height))
+    row = coverage.mjcf(tmp_path / "a.xml", 0.5)
+    assert row["result"] == "as the rigid peer" and row["start"] == start
+    assert float(row["moves"]) > 0.1 and float(row["rigid"]) < float(row["moves"]) / 5
+
+
+def test_what_differs_beside_rigid_contacts_is_no_rigid_peer(coverage):
+    row = {}
+    assert coverage.as_rigid({"start": "drawn", "rigid": 0.1, "until": 0.2}, row) is None
+    assert row == {"start": "drawn", "rigid": "0.1", "until": "0.2"}
+    assert coverage.as_rigid({"start": "home", "rigid": 0.01}, {}) == coverage.RIGID and coverage.as_rigid({}, {}) is None
+
+
 def test_a_file_that_becomes_worse_is_found(coverage, tmp_path):
     known = tmp_path / "known.csv"
     known.write_text("folder,file,result\nf,a.xml,as the peer\nf,b.xml,differs\nf,gone.xml,as the peer\n")
