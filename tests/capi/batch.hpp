@@ -131,11 +131,12 @@ struct BatchCase {
 inline Model random_robot(std::uint64_t seed, int joints) {
   Random g{seed};
   Builder b("random");
+  const auto types = every<dynJointType>("dynJointType");
   std::vector<std::string> names, leaders;
   for (int k = 0; k < joints; ++k) {
     const std::string name = "j" + std::to_string(k),
                       parent = names.empty() ? "" : names[std::size_t(g.below(int(names.size())))];
-    const auto type = dynJointType(1 + g.below(13));
+    const auto type = dynJointType(1 + g.below(int(types.size()) - 1));  // all but fixed ones
     const Numbers at = g.numbers(3), axis = g.numbers(3);
     Spec s(name.c_str(), type == DYN_JOINT_TYPE_FREE_FLYER && k ? DYN_JOINT_TYPE_SPHERICAL : type,
            parent.empty() ? nullptr : parent.c_str(), {at[0], at[1], at[2]});

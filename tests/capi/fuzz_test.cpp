@@ -136,6 +136,7 @@ TEST(Fuzz, Sequences500000Slow) { run(20000, 520000); }
 
 // The builder with random specifications: models or refusals, and what is made works.
 TEST(Fuzz, Builders) {
+  const int joint_types = int(every<dynJointType>("dynJointType").size());
   int made = 0;
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     Random g{seed};
@@ -148,7 +149,7 @@ TEST(Fuzz, Builders) {
       const std::string parent = g.below(6) ? names.back() : names[std::size_t(g.below(int(names.size())))];
       const std::string leader = names[std::size_t(g.below(int(names.size())))];
       Spec s(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.c_str(), {g.uniform(-1, 1), g.uniform(-1, 1), 0});
-      const int type = g.below(40) ? g.below(14) : g.below(100) - 50;
+      const int type = g.below(40) ? g.below(joint_types) : g.below(100) - 50;
       std::memcpy(&s.type, &type, sizeof type);
       s.about(g.uniform(-1, 1), g.uniform(-1, 1), g.below(8) ? 1 : odd_number(g));
       if (g.below(8) == 0) s.placement[g.below(12)] = odd_number(g);

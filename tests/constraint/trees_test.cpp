@@ -89,7 +89,7 @@ TEST(ConstrainedTrees, AgainstExtendedPrecision) {
 
 TEST(ConstrainedTrees, DerivativesAreThoseOfDifferences) {
   int checked = 0, mimics = 0;
-  for (int seed = 1; seed <= 60; ++seed) {
+  for (int seed = 1; seed <= 60 || (seed <= 600 && (checked <= 15 || mimics <= 3)); ++seed) {
     SCOPED_TRACE(testing::Message() << "tree " << seed);
     TreeOptions options;
     options.joints = 2 + seed % 9, options.mimic = 0.3, options.massless = 0;
