@@ -40,10 +40,11 @@ void Island::solve_to_default(dynContactReport& report) {
     report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
   }
   w.limit.expect(solver::TimeLimit::Unit::Segments, rows);
-  if (report.residual > tuning::island::fine && report.residual <= far_guess && !w.time_is_up() && ordered()) {
+  const double fine = wanted(report.residual, tuning::island::fine);
+  if (report.residual > fine && report.residual <= far_guess && !w.time_is_up() && ordered()) {
     const double wanted = tolerance;
     const bool is_near = report.residual <= near_guess;
-    tolerance = std::min(tolerance, tuning::island::fine);
+    tolerance = std::min(tolerance, fine);
     Newton method(*this);
     if (!method.run(is_near ? near_steps : far_steps, is_near ? 1 : tuning::newton::far_share, wanted, report))
       method.write_best(report);

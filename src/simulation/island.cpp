@@ -140,6 +140,20 @@ void Island::fill() {
   if (bounces) tolerance = enough = std::min(tolerance, tuning::island::settled);
 }
 
+// Impulses that stopped small motion in the step before are wrong once the bodies stand: accepted as a guess, they would set them
+// in motion again, to be stopped in the next step, and so on.
+double Island::wanted(double residual, double usual) const {
+  using namespace tuning::island;
+  if (!(residual <= usual && residual > standing_residual)) return usual;
+  double fast = 0;
+  for (Index k = 0; k < constraint_count; ++k)
+    for (Index n = 0; n < constraint(k).s->support_count; ++n) {
+      const Index dof = constraint(k).support[n];
+      fast = std::max(fast, std::abs(v_before[dof]) * (is_length(m, dof) ? 1 : w.length));
+    }
+  return fast < standing * residual * fastest ? gain * residual : usual;
+}
+
 // Leaves out rows of equalities that are redundant but for a misalignment, which would lock the mechanism.
 void Island::drop_redundant() {
   Index count = 0;

@@ -44,6 +44,7 @@ struct Island {
   // island.cpp: numbers rows, fills vectors
   void assign_rows();
   void fill();
+  double wanted(double residual, double usual) const;  // residual with which the solve from a guess of `residual` ends
   void drop_redundant();
   void keep_all();
 

@@ -144,6 +144,7 @@ void Island::solve_exactly(dynContactReport& report) {
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
+  const double asked = tolerance;
   if (bounces && large()) {
     solve_restitution(report);
   } else if (uses_gauss_seidel_only()) {
@@ -153,7 +154,7 @@ void Island::impulses(dynContactReport& report) {
   } else if (accept_guess(report)) {
     if (relax(report, tolerance)) residual();
   } else {
-    if (w.time_is_up() || bounces || !sparse() || !newton(report, false)) solve_exactly(report);
+    if (w.time_is_up() || bounces || !sparse() || !(newton(report, false) || report.residual <= asked)) solve_exactly(report);
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses
   }

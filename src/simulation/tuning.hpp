@@ -62,6 +62,8 @@ inline constexpr Index few_iterations = 20;     // of the dense matrix's first t
 inline constexpr int rounds = 3;                // of method_iterations for all methods together: three tries by the dense matrix
 inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt, with an accuracy
 inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default
+inline constexpr double standing = 0.01;        // of the residual as a speed: slower bodies stand while their impulses do not fit
+inline constexpr double standing_residual = 1e-12, gain = 0.1;  // below, it may be rounding; of the residual, that ends the solve
 inline constexpr double settled = 1e-8;         // residual of slow islands that may sleep, and of impacts, which may gain energy
 inline constexpr double slack = 0.05;           // of g h^2, what gravity closes in a step: gap that pressed contacts keep
 inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations

@@ -34,6 +34,16 @@ TEST(Rest, BoxBearsItsWeightWithoutFriction) {
   }
 }
 
+// Once it rests, the impulses of the step before hold it: hundreds of steps go by between solves. It swung at the size of the
+// tolerance before, and was solved in every second step.
+TEST(Rest, TallBoxIsSeldomSolved) {
+  Simulation play(Scene().ground().box("box", 0.1, {0.02, 0.08, 0.2}, material(1)).finish(), 2e-3);
+  play.place({{0, 0, 0.1}});
+  int iterations = 0;
+  for (int k = 0; k < 3000; ++k) play.steps(1), iterations += play.report().iterations;
+  EXPECT_LT(iterations, 100);
+}
+
 // Boxes that fall turned on one another: friction forces of 5 N were locked between them.
 TEST(Rest, StackLocksNoFriction) {
   Scene scene;
