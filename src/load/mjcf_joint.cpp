@@ -68,7 +68,8 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   MjcfJoint joint;
   const char* given = e.Attribute("name");
   joint.spec.name = context.name(given ? given : "");
-  const std::string owner = joint.spec.name.empty() ? body.place.owner + ": a joint" : "joint " + load::in_quotes(joint.spec.name);
+  const std::string owner =
+      joint.spec.name.empty() ? body.place.owner + ": a joint" : "joint " + load::in_quotes(joint.spec.name);
   const Reader reader = file.source.reader(e, owner);
   joint.place = {&file.source.report(e), line(e), owner};
   if (context.body == 0) reader.fail(DYN_ERROR_INVALID, e, "the world has no joints: put it into a <body>");

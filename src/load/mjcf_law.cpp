@@ -31,7 +31,9 @@ struct Parameters {
 
 }  // namespace
 
-bool is_actuator(const Element& e) { return std::find(std::begin(law_kinds), std::end(law_kinds), e.Name()) != std::end(law_kinds); }
+bool is_actuator(const Element& e) {
+  return std::find(std::begin(law_kinds), std::end(law_kinds), e.Name()) != std::end(law_kinds);
+}
 
 void as_general(const Reader& reader, Element& e) {
   const std::string_view kind = e.Name();

@@ -41,7 +41,8 @@ void MjcfSource::include(Element& e, std::vector<Element*>& out) {
     const std::string name = reader.name(e, "file");
     reader.unread(e, {"file"}, {});
     if (!names_.insert(name).second)
-      reader.fail(DYN_ERROR_INVALID, e, "file " + load::in_quotes(name) + " is included a second time: a file can be included once");
+      reader.fail(DYN_ERROR_INVALID, e,
+                  "file " + load::in_quotes(name) + " is included a second time: a file can be included once");
     if (files_.size() >= max_files) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_files) + " files");
     const std::string file = path(e, name).string();
     if (!std::filesystem::exists(file))
@@ -78,7 +79,8 @@ Element& MjcfSource::open_model(const Element& e, const std::string& name) {
     reader.fail(DYN_ERROR_INVALID, e, "the model " + load::in_quotes(file) + " attaches itself");
   if (files_.size() >= max_files || opening_.size() >= max_models)
     reader.fail(DYN_ERROR_LIMIT, e, "too many models within models");
-  if (!std::filesystem::exists(file)) reader.fail(DYN_ERROR_FILE, e, "the model file " + load::in_quotes(file) + " does not exist");
+  if (!std::filesystem::exists(file))
+    reader.fail(DYN_ERROR_FILE, e, "the model file " + load::in_quotes(file) + " does not exist");
   opening_.push_back(file);
   Element& root = open(read_file(file, "an MJCF file"), file);
   if (std::string_view(root.Name()) != "mujoco")

@@ -56,7 +56,8 @@ void list_unused(const Element& root, const SrdfContext& context) {
       check_references(*e, owner, context);
     } else if (kind == "passive_joint" || kind == "joint_property") {
       const char* joint = kind == "passive_joint" ? e->Attribute("name") : e->Attribute("joint_name");
-      context.report.info(line(*e), kind + (joint ? " " + in_quotes(joint) : "") + ": not used: forces on joints are the caller's");
+      context.report.info(line(*e),
+                          kind + (joint ? " " + in_quotes(joint) : "") + ": not used: forces on joints are the caller's");
       if (joint && !is_virtual(root, joint)) known_joint(*e, joint, kind, context);
     } else if (kind == "rotor_params") {
       context.report.physics(line(*e), "<rotor_params>: the rotors' inertias are not used");

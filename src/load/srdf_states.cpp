@@ -95,7 +95,8 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
       in.reader.fail(DYN_ERROR_NAME, *e, "its name is not UTF-8, or has a control character in it: rename it");
     for (const Element* j = first(*e, "joint"); j; j = next(*j, "joint")) in.joint(*j, s);
     if (!taken.insert(s.name).second) {
-      context.report.physics(line(*e), in.reader.owner + " of group " + in_quotes(group) + " occurs twice: the first one is used");
+      context.report.physics(line(*e),
+                             in.reader.owner + " of group " + in_quotes(group) + " occurs twice: the first one is used");
       continue;
     }
     out.push_back(std::move(s));

@@ -54,9 +54,9 @@ void report_foreign_block(const Element& e, Report& report) {
 void check_name(const char* kind, const std::string& name, int at_line, Report& report) {
   const std::string label = kind + std::string(" ");
   if (printable(name) != name)
-    report.fail(
-        DYN_ERROR_NAME, at_line,
-        label + "name " + in_quotes(name) + " is not UTF-8, or has a control character in it: rename it, or save the file as UTF-8");
+    report.fail(DYN_ERROR_NAME, at_line,
+                label + "name " + in_quotes(name) +
+                    " is not UTF-8, or has a control character in it: rename it, or save the file as UTF-8");
   if (name == "universe")
     report.fail(DYN_ERROR_NAME, at_line, label + "'universe': this is the name of the world itself: rename it");
 }

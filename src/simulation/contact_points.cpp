@@ -178,8 +178,8 @@ struct Search {
     collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
-    w.time_to_pass = std::min(w.time_to_pass, (gap > search::near * smaller ? std::max(gap, search::min_pass * smaller) : smaller) /
-                                                  (w.speeds[ia] + w.speeds[ib]));
+    const double way = gap > search::near * smaller ? std::max(gap, search::min_pass * smaller) : smaller;
+    w.time_to_pass = std::min(w.time_to_pass, way / (w.speeds[ia] + w.speeds[ib]));
     if (gap > search::touching * smaller && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];

@@ -63,7 +63,8 @@ void implicit_springs(const Model& m, const Data<T>& d, T h, Springs which, F&& 
 
 // d.armature = armature plus the implicit terms of a step of h. The same bits in every call.
 template <class T, class Part>
-[[gnu::noinline]] void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs, const Part& part) {
+[[gnu::noinline]] void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
+                                             const Part& part) {
   implicit_armature(m, d, armature, h, part);
   implicit_springs(m, d, h, springs, [&](Index k, T stiffness) { d.armature[k] += h * h * stiffness; });
 }

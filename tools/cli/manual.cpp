@@ -121,7 +121,8 @@ std::string zsh(const CLI::App& app) {
       for (const std::string& name : names(*o)) {
         cases += " \\\n      '" + name + "[" + text + "]";
         if (!argument(*o).empty())
-          cases += ":value:" + (choices_of(*o).empty() ? std::string(takes_file(*o) ? "_files" : " ") : "(" + choices_of(*o) + ")");
+          cases += ":value:" +
+                   (choices_of(*o).empty() ? std::string(takes_file(*o) ? "_files" : " ") : "(" + choices_of(*o) + ")");
         cases += "'";
       }
     }
