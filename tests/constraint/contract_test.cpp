@@ -87,7 +87,7 @@ void check(Constraint c, int seed) {
 }
 
 constexpr int beyond = 100;  // any type
-#define DYN_COUNT(K) +1
+#define DYN_ONE_MORE(K) +1
 
 TEST(ConstraintContract, BetweenFrames) {
   int types = 0;
@@ -111,7 +111,7 @@ TEST(ConstraintContract, BetweenFrames) {
         EXPECT_EQ(11, closing);
       }
     });
-  EXPECT_EQ(0 DYN_FRAME_CONSTRAINTS(DYN_COUNT), types);
+  EXPECT_EQ(0 DYN_FRAME_CONSTRAINTS(DYN_ONE_MORE), types);
 }
 
 TEST(ConstraintContract, BetweenJoints) {
@@ -136,7 +136,7 @@ TEST(ConstraintContract, BetweenJoints) {
       EXPECT_NEAR((error(q1, q2 + h) + error(q1, q2 - h) - 2 * error(q1, q2)) / (h * h), row.curvature, 1e-5);
       EXPECT_EQ(1, K::rows(c));
     });
-  EXPECT_EQ(0 DYN_JOINT_CONSTRAINTS(DYN_COUNT), types);
+  EXPECT_EQ(0 DYN_JOINT_CONSTRAINTS(DYN_ONE_MORE), types);
 }
 
 }  // namespace
