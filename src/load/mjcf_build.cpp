@@ -128,7 +128,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
         builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind),
         builder.stepping(robot.timestep, robot.integrator, robot.effects);
   });
-  mark_mjcf_pairs(robot), limit_mjcf_actuators(robot);
+  mark_mjcf_pairs(robot), report_mjcf_priorities(robot), limit_mjcf_actuators(robot);
   add_mechanism(builder, robot, masses);
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)

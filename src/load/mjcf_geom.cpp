@@ -1,6 +1,7 @@
 // <geom>: collision shapes, visual shapes, and their masses.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "mjcf_robot.hpp"
 #include "shape_form.hpp"
@@ -75,7 +76,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
                     "xyaxes",   "zaxis",  "hfield",  "mesh",    "fitscale",    "user",  "friction",  "condim",
                     "priority", "solmix", "solref",  "solimp",  "margin",      "gap",   "surfacevel"},
                 {"plugin"});
-  count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap"});
+  count_unused(reader, e, "geom", {"solmix", "solref", "solimp", "margin", "gap"});
   const std::optional<ShapeForm> type = type_of(reader, e);
   if (!type) return geom.place.physics("a geom of type sdf is not used");
 
@@ -84,6 +85,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_SHAPE_ROLE_VISUAL : DYN_SHAPE_ROLE_COLLISION;
   geom.shape.material = material_of(reader, e), geom.shape.colour = file.assets.colour(e);
   geom.group = int(reader.optional_number(e, "group").value_or(0));
+  geom.priority = int(reader.optional_number(e, "priority").value_or(0));
   geom.mass = reader.optional_number(e, "mass");
   geom.density = reader.optional_number(e, "density").value_or(1000);
   if (geom.mass.value_or(0) < 0) reader.bad_numbers(e, "mass", "it is negative");
@@ -129,6 +131,28 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.X = context.X * geom.X;
   if (file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0) return;
   body.geoms.push_back(std::move(geom));
+}
+
+// In MuJoCo the geom of the higher priority decides the friction, here the larger one.
+void report_mjcf_priorities(const MjcfRobot& robot) {
+  std::map<int, std::vector<const MjcfGeom*>> by_priority;
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfGeom& g : b.geoms)
+      if (g.shape.role == DYN_SHAPE_ROLE_COLLISION) by_priority[g.priority].push_back(&g);
+  dynMaterial lower{};  // the largest coefficients of lower priorities
+  const MjcfGeom* first = nullptr;
+  int count = 0;
+  for (const auto& [priority, geoms] : by_priority) {
+    for (const MjcfGeom* g : geoms) {
+      const dynMaterial& x = g->shape.material;
+      if (x.friction >= lower.friction && x.torsion >= lower.torsion && x.rolling >= lower.rolling) continue;
+      first = first ? first : g, ++count;
+    }
+    for (const MjcfGeom* g : geoms) lower = shape::combined(lower, g->shape.material);
+  }
+  if (first)
+    first->place.physics("priority is not used: " + std::to_string(count) +
+                         " geoms have less friction than some of lower priority, and the larger counts");
 }
 
 }  // namespace dyn::load

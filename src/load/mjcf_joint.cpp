@@ -84,6 +84,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
                  "range",
                  "actuatorfrclimited",
                  "actuatorfrcrange",
+                 "actuatorgravcomp",
                  "stiffness",
                  "springref",
                  "ref",
@@ -136,8 +137,12 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
     if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
     else limit_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
   }
-  if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar)
+  // compensation by the actuator moves as a passive one, but for its limit
+  const bool compensates = read_switch(reader, e, "actuatorgravcomp", false).value_or(false);
+  if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar) {
     joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
+    if (compensates) joint.place.physics("actuatorgravcomp: the compensation of gravity is not limited by actuatorfrcrange");
+  }
   spec.armature.assign(nv, coefficient(reader, e, "armature"));
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && spec.armature[0] != 0)
     joint.place.physics(

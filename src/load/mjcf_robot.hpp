@@ -55,7 +55,7 @@ struct MjcfGeom {
   SE3<double> X;  // in the body's frame
   double density = 1000;
   std::optional<double> mass;
-  int group = 0;
+  int group = 0, priority = 0;
   std::shared_ptr<const meshes::Mesh> mesh;  // set if the mesh was read
   std::string rule;                          // how a mesh gets its mass: legacy (also ""), exact, convex, shell
 };
@@ -212,6 +212,7 @@ void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_joint.cpp, mjcf_geom.cpp
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context);
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
+void report_mjcf_priorities(const MjcfRobot& robot);
 // mjcf_mass.cpp
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner);
 std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot);

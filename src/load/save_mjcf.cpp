@@ -221,6 +221,8 @@ void MjcfWriter::add_moving(Index first) {
     at = &body, X = Pose::identity();
     begin = end;
   }
+  if (main >= 0 && mass_of(m, on[size_t(last)]) == 0)
+    losses.note("moving bodies have no mass, and MuJoCo refuses such", frame_name(main));
   for (const Index j : group) attachments[size_t(j)] = {at, in_joint};
   add_content(last, main);
 }

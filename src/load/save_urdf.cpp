@@ -159,6 +159,7 @@ void UrdfWriter::add_moving(Index j) {
     parent = child, X = SE3<double>::identity();
   }
   if (main[size_t(j)] < 0) losses.note("links without mass were added", main_name[size_t(j)]);
+  else if (mass_of(m, on[size_t(j)]) == 0) losses.note("moving links have no mass", main_name[size_t(j)]);
 }
 
 void UrdfWriter::add_fixed(Index f, std::set<Index>& done) {

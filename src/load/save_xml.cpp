@@ -114,4 +114,11 @@ std::vector<std::vector<Index>> frames_by_joint(const Model& m) {
   return out;
 }
 
+double mass_of(const Model& m, const std::vector<Index>& frames) {
+  double sum = 0;
+  for (const Index f : frames)
+    if (const Index link = m.frames()[f].link; link >= 0) sum += m.links()[link].mass;
+  return sum;
+}
+
 }  // namespace dyn::load

@@ -98,5 +98,7 @@ std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R);
 bool is_default(const dynMaterial& material, bool with_friction);
 // Frames of each joint, in order. The world's do not include the universe.
 std::vector<std::vector<Index>> frames_by_joint(const Model& m);
+// Of the links among these frames.
+double mass_of(const Model& m, const std::vector<Index>& frames);
 
 }  // namespace dyn::load

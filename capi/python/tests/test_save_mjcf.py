@@ -114,6 +114,18 @@ def test_mujoco_reads_what_is_written_as_what_was_read(tmp_path):
     assert b.time == a.time and two.opt.integrator == one.opt.integrator
 
 
+@pytest.mark.parametrize("file, says", [("m.xml", "moving bodies have no mass, and MuJoCo refuses such"),
+                                        ("m.urdf", "moving links have no mass")])  # yapf: disable
+def test_moving_links_without_mass_are_named(tmp_path, file, says):
+    b = dyn.Builder("arm")
+    links = ((None, "shoulder", (0, 1, 0), "upper", 0.0), ("upper", "elbow", (0, 0, 1), "lower", 1.0))
+    for parent, joint, axis, body, mass in links:
+        b.add_joint(joint, "revolute", parent, axis=axis)
+        b.add_body(body, joint, mass=mass, inertia=mass * np.eye(3))
+    report = b.finish().save(tmp_path / file)
+    assert [e.message for e in report if "mass" in e.message] == [f"{says}: 'upper'"]
+
+
 def package(name, inner=""):
     spec = importlib.util.find_spec(name)
     return Path(spec.origin).parent / inner if spec and spec.origin else None
