@@ -109,7 +109,7 @@ struct ContactOptions {
 void add_contact_options(CLI::App& command, ContactOptions& options);
 int contact_count(const ContactOptions& options);
 void set_contacts(const Robot& robot, const Data& data, const ContactOptions& options);
-// What is said of rows that are redundant but for a misalignment, and of a mechanism that one locks. By default at q.
+// What is said of rows that are redundant but for a misalignment, and of a mechanism that one locks. At q: of an open loop, too.
 std::vector<std::string> misalignment_notes(const Robot& robot, const dynConstraintReport& report);
 std::vector<std::string> misalignment_notes(const Robot& robot, const double* q);
 // Constrained acceleration or forces; the Delassus matrix; C or J of the constraints.

@@ -100,7 +100,12 @@ std::vector<std::string> misalignment_notes(const Robot& robot, const double* q)
   dynConstraintReport report{};
   report.struct_size = sizeof report;
   check(dyn_constraint_report(robot, data, q, &report, nullptr, 0));
-  return misalignment_notes(robot, report);
+  std::vector<std::string> notes = misalignment_notes(robot, report);
+  constexpr double open = 1e-3;  // above what misalignments are tolerated for
+  if (report.error > open)
+    notes.push_back("constraints are violated by up to " + short_number(report.error, 3) +
+                    " m or rad where it starts: steps close them where a motion can; dyn check --json has a q that satisfies them");
+  return notes;
 }
 
 namespace {

@@ -158,3 +158,13 @@ def test_a_file_runs_as_it_states_its_effects_step_and_beginning(tmp_path, flags
     assert (every["q"] == found["q"]) == (flags == "" or (flags.startswith("<flag act") and key is None))
     off = {w.split(":")[0] for w in found["warnings"] if "switched off" in w}
     assert off == {"": set(), "<flag f": {"friction"}, "<flag d": {"damping", "limits"}, "<flag a": {"actuators"}}[flags[:7]]
+
+
+def test_sim_says_that_a_loop_is_open():
+    """A four-bar whose rocker ends 1.2 m beside its pin at q = 0, and as `dyn check` closes it."""
+    file = ROBOTS.parent / "mechanisms" / "four_bar.urdf"
+    words = "sim", file, "--fixed", "--duration", "0.01"
+    said = [w for w in answer(*words)["warnings"] if "violated" in w]
+    assert len(said) == 1 and "1.2 m" in said[0] and "dyn check" in said[0]
+    q = answer("check", file, "--fixed")["q"]
+    assert not any("violated" in w for w in answer(*words, "--q", ",".join(map(repr, q)))["warnings"])
