@@ -15,8 +15,7 @@ inline constexpr int first_gain = 4;                  // which bounds the first 
 inline constexpr int ulps = 4;                        // units in the last place that a step adds to the state
 inline constexpr double min_size = 1e-3;              // of the state, for its rounding
 inline constexpr int motion_share = 256;              // of the state's rounding: floor of the error of one step
-inline constexpr double max_noise = 1e-7;             // per second: more is not rounding
-inline constexpr int noise_share = 4;                 // of the accuracy that noise may take
+inline constexpr double max_noise = 1e-7;             // per second: more is not rounding, unless the accuracy allows it
 inline constexpr double shortest_step = 1e-13;        // of the duration: shorter ones are refused, or join the last step
 
 inline constexpr int reference_steps = 100000;        // within one step of `reference`: what is too stiff is refused
@@ -39,7 +38,8 @@ inline constexpr double closed_rounding = 256;        // or of the rounding of t
 inline constexpr double deep = 100;                   // of the closed gap: deeper overlap is pushed out in steps of first_step
 inline constexpr double first_step = 1e-3;            // s, first step with contacts, at accuracy 1 / accuracy_scale
 inline constexpr double accuracy_scale = 1e3;         // per unit of accuracy
-inline constexpr double smallest_share = 1e-3, smallest = 1e-12;  // of accuracy and duration: shortest step with rows
+inline constexpr double smallest_share = 1e-3;        // of accuracy and duration (up to 1 s): shortest step with rows,
+inline constexpr double smallest = 10 * shortest_step;  // or of the duration: time still tells such steps apart
 inline constexpr double arrival = 0.02;               // of the closed gap: steps to an event end this much behind it
 inline constexpr double closed_error = 0.2;           // of the closed gap: error that is allowed while rows act
 inline constexpr double solver_share = 0.01, solver_floor = 1e-14;  // of the closed gap over the speed: tolerance; its rounding

@@ -31,7 +31,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h))
     return joint;
   report.evaluations += 2;
-  const T max_noise = std::max(accuracy / (tuning::noise_share * duration), T(tuning::max_noise));
+  const T max_noise = std::max(accuracy / T(tuning::growth * duration), T(tuning::max_noise));
   RoundingFloor<T> rounding{active_rows(m, d) > 0, max_noise};
   StepSizeController<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0),
                                    T(rounding.held ? tuning::max_factor_rows : tuning::max_factor)};
@@ -115,7 +115,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   const double deep =
       tuning::deep * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
   // with active rows: below it errors no longer fall
-  const double smallest = std::max(tuning::smallest_share * std::min(accuracy, 1.0), tuning::smallest) * std::min(duration, 1.0);
+  const double smallest =
+      std::max(tuning::smallest_share * std::min(accuracy, 1.0) * std::min(duration, 1.0), tuning::smallest * duration);
   const double first = tuning::first_step * std::max(1.0, std::cbrt(tuning::accuracy_scale * accuracy));  // of order 3
   double h = std::min(duration, first), t = 0;
   while (t < duration) {
@@ -268,7 +269,7 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
   using simulation::tuning::guard::part_share, simulation::tuning::guard::halvings;
   const bool first_order = integrator == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || integrator == DYN_INTEGRATOR_IMPLICIT_FAST ||
                            d.step->constraint_count > 0;
-  const double share = first_order ? simulation::tuning::guard::share : high_order_share;
+  const double share = first_order ? simulation::tuning::guard::share : simulation::tuning::guard::high_order_share;
   Workspace& w = *d.step;
   const auto swap_states = [&] {
     double* const kept = const_cast<double*>(start);

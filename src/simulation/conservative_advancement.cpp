@@ -40,7 +40,7 @@ void update_advancement_cache(const Model& m, Data<double>& d, const double* v, 
   AdvancementCache& c = d.step->advancement_cache;
   c.square = 0;
   if (!c.enabled || !(min_distance > 0)) return;
-  min_distance = std::min(min_distance, max_lever);  // levers may grow by as much
+  if (!(min_distance < shape::infinity)) min_distance = d.step->length;  // limits alone: any unit
   std::fill_n(c.lever, m.n.nv, 0.0);
   for (Index k = 0; m.n.contacts > 0 && k < d.step->geom_count; ++k) {
     const Index geom = d.step->geoms[k];
@@ -55,7 +55,7 @@ void update_advancement_cache(const Model& m, Data<double>& d, const double* v, 
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
     const double gap = std::min(d.q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - d.q[r.q]) -
-                       tuning::limit_margin * margin * unit_of(m, *d.step, r);
+                       tuning::limit_margin * unit_of(m, *d.step, r);
     if (!(gap > 0)) return;
     c.lever[r.dof] = std::max(c.lever[r.dof], min_distance / gap);
   }

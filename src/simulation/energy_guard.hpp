@@ -12,10 +12,6 @@
 
 namespace dyn::simulation {
 
-// The share for methods of order 2 and more, whose error is far smaller: a larger gain is an oscillation that they do not
-// resolve.
-inline constexpr double high_order_share = 1e-3;
-
 struct StepEnergy {
   double kinetic, gravity, springs, actuators;  // J
   double falling, driving;  // W, positive power of gravity by bodies, of actuators one by one

@@ -104,7 +104,7 @@ DYN_INLINE LanePoses poses_of(const double* q, const FreeBodySet& e) {
   const Vec3<Double4> p = first3(x);
   Quaternion<Double4> a = {first3(x + 3), x[6]};
   Double4 square = dot(a.v, a.v) + a.w * a.w;
-  if (const Double4::Mask bad = ~((square > tuning::min_norm2) & (square < tuning::max_norm2)); any(bad)) [[unlikely]]
+  if (const Double4::Mask bad = ~((square > tuning::min_norm2) & (square < 1 / tuning::min_norm2)); any(bad)) [[unlikely]]
     a = no_overflow_lanes(a, bad), square = dot(a.v, a.v) + a.w * a.w;
   return {p, a, rotation(a, Double4(2.0) / square)};
 }

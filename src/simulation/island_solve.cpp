@@ -181,7 +181,7 @@ void Island::solve_displacement() {
   dynContactProblem p = problem(*this);
   p.compliance = compliance;
   solver::Budget b;
-  b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.method_iterations(), b.brief = true,
+  b.tolerance = softness, b.max_iterations = w.method_iterations(), b.brief = true,
   b.limit = &w.limit;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);

@@ -2,6 +2,8 @@
 // "length" the model's length scale.
 #pragma once
 
+#include <limits>
+
 #include "base/types.hpp"
 
 namespace dyn::simulation::tuning {
@@ -19,7 +21,7 @@ inline constexpr double free_closing = 10;     // of the island's largest rate: 
 // Contact search (contact_points.cpp).
 namespace search {
 inline constexpr double near = 0.02;            // of the radius: nearer shapes are always tested
-inline constexpr double box = 0.01;             // of the radius: `near` of each shape's box; half, so that two boxes cover it
+inline constexpr double box = near / 2;         // the same of each shape's box: two boxes cover it
 inline constexpr double speed_margin = 1.5;     // of the motion in the step: impulses may speed shapes up
 inline constexpr double same_normal = 0.9;      // cosine: below it the contact turned within the step
 inline constexpr double graze = 0.05;           // of the relative motion in the step: deeper overlap at its end is a hit
@@ -37,22 +39,21 @@ inline constexpr double fall = 1e-6;            // of g h^2: far below what grav
 // Conservative advancement cache (conservative_advancement.cpp).
 namespace advancement {
 inline constexpr double min_steps_saved = 4;    // the search must save this many steps to be worth its levers
-inline constexpr double max_lever = 1e3;        // m by which levers may grow: no distance counts as larger
-inline constexpr double margin = 1.01;          // of limit_margin: rounding of the bound
 }  // namespace advancement
 
 // Contacts whose normal nothing moves (contact_rows.cpp).
 inline constexpr double immovable_normal = 1e-16;  // of the largest translation's own G: less is rounding
 
 // Batched free bodies (free_bodies.cpp).
-inline constexpr double min_norm2 = 1e-60, max_norm2 = 1e60;  // of quaternions whose products keep all digits
+// least squared norm of quaternions whose products keep all digits: those of smaller ones underflow, of 1 / min_norm2 overflow
+inline constexpr double min_norm2 = std::numeric_limits<double>::min();
 
 // Islands (island.cpp, solve_constraints.cpp, workspace.hpp).
 namespace island {
 inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster approach rebounds however long the step
 inline constexpr double correction = 0.5;       // of the position error that a step removes
-inline constexpr double correction_tolerance = 1e-6;  // of its displacement: the next steps correct the rest
-inline constexpr double correction_softness = 1e-6;  // of a row's own G: bounds displacements of contradictory rows
+// of a row's own G: bounds displacements of contradictory rows; and of the displacement, the solver's tolerance
+inline constexpr double correction_softness = 1e-6;
 inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps can reduce to the tolerance
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
@@ -145,6 +146,7 @@ inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half 
 namespace guard {
 inline constexpr double motion = 0.1;           // rad, or of the length, in a step: slower motion gains little by explicit terms
 inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: order 1 errs by about motion^2
+inline constexpr double high_order_share = 1e-3;  // the same by methods of order 2 and more: beyond, an oscillation is unresolved
 inline constexpr double part_share = 0.1;       // the same of all parts so far, and of the finest parts
 inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy

@@ -32,7 +32,8 @@ void admm(Workspace& w, Budget& b) {
   }
   // if both fail, the interior point method starts from smaller impulses
   double factor = 1;
-  for (Index steps = first_steps; steps < max_steps && !b.spent(); steps *= growth, factor *= tuning::interior::start_reduction)
+  for (Index steps = first_steps; factor > tuning::epsilon && !b.spent();
+       steps *= growth, factor *= tuning::interior::start_reduction)
     if (admm_iterations(w, b, steps) || interior(w, b, factor)) return;
 }
 

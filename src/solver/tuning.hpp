@@ -67,19 +67,19 @@ inline constexpr double penalty_growth = 3;          // of joint_rho
 // admm.cpp
 namespace admm {
 inline constexpr double newton_reduction = 0.3;  // of the error since the last Newton attempt, before the next
-inline constexpr Index first_steps = 10, max_steps = 10000, growth = 3;  // ADMM steps before the interior point method takes over
+inline constexpr Index first_steps = 10, growth = 3;  // ADMM steps before the interior point method takes over; then growth times
 }  // namespace admm
 
 // newton.cpp
 namespace newton {
 inline constexpr Index subproblem_steps = 20;  // Newton steps in one augmented Lagrangian subproblem
 inline constexpr int admm_steps = 10;          // between subproblems
-inline constexpr Index first_steps = 1, max_steps = 100, growth = 2;  // subproblems before interior points again
+inline constexpr Index first_steps = 1, growth = 2;  // subproblems before interior points again; then growth times
 }  // namespace newton
 
 // Interior point method (interior.cpp; simulation/interior.cpp).
 namespace interior {
-inline constexpr double start_reduction = 0.1;    // of the initial impulses, from one attempt to the next
+inline constexpr double start_reduction = 0.1;    // of the initial impulses, from one attempt to the next, down to rounding
 inline constexpr double box_proximal = 1e-14;     // of the unit diagonal: redundant boxes stay regular
 inline constexpr double to_boundary = 0.99;       // of the step length to the boundary (Mehrotra 1992)
 inline constexpr Index max_steps = 40;            // bound of one attempt

@@ -110,6 +110,23 @@ TEST(FreeBodies, MomentumIsKeptAtAnySpeed) {
     }
 }
 
+// Also where the squares of a quaternion underflow or overflow, or lose digits.
+TEST(FreeBodies, QuaternionsOfAnyNormTurnAlike) {
+  const auto after_step = [](double norm) {
+    Simulation run(Scene().free("body0", 1, {1e-3, 2e-3, 2.7e-3}, {0, 0.01, 0.02}).finish(), 0.1);
+    run.set({0, 0, 0, 0.5 * norm, -0.5 * norm, 0.1 * norm, 0.7 * norm}, {1, 2, 3, 1, 2, -1});
+    run.steps(1);
+    Numbers out(run.q, run.q + 7);
+    out.insert(out.end(), run.v, run.v + 6);
+    return out;
+  };
+  const Numbers unit = after_step(1);
+  for (const double norm : {1e-300, 1e-160, 5e-155, 1e-154, 1e-20, 1e20, 1e153, 1e154, 1e160, 1e300}) {
+    const Numbers x = after_step(norm);
+    for (std::size_t k = 0; k < x.size(); ++k) EXPECT_NEAR(unit[k], x[k], 3e-15) << norm << ", " << k;
+  }
+}
+
 TEST(FreeBodies, CostLessThanTheRecursion) {
   Tumbling a(false), b(true);
   a.run.steps(3), b.run.steps(3);

@@ -82,12 +82,34 @@ TEST(StepWork, OfOverlap) {
   }
 }
 
+// A ball that bounces for 20 s: time tells the shortest steps apart, and steps at impacts are as short.
+TEST(StepWork, OfFineAccuracyOverALongTime) {
+  for (const auto& [duration, steps] : {std::pair(1.0, 182), {20.0, 1878}}) {
+    Simulation run(Scene().shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0, 0.8))
+                       .sphere("ball", 1, 0.1, material(0.2, 0.8)).finish());
+    run.place({{0, 0, 0.3}});
+    const dynStepReport r = advanced(run, 1e-11, duration);
+    expect_about(steps, double(r.steps));
+    EXPECT_LT(r.smallest_dt, 3e-12 * duration);
+  }
+}
+
+// A ball rolls into another: gaps close as fast as they may, closed ones stay closed, and shapes that are about to pass each
+// other shorten the steps.
+TEST(StepWork, OfBallsThatMeet) {
+  Simulation run(Scene().shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5))
+                     .sphere("a", 1, 0.05, material(0.5)).sphere("b", 1, 0.05, material(0.5)).finish());
+  run.set({0, 0, 0.05, 0, 0, 0, 1, 0.15, 0, 0.05, 0, 0, 0, 1}, {1, 0.3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  const dynStepReport r = advanced(run, 1e-5, 0.3);
+  expect_about(167, double(r.steps)), expect_about(2172, double(r.iterations), 0.15);
+}
+
 // A rolling ball: the solver's tolerance follows the accuracy.
 TEST(StepWork, OfRolling) {
   const struct {
     double accuracy;
     int steps, iterations;
-  } cases[] = {{1e-3, 22, 73}, {1e-5, 38, 57}, {1e-8, 128, 87}, {1e-10, 363, 242}};
+  } cases[] = {{1e-3, 22, 73}, {1e-5, 38, 57}, {1e-8, 128, 87}, {1e-10, 363, 242}, {1e-12, 899, 472}};
   for (const auto& x : cases) {
     Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.2)).finish());
     run.set({0, 0, 0.1, 0, 0, 0, 1}, {1, 0, 0, 0, 0, 0});

@@ -69,6 +69,14 @@ TEST(TimeLimit, SlowUnitsAreForgotten) {
   EXPECT_GE(limit.step(10e-3, TimeLimit::Unit::Sweep, 100, 1e-3, 0), 5);
 }
 
+// One short unit does not hide that others are long: the next long one is not begun where it does not fit.
+TEST(TimeLimit, LongUnitsAreForeseenAfterAShortOne) {
+  Limit limit;
+  limit.step(1, TimeLimit::Unit::Sweep, 100, 4e-3, 0, 2);
+  for (const double each : {4e-3, 1e-3}) limit.step(1, TimeLimit::Unit::Sweep, 100, each, 0, 2);
+  EXPECT_EQ(0, limit.step(5e-3, TimeLimit::Unit::Sweep, 100, 4e-3, 0));  // 3 ms are left
+}
+
 // Once a sweep does not fit, the rest of the step makes none, however small: islands not begun get one each.
 TEST(TimeLimit, StaysUp) {
   Limit limit;

@@ -1,0 +1,64 @@
+// What bodies cost that come to rest or stand: iterations and residuals of many steps.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+// Cubes of 0.1 m, one on the other, that do not fall asleep.
+struct Tower : Simulation {
+  explicit Tower(const Numbers& masses, double dt, double tolerance = 0) : Simulation(model(masses), dt) {
+    EXPECT_EQ(DYN_OK, dyn_data_set_effects(m, d, 0, DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING));
+    options.tolerance = tolerance;
+    EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
+    for (std::size_t k = 0; k < masses.size(); ++k) at.insert(at.end(), {0, 0, 0.05 + 0.1 * double(k), 0, 0, 0, 1});
+  }
+  static Model model(const Numbers& masses) {
+    Scene scene;
+    scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5));
+    for (std::size_t k = 0; k < masses.size(); ++k)
+      scene.box(("box" + std::to_string(k)).c_str(), masses[k], {0.1, 0.1, 0.1}, material(0.5));
+    return scene.finish();
+  }
+  // Iterations of n steps.
+  int work(int n, const Numbers& velocity = {}) {
+    set(at, velocity);
+    int sum = 0;
+    for (int k = 0; k < n; ++k) steps(1), sum += report().iterations, unsolved += int(report().unsolved);
+    return sum;
+  }
+  Numbers at;
+  int unsolved = 0;
+};
+
+// Stress of redundant contacts is removed every 64 steps: then the guess solves the others, from which it else would drift.
+TEST(RestWork, AStandingTowerCostsAnIterationInFewSteps) {
+  Tower tower(Numbers(10, 1.0), 1e-3, 1e-8);
+  EXPECT_LT(tower.work(300), 150);
+  EXPECT_EQ(0, tower.unsolved);
+}
+
+// Small islands are solved to the fine residual, also where the default of 1e-4 would do: a try of the dense matrix is enough.
+TEST(RestWork, ASlidingBoxIsSolvedToTheFineResidual) {
+  Tower box({1}, 1e-2);
+  EXPECT_LT(box.work(300, {0.3, -0.2, 0, 0.5, -0.4, 0.6}), 160);
+  EXPECT_LE(box.residual, 1e-9);
+}
+
+// Newton's method goes on while it reduces the residual.
+TEST(RestWork, TwoSlidingBoxesAreSolvedToTheFineResidual) {
+  Tower boxes({1, 1}, 1e-3);
+  boxes.work(300, {0.3, -0.2, 0, 0.5, -0.4, 0.6, -0.2, 0.1, 0, 0.3, 0.2, -0.5});
+  EXPECT_LE(boxes.residual, 1e-9);
+}
+
+// A method that gets nowhere leaves iterations to others.
+TEST(RestWork, HeavyBoxesOnLightOnesAreSolvedInNearlyEveryStep) {
+  Tower tower({1, 10, 100, 1, 10, 100}, 1e-3, 1e-8);
+  Numbers pushed;
+  for (int k = 0; k < 36; ++k) pushed.push_back(0.05 * std::sin(1 + 3 * k));
+  EXPECT_LT(tower.work(100, pushed), 6000);
+  EXPECT_LE(tower.unsolved, 3);
+}
+
+}  // namespace
+}  // namespace dyn_test
