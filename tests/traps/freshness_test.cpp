@@ -61,6 +61,12 @@ bool of_the_state(const std::string& field) {
              field) > 0;
 }
 
+// Fields whose call reads no q, as the power of given forces.
+bool is_without_q(const std::string& field) {
+  return std::any_of(std::begin(call_rows), std::end(call_rows),
+                     [&](const CallRow& row) { return row.name == "dyn_" + field && !(row.uses & uses_q); });
+}
+
 // Changing q makes every pose stale until it is computed again.
 TEST(Traps, ChangingQInvalidatesPlacements) {
   for (const Model& m : models()) {
@@ -69,7 +75,7 @@ TEST(Traps, ChangingQInvalidatesPlacements) {
     compute_all(m, d, s);
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, t.q.data(), nullptr, nullptr, nullptr));
     for (const auto& row : Snapshot(m, d).rows) {
-      if (of_the_state(row.name)) continue;
+      if (of_the_state(row.name) || is_without_q(row.name)) continue;
       EXPECT_EQ(DYN_ERROR_STALE, row.status) << row.name;
     }
     double X[12];

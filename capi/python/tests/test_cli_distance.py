@@ -23,8 +23,8 @@ def test_distance(go2):
 
 
 def test_distance_sweep(arm_file):
-    found = answer("distance", GO2, "--floating", "--sweep", "--samples", "3")
-    assert found["reference"] == 1e-15 and found["states"] == 4
+    found = answer("distance", GO2, "--floating", "--sweep", "--samples", "20")
+    assert found["reference"] == 1e-15 and found["states"] == 21
     rows = found["sweep"]
     kinds = list(dict.fromkeys(r["kind"] for r in rows))
     assert kinds[-1] == "all" and {"box-cylinder", "cylinder-cylinder"} <= set(kinds)
