@@ -90,3 +90,48 @@ def test_deep_overlaps_open_at_a_bounded_speed(dt):
         before = d.q.copy()
     assert d.q[9] - d.q[2] > 0.1
     assert abs(d.v).max() <= 9.81 * 20 * dt + 1e-6
+
+
+def arms(height=0.0, gravity=0.0):
+    """Two rods that turn in a horizontal plane: gravity does no work."""
+    b = dyn.Builder("arms")
+    b.set_gravity((0, 0, -gravity))
+    for k, place in enumerate(((0, 0, height), (1.0, 0, 0))):
+        b.add_joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, place, axis=(0, 0, 1))
+        b.add_body(f"rod{k}", f"j{k}", mass=1.0, com=(0.5, 0, 0), inertia=np.diag([0.01, 0.09, 0.09]))
+    return b.finish().data(dyn.Part.ALL)
+
+
+def step_of(d, turned, bend):
+    """Returns what a step gains over the kinetic energy, and how often it is repeated; None if it is refused. turned: rad."""
+    d.q, d.v = [0.0, bend], [turned / 1.7e-2, -turned / 1e-2]
+    before = d.energy().kinetic
+    try:
+        d.step()
+    except dyn.NumericError:
+        return None
+    return d.energy().kinetic / before - 1, d.step_report.rejected
+
+
+@pytest.mark.parametrize("integrator, fastest, gain", (("semi_implicit_euler", 20, 0.02), ("rk4", 10, 1e-3)))
+def test_steps_gain_little_and_are_not_repeated_for_less(integrator, fastest, gain):
+    """A step of order 1 may gain 2 %, of higher order a thousandth. Others are repeated in parts; what turns too far fails."""
+    d = arms()
+    d.set_step_options(integrator, 1e-2)
+    steps = [step_of(d, turned, bend) for turned in np.geomspace(0.02, fastest, 40) for bend in np.linspace(0.3, 2.8, 6)]
+    once = max(s[0] for s in steps if s and s[1] == 0)
+    assert 0.4 * gain < once < 1.5 * gain
+    if integrator == "rk4":
+        return
+    assert 0.03 < max(s[0] for s in steps if s and s[1] > 0) < 0.2
+    refused = sum(s is None for s in steps)
+    assert 15 < refused < 35
+
+
+def test_gains_within_the_rounding_of_a_potential_are_none():
+    """The step gains 82 J more than it may. 1e-9 of a potential of 1e10 J at both ends is less, of 1e11 J is more."""
+    for height, repeated in ((5e8, True), (5e9, False)):
+        d = arms(height, 10.0)
+        d.set_step_options("semi_implicit_euler", 1e-2)
+        gain, tried = step_of(d, 0.55, 0.3)
+        assert (tried > 0) == repeated, (height, gain)
