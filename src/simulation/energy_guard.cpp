@@ -56,15 +56,15 @@ double actuator_energy(const ActuatorRecord& r, const Data<double>& d) {
 }  // namespace
 
 bool may_gain_energy(const Model& m, const Data<double>& d, double h) {
-  if (d.step->rows_add_energy) return true;
+  const bool by_rows = d.step->rows_add_energy;
   bool slow = true;
-  const double most = motion / h;
+  const double most = (by_rows ? tuning::slop * std::min(1.0, d.step->length) : motion) / h;  // by rows: less is rounding
   with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
       for (Index k = t.v; k < t.v_end; ++k) slow &= std::abs(d.v[k]) <= most;
     });
   });
-  return !slow && moves_far(m, d, h);
+  return !slow && (by_rows || moves_far(m, d, h));
 }
 
 StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {

@@ -3,7 +3,8 @@
 // with K the kinetic energy, W the positive work of gravity, springs, actuators, tau, wrenches, forces on links, soft rows and
 // belts: the drop of a potential, or its positive power at each body or actuator where that is more. Corrections of overlaps,
 // which lift bodies and stretch springs, then hide no work. The share is the error of an integrator of order 1.
-// Energies are evaluated only where something moves far within the step, or where rows did positive work.
+// Energies are evaluated only where something moves far within the step, or where rows did positive work and something moves by
+// more than rounding.
 #pragma once
 
 #include <span>

@@ -9,7 +9,7 @@
 namespace dyn::simulation::tuning {
 
 // Limits and contacts that become rows (step.hpp, find_constraints.cpp).
-inline constexpr double slop = 1e-9;           // of the length, or rad: errors below get no position correction
+inline constexpr double slop = 1e-9;           // of the length, or rad: errors and motion below are rounding
 inline constexpr double limit_margin = 1e-4;   // of the length, or rad: limits nearer than this are always rows
 inline constexpr double speed_growth = 3;      // a joint may end a step this much faster than its free velocity, by impulses
 inline constexpr double slow_fall = 0.32;      // of sqrt(g length): speed after a fall over length / 20, sqrt(2 / 20)

@@ -1,27 +1,11 @@
 // When a search that found nothing spares later ones.
-#include "common/random_tree.hpp"
-#include "common/work.hpp"
+#include "integrator/hinge.hpp"
 #include "simulation/conservative_advancement.hpp"
-#include "simulation/workspace.hpp"
 
 namespace dyn_test {
 namespace {
 
-// A hinge, a radian away from each of its limits.
-struct Hinge {
-  static constexpr double gap = 1;
-  ModelPtr model = build();
-  Work<double> w{*model};
-  static ModelPtr build() {
-    Tree t;
-    JointSpec s;
-    s.name = "hinge", s.lower = {-gap}, s.upper = {gap};
-    t.joints.push_back(s);
-    BodySpec b;
-    b.name = "arm", b.parent = "hinge";
-    t.bodies.push_back(b);
-    return t.build();
-  }
+struct SearchedHinge : Hinge {
   // A search in a step that turns the hinge by an angle, and whether it is remembered.
   bool searched(double angle) {
     w.q(std::vector{0.0}).v(std::vector{angle});
@@ -36,7 +20,7 @@ struct Hinge {
 
 // The joint may turn three times as far, and what it turned and turns adds up to sqrt(2) times their squares' root at most.
 TEST(AdvancementCache, LimitsBeyondReachNeedNoSearch) {
-  Hinge x;
+  SearchedHinge x;
   ASSERT_TRUE(x.searched(1e-3));
   EXPECT_TRUE(x.spared(0.7, 1e-3));
   EXPECT_FALSE(x.spared(0.72, 1e-3));
@@ -47,8 +31,8 @@ TEST(AdvancementCache, LimitsBeyondReachNeedNoSearch) {
 // It is remembered where it spares more than three steps: finding out costs as much.
 TEST(AdvancementCache, IsKeptWhereItSparesSeveralSearches) {
   const double furthest = Hinge::gap / (3 * std::sqrt(2));
-  EXPECT_TRUE(Hinge().searched(furthest / 5));
-  EXPECT_FALSE(Hinge().searched(furthest / 3));
+  EXPECT_TRUE(SearchedHinge().searched(furthest / 5));
+  EXPECT_FALSE(SearchedHinge().searched(furthest / 3));
 }
 
 }  // namespace
