@@ -267,6 +267,7 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
                                  dynStepReport& report, const double* start) {
   using namespace simulation;
   using simulation::tuning::guard::part_share, simulation::tuning::guard::halvings;
+  if (!moves(m, d, h)) return 0;
   const bool first_order = integrator == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || integrator == DYN_INTEGRATOR_IMPLICIT_FAST ||
                            d.step->constraint_count > 0;
   const double share = first_order ? simulation::tuning::guard::share : simulation::tuning::guard::high_order_share;

@@ -1,5 +1,6 @@
 #include "simulation/energy_guard.hpp"
 
+#include <algorithm>
 #include <complex>
 
 #include "algorithm/actuators.hpp"
@@ -56,15 +57,20 @@ double actuator_energy(const ActuatorRecord& r, const Data<double>& d) {
 }  // namespace
 
 bool may_gain_energy(const Model& m, const Data<double>& d, double h) {
-  const bool by_rows = d.step->rows_add_energy;
+  if (d.step->rows_add_energy) return true;
   bool slow = true;
-  const double most = (by_rows ? tuning::slop * std::min(1.0, d.step->length) : motion) / h;  // by rows: less is rounding
+  const double most = motion / h;
   with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
       for (Index k = t.v; k < t.v_end; ++k) slow &= std::abs(d.v[k]) <= most;
     });
   });
-  return !slow && (by_rows || moves_far(m, d, h));
+  return !slow && moves_far(m, d, h);
+}
+
+bool moves(const Model& m, const Data<double>& d, double h) {
+  const double least = tuning::slop * std::min(1.0, d.step->length) / h;
+  return !std::all_of(d.v, d.v + m.n.nv, [&](double v) { return std::abs(v) <= least; });
 }
 
 StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {

@@ -3,8 +3,7 @@
 // with K the kinetic energy, W the positive work of gravity, springs, actuators, tau, wrenches, forces on links, soft rows and
 // belts: the drop of a potential, or its positive power at each body or actuator where that is more. Corrections of overlaps,
 // which lift bodies and stretch springs, then hide no work. The share is the error of an integrator of order 1.
-// Energies are evaluated only where something moves far within the step, or where rows did positive work and something moves by
-// more than rounding.
+// Energies are evaluated only where something moves far within the step, or where rows did positive work.
 #pragma once
 
 #include <span>
@@ -25,6 +24,8 @@ struct StepEnergy {
 inline std::ptrdiff_t energy_numbers(const Model& m) { return 8 * std::ptrdiff_t(m.n.bodies) + 8; }
 // Returns whether a step of h that ended at the state in d may have gained energy: the cheap test.
 bool may_gain_energy(const Model& m, const Data<double>& d, double h);
+// Returns whether anything moves by more than rounding in a step of h: work of rows at rest has any sign.
+bool moves(const Model& m, const Data<double>& d, double h);
 // Energies of the state in d. The memory of the integrator's stages, from `memory` on, is overwritten.
 StepEnergy step_energy(const Model& m, Data<double>& d, double* memory);
 // Sum over the parts of a step.
