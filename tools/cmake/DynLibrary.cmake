@@ -54,9 +54,6 @@ function(dyn_objects target sources)
   endif()
   add_library(${target} OBJECT ${sources})
   target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
-  if(NOT target MATCHES "core")  # the core's is the time that counts, and its files are long
-    dyn_together(${target})
-  endif()
   # each object's frames beside it, for tools/stack; what loads runs before anything that must not stop
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT target MATCHES "host" AND NOT DYN_SANITIZE)
     target_compile_options(${target} PRIVATE -fstack-usage)
