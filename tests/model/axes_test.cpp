@@ -51,18 +51,17 @@ TEST(Axes, TurnedToZ) {
   }
 }
 
-// A chain of joints along all axes, some placed by quarter turns: at the neutral configuration every placement is made of the
-// given numbers alone, and every column of the Jacobian is an axis.
+// A chain of joints of all types along all axes, some placed by quarter turns: at the neutral configuration every placement is
+// made of the given numbers alone, and every column of the Jacobian is an axis.
 TEST(Axes, ChainWithoutNoise) {
   Placement quarter = identity_placement;  // about x
   quarter[4] = 0, quarter[5] = 1, quarter[7] = -1, quarter[8] = 0;
   Builder b("axes");
   std::string parent;
   int k = 0;
-  for (dynJointType type : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CONTINUOUS,
-                            DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_PLANAR, DYN_JOINT_TYPE_UNIVERSAL,
-                            DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_SPHERICAL_ZYX})
+  for (const dynJointType type : moving_types())
     for (const Axis& a : along) {
+      if (type == DYN_JOINT_TYPE_COMPOSITE) continue;  // has no axis
       JointSpec s;
       s.name = "j" + std::to_string(k), s.parent.name = parent, s.type = type;
       s.axis = a, s.axis2 = {a[1], a[2], a[0]};
