@@ -158,7 +158,7 @@ class Run:
             self.qpos.append(md.qpos.copy())
             self.energy.append(md.energy.sum()), self.kinetic.append(md.energy[1])
         mm.opt.timestep = before
-        pairs = mm.geom_bodyid[[c.geom for c in md.contact if c.dist < 0]].reshape(-1, 2)
+        pairs = mm.geom_bodyid[[c.geom for c in md.contact if c.dist < c.includemargin]].reshape(-1, 2)
         self.touching = {frozenset((name_of(mm, a), name_of(mm, b))) for a, b in pairs}
 
 
@@ -256,7 +256,7 @@ def within_limits(mm, qpos):
     for j in np.flatnonzero(mm.jnt_limited & (mm.jnt_type >= 2)):
         q[mm.jnt_qposadr[j]] = np.clip(q[mm.jnt_qposadr[j]], *mm.jnt_range[j])
     md = begin(mm, Start("", None, q))
-    deepest = min((c.dist for c in md.contact), default=0.0)
+    deepest = min((c.dist - c.includemargin for c in md.contact), default=0.0)
     q[mm.jnt_qposadr[mm.jnt_type == mujoco.mjtJoint.mjJNT_FREE] + 2] -= min(deepest, 0.0)
     return q
 
@@ -267,7 +267,7 @@ def violated(mm, start):
     q = md.qpos[mm.jnt_qposadr]
     beyond = np.where(mm.jnt_limited & (mm.jnt_type >= 2), np.maximum(mm.jnt_range[:, 0] - q, q - mm.jnt_range[:, 1]), 0)
     opened = np.abs(md.efc_pos[md.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY])
-    return min((c.dist for c in md.contact), default=0.0) < -1e-3 or beyond.max(initial=0) > 1e-3 or opened.max(initial=0) > 2e-3
+    return min((c.dist - c.includemargin for c in md.contact), default=0.0) < -1e-3 or beyond.max(initial=0) > 1e-3 or opened.max(initial=0) > 2e-3
 
 
 def sound_start(mm):
@@ -281,7 +281,7 @@ def sound_start(mm):
 def rigid(mm):
     """A copy with contacts, limits and equalities 16 times as fast, without rebound or compliance, and with round cones."""
     out = copy.copy(mm)
-    for name in ("geom", "jnt", "eq", "pair"):
+    for name in ("geom", "jnt", "dof", "eq", "pair"):
         law, impedance = getattr(out, name + "_solref"), getattr(out, name + "_solimp")
         standard = law[:, 0] > 0
         law[standard] *= (1 / 16, 3)  # time constant, damping ratio
@@ -318,4 +318,4 @@ def beginning(mm):
         for j in np.flatnonzero(mm.jnt_limited)
         if mm.jnt_type[j] >= 2 and not mm.jnt_range[j, 0] - 1e-9 <= md.qpos[mm.jnt_qposadr[j]] <= mm.jnt_range[j, 1] + 1e-9
     ]
-    return beyond, sum(c.dist < -1e-3 for c in md.contact)
+    return beyond, sum(c.dist - c.includemargin < -1e-3 for c in md.contact)

@@ -169,7 +169,7 @@ dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* spec) {
     Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh)};
     std::copy(s->size, s->size + 3, shape.size.begin());
     shape.surface = surface;
-    shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity, shape.material = s->material;
+    shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity, shape.material = {s->material};
     b.shape(shape);
   });
 }

@@ -292,7 +292,7 @@ dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* i
   out.name = m.string(r.name), out.mesh = m.string(r.mesh), out.type = r.type, out.role = dynShapeRole(r.role),
   out.frame = r.frame;
   std::memcpy(out.placement, r.placement, sizeof r.placement), std::memcpy(out.size, r.size, sizeof r.size);
-  out.radius = r.radius, out.contype = r.contype, out.conaffinity = r.conaffinity, out.material = m.materials()[r.material];
+  out.radius = r.radius, out.contype = r.contype, out.conaffinity = r.conaffinity, out.material = shape::acting(m.materials()[r.material], r.latent);
   write_struct(out, info);
   return DYN_OK;
 }

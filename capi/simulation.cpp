@@ -254,8 +254,9 @@ dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int 
     return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE,
                 "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name, bad.value);
   simulation::invalidate_sleep(call.d());
-  if (geom < 0) std::fill_n(call.d().step->materials, call.m().n.geoms, *material);
-  else call.d().step->materials[geom] = *material;
+  shape::ShapeMaterial* const of = call.d().step->materials;
+  const Index first = std::max<Index>(geom, 0), last = geom < 0 ? call.m().n.geoms : geom + 1;
+  for (Index k = first; k < last; ++k) of[k] = {*material, of[k].priority, 0};
   return DYN_OK;
 }
 
@@ -264,7 +265,8 @@ dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shap
   if (!call || !call.required("material", material)) return call.status;
   const Index geom = geom_of_shape(call, shape, 0);
   if (!call) return call.status;
-  *material = call.d().step->materials[geom];
+  const shape::ShapeMaterial& x = call.d().step->materials[geom];
+  *material = shape::acting(x, x.latent);
   return DYN_OK;
 }
 

@@ -84,7 +84,7 @@ void check_by_building(const Model& m) {
     Shape s{m.string(r.name),       r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name),
             placement(r.placement), {},     m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
-    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material],
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = material_of(m, r),
     s.surface = surface_of(m, k), s.colour = r.colour, s.filter = PairFilter(r.filter);
     b.shape(s);
   }

@@ -130,6 +130,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   if (!joint_name) return keep_place("it drives no joint, and other transmissions are not supported");
   actuator.joint = context.name(joint_name);
   MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
+  if (!joint && file.robot.has_lost(actuator.joint)) return keep_place("its joint is missing from the model");
   if (!joint && file.part) return place.info("its joint was not attached: left out");
   if (!joint) reader.fail(DYN_ERROR_NAME, e, "there is no joint " + load::in_quotes(actuator.joint));
   if (const char* why = transmission(*joint, reader.numbers(e, "gear").value_or(std::vector<double>()), actuator.spec))

@@ -80,6 +80,7 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& rob
       continue;  // a visual plane has no extent to draw
     g.shape.body = world ? "universe" : body.name;
     g.shape.placement = placement(g.X), g.shape.filter = robot.filter;
+    if (g.shape.role == DYN_SHAPE_ROLE_COLLISION && g.shape.type != DYN_SHAPE_TYPE_MESH) g.shape.radius = g.margin;
     if (!robot.contacts) g.shape.contype = g.shape.conaffinity = 0;
     with_location(g.place, [&] { builder.shape(g.shape); });
   }
@@ -127,14 +128,16 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots),
         builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind),
         builder.stepping(robot.timestep, robot.integrator, robot.effects);
+    if (robot.lost_mass && !options.strict) builder.allow_massless_joints();
   });
-  mark_mjcf_pairs(robot), report_mjcf_priorities(robot), limit_mjcf_actuators(robot);
+  mark_mjcf_pairs(robot), set_mjcf_priorities(robot), limit_mjcf_actuators(robot);
   add_mechanism(builder, robot, masses);
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) joints.insert(j.spec.name);
   for (size_t i = 0; i < robot.bodies.size(); ++i) add_shapes_and_sites(builder, robot.bodies[i], robot, i == 0, joints);
   for (const MjcfExclude& x : robot.excludes) {
+    if (robot.has_lost(x.bodies[0]) || robot.has_lost(x.bodies[1])) continue;
     for (const std::string& name : x.bodies) check_body(robot, x.place, name);
     with_location(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }

@@ -1,5 +1,6 @@
 // <equality> as constraints, and <contact> <pair>. MuJoCo's are springs (solref, solimp); these are rigid.
 #include <cmath>
+#include <map>
 
 #include "mjcf_robot.hpp"
 #include "polynomial.hpp"
@@ -81,6 +82,10 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
                                          : e.kind == "weld"  ? DYN_CONSTRAINT_TYPE_WELD
                                                              : DYN_CONSTRAINT_TYPE_COUPLING);
     c.enabled = e.enabled && robot.closed;
+    if (robot.has_lost(e.first) || robot.has_lost(e.second)) {
+      e.place.physics("it is left out: what it connects is missing from the model");
+      continue;
+    }
     if (e.kind == "joint") {
       const MjcfJoint& first = joint_named(robot, e, e.first);
       if (e.second.empty()) {
@@ -119,38 +124,41 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   const Reader reader = file.source.reader(e, "<pair>");
   reader.unread(
       e, {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solreffriction", "solimp", "gap", "margin"}, {});
-  count_unused(reader, e, "pair", {"solref", "solreffriction", "solimp", "gap", "margin"});
+  count_unused(reader, e, "pair", {"solref", "solreffriction", "solimp"});
   MjcfPair pair{{&reader.report, line(e), reader.owner},
                 {context.name(reader.name(e, "geom1")), context.name(reader.name(e, "geom2"))},
-                std::nullopt};
-  if (e.Attribute("friction") || e.Attribute("condim")) {
-    const double condim = reader.optional_number(e, "condim").value_or(3);
-    if (condim != 1 && condim != 3 && condim != 4 && condim != 6) reader.bad_numbers(e, "condim", "1, 3, 4 or 6 is expected");
-    std::vector<double> f = {1, 1, 0.005, 0.0001, 0.0001};
-    if (const auto given = reader.numbers(e, "friction"))
-      for (size_t k = 0; k < std::min<size_t>(given->size(), 5); ++k) f[k] = (*given)[k];
-    for (const double x : f)
-      if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
-    if (f[0] != f[1] || f[3] != f[4]) pair.place.physics("friction differs by direction: the first of each is used");
-    dynMaterial x = shape::default_material();
-    x.friction = condim > 1 ? f[0] : 0, x.torsion = condim > 3 ? f[2] : 0, x.rolling = condim > 4 ? f[3] : 0;
-    pair.material = x;
-  }
+                shape::default_material()};
+  std::vector<double> f = {1, 1, 0.005, 0.0001, 0.0001};  // whatever the geoms have
+  if (const auto given = reader.numbers(e, "friction"))
+    for (size_t k = 0; k < std::min<size_t>(given->size(), 5); ++k) f[k] = (*given)[k];
+  for (const double x : f)
+    if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
+  if (f[0] != f[1] || f[3] != f[4]) pair.place.physics("friction differs by direction: the first of each is used");
+  pair.material.friction = f[0], pair.material.torsion = f[2], pair.material.rolling = f[3];
+  pair.material = shape::acting(pair.material, mjcf_latent(reader, e));
+  pair.margin = reader.optional_number(e, "margin").value_or(0);
   file.robot.pairs.push_back(std::move(pair));
 }
 
 void mark_mjcf_pairs(MjcfRobot& robot) {
   std::set<std::string> named;
   for (const MjcfPair& p : robot.pairs) named.insert({p.geoms[0], p.geoms[1]});
+  std::map<std::string, double> margins;
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfGeom& g : b.geoms) margins[g.shape.name] = g.margin;
   for (MjcfBody& b : robot.bodies)
     for (MjcfGeom& g : b.geoms)
       if (g.shape.role == DYN_SHAPE_ROLE_VISUAL && named.count(g.shape.name)) g.shape.role = DYN_SHAPE_ROLE_COLLISION;
+  for (const MjcfPair& p : robot.pairs)
+    if (const double of_geoms = margins[p.geoms[0]] + margins[p.geoms[1]]; p.margin != of_geoms)
+      p.place.physics("its margin is not used: the sum of its geoms' margins acts instead");
 }
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
   if (!robot.contacts) return;
   for (const MjcfPair& p : robot.pairs)
-    with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], p.material ? &*p.material : nullptr); });
+    if (robot.has_lost(p.geoms[0]) || robot.has_lost(p.geoms[1])) p.place.physics("it is left out: a geom is missing from the model");
+    else with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], &p.material); });
 }
 
 }  // namespace dyn::load

@@ -1,7 +1,7 @@
 // <geom>: collision shapes, visual shapes, and their masses.
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include "mjcf_robot.hpp"
 #include "shape_form.hpp"
@@ -42,17 +42,14 @@ std::uint32_t mask(const Reader& reader, const Element& e, const char* attribute
   return std::uint32_t(value);
 }
 
-// condim says which kinds of friction act: 1 none, 3 sliding, 4 torsion, too, 6 rolling, too.
-dynMaterial material_of(const Reader& reader, const Element& e) {
-  const double condim = reader.optional_number(e, "condim").value_or(3);
-  if (condim != 1 && condim != 3 && condim != 4 && condim != 6) reader.bad_numbers(e, "condim", "1, 3, 4 or 6 is expected");
+shape::ShapeMaterial material_of(const Reader& reader, const Element& e) {
   std::array<double, 3> friction = {1, 0.005, 0.0001};
   if (const auto given = reader.numbers(e, "friction"))
     for (size_t k = 0; k < std::min<size_t>(given->size(), 3); ++k) friction[k] = (*given)[k];
   for (const double x : friction)
     if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
-  dynMaterial x = shape::default_material();
-  x.friction = condim > 1 ? friction[0] : 0, x.torsion = condim > 3 ? friction[1] : 0, x.rolling = condim > 4 ? friction[2] : 0;
+  shape::ShapeMaterial x = {shape::default_material()};
+  x.friction = friction[0], x.torsion = friction[1], x.rolling = friction[2], x.latent = mjcf_latent(reader, e);
   if (const auto v = reader.numbers(e, "surfacevel")) {
     std::copy_n(v->begin(), std::min<size_t>(v->size(), 3), x.surface_velocity);
     if (std::any_of(v->begin() + std::ptrdiff_t(std::min<size_t>(v->size(), 3)), v->end(), [](double turn) { return turn != 0; }))
@@ -62,6 +59,13 @@ dynMaterial material_of(const Reader& reader, const Element& e) {
 }
 
 }  // namespace
+
+// condim says which kinds of friction act: 1 none, 3 sliding, 4 torsion, too, 6 rolling, too.
+std::uint32_t mjcf_latent(const Reader& reader, const Element& e) {
+  const double condim = reader.optional_number(e, "condim").value_or(3);
+  if (condim != 1 && condim != 3 && condim != 4 && condim != 6) reader.bad_numbers(e, "condim", "1, 3, 4 or 6 is expected");
+  return condim == 1 ? 3 : condim == 3 ? 2 : condim == 4 ? 1 : 0;
+}
 
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
@@ -76,9 +80,12 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
                     "xyaxes",   "zaxis",  "hfield",  "mesh",    "fitscale",    "user",  "friction",  "condim",
                     "priority", "solmix", "solref",  "solimp",  "margin",      "gap",   "surfacevel"},
                 {"plugin"});
-  count_unused(reader, e, "geom", {"solmix", "solref", "solimp", "margin", "gap"});
+  count_unused(reader, e, "geom", {"solmix", "solref", "solimp"});
   const std::optional<ShapeForm> type = type_of(reader, e);
-  if (!type) return geom.place.physics("a geom of type sdf is not used");
+  if (!type) {
+    file.robot.lost_mass = true;
+    return geom.place.physics("a geom of type sdf is not used");
+  }
 
   geom.shape.type = type->type;
   geom.shape.contype = mask(reader, e, "contype"), geom.shape.conaffinity = mask(reader, e, "conaffinity");
@@ -86,6 +93,11 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.shape.material = material_of(reader, e), geom.shape.colour = file.assets.colour(e);
   geom.group = int(reader.optional_number(e, "group").value_or(0));
   geom.priority = int(reader.optional_number(e, "priority").value_or(0));
+  geom.margin = reader.optional_number(e, "margin").value_or(0);
+  if (geom.margin < 0) {
+    geom.place.physics("margin is negative, which is not supported: 0 is used");
+    geom.margin = 0;
+  }
   geom.mass = reader.optional_number(e, "mass");
   geom.density = reader.optional_number(e, "density").value_or(1000);
   if (geom.mass.value_or(0) < 0) reader.bad_numbers(e, "mass", "it is negative");
@@ -133,26 +145,21 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   body.geoms.push_back(std::move(geom));
 }
 
-// In MuJoCo the geom of the higher priority decides the friction, here the larger one.
-void report_mjcf_priorities(const MjcfRobot& robot) {
-  std::map<int, std::vector<const MjcfGeom*>> by_priority;
-  for (const MjcfBody& b : robot.bodies)
-    for (const MjcfGeom& g : b.geoms)
-      if (g.shape.role == DYN_SHAPE_ROLE_COLLISION) by_priority[g.priority].push_back(&g);
-  dynMaterial lower{};  // the largest coefficients of lower priorities
-  const MjcfGeom* first = nullptr;
-  int count = 0;
-  for (const auto& [priority, geoms] : by_priority) {
-    for (const MjcfGeom* g : geoms) {
-      const dynMaterial& x = g->shape.material;
-      if (x.friction >= lower.friction && x.torsion >= lower.torsion && x.rolling >= lower.rolling) continue;
-      first = first ? first : g, ++count;
-    }
-    for (const MjcfGeom* g : geoms) lower = shape::combined(lower, g->shape.material);
-  }
-  if (first)
-    first->place.physics("priority is not used: " + std::to_string(count) +
-                         " geoms have less friction than some of lower priority, and the larger counts");
+void set_mjcf_priorities(MjcfRobot& robot) {
+  std::set<int> levels = {0};
+  const auto each = [&](const auto& f) {
+    for (MjcfBody& b : robot.bodies)
+      for (MjcfGeom& g : b.geoms)
+        if (g.shape.role == DYN_SHAPE_ROLE_COLLISION) f(g);
+  };
+  each([&](const MjcfGeom& g) { levels.insert(g.priority); });
+  each([&](MjcfGeom& g) {
+    const auto over_zero = std::distance(levels.begin(), levels.find(g.priority)) - std::distance(levels.begin(), levels.find(0));
+    g.shape.material.priority = std::clamp(int(over_zero), shape::least_priority, shape::largest_priority);
+    if (g.shape.material.priority != over_zero)
+      g.place.physics("priority " + std::to_string(g.priority) +
+                      " counts as its neighbour: a model has priorities for 3 levels above 0 and 4 below");
+  });
 }
 
 }  // namespace dyn::load

@@ -128,6 +128,10 @@ void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot) {
 void add_mjcf_keys(Builder& builder, const MjcfRobot& robot) {
   const std::vector<double> initial = initial_qpos(robot);
   for (const MjcfKey& key : robot.keys) {
+    if (!robot.lost_names.empty() && key.qpos.size() != initial.size()) {
+      key.place.physics("it is left out: its joints are missing from the model");
+      continue;
+    }
     check_size(key, "qpos", key.qpos.size(), initial.size(), "nq");
     const ByJoint q = coordinates(robot, key.qpos.empty() ? initial : key.qpos);
     with_location(key.place, [&] { builder.configuration_of_joints(key.name, q, state_of(robot, key, q)); });

@@ -56,6 +56,7 @@ struct MjcfGeom {
   double density = 1000;
   std::optional<double> mass;
   int group = 0, priority = 0;
+  double margin = 0;  // by which its surface is raised in contacts
   std::shared_ptr<const meshes::Mesh> mesh;  // set if the mesh was read
   std::string rule;                          // how a mesh gets its mass: legacy (also ""), exact, convex, shell
 };
@@ -117,7 +118,8 @@ struct MjcfEquality {
 struct MjcfPair {
   MjcfPlace place;
   std::string geoms[2];
-  std::optional<dynMaterial> material;
+  dynMaterial material;
+  double margin = 0;
 };
 
 struct MjcfKey {
@@ -144,6 +146,12 @@ struct MjcfRobot {
   dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
   std::uint32_t effects = SimulationRecord().effects;             // less those that flags switch off
   bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
+  bool lost_mass = false;               // something that is not supported would give a body mass
+  std::vector<std::string> lost_names;  // what bodies and joints that it would make begin with
+
+  bool has_lost(const std::string& name) const {
+    return std::any_of(lost_names.begin(), lost_names.end(), [&](const std::string& x) { return name.starts_with(x); });
+  }
 };
 
 // Meshes and height fields by the names that geoms use.
@@ -212,7 +220,8 @@ void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_joint.cpp, mjcf_geom.cpp
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context);
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
-void report_mjcf_priorities(const MjcfRobot& robot);
+std::uint32_t mjcf_latent(const Reader& reader, const Element& e);  // ShapeMaterial::latent, of condim
+void set_mjcf_priorities(MjcfRobot& robot);
 // mjcf_mass.cpp
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner);
 std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot);

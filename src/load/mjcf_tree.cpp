@@ -128,6 +128,14 @@ void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList&
   add_content(file, e, std::move(inside), todo);
 }
 
+void read_unsupported(MjcfFile& file, const Element& e, const MjcfContext& context) {
+  const std::string kind = e.Name();
+  file.source.report(e).physics(line(e), "<" + kind + "> is not used: what it would make is missing from the model");
+  if (kind == "plugin") return;
+  file.robot.lost_mass = true;
+  file.robot.lost_names.push_back(context.prefix + (kind == "flexcomp" ? attribute(e, "name") + "_" : attribute(e, "prefix")));
+}
+
 void read_all(MjcfFile& file, TodoList todo) {
   while (!todo.empty()) {
     const Todo next = std::move(todo.back());
@@ -143,9 +151,7 @@ void read_all(MjcfFile& file, TodoList todo) {
     else if (kind == "replicate") read_replicate(file, e, context, todo);
     else if (kind == "attach") read_attach(file, e, context);
     else if (kind == "camera" || kind == "light") file.source.report(e).count("<" + std::string(kind) + ">: not used", line(e));
-    else if (kind == "composite" || kind == "flexcomp" || kind == "plugin")
-      file.source.report(e).physics(line(e),
-                                    "<" + std::string(kind) + "> is not used: what it would make is missing from the model");
+    else if (kind == "composite" || kind == "flexcomp" || kind == "plugin") read_unsupported(file, e, context);
   }
 }
 

@@ -14,12 +14,15 @@ namespace dyn::load {
 namespace {
 
 // Writes friction unless it is MuJoCo's default. condim selects the kinds of friction.
-void put_friction(XmlElement& e, const dynMaterial& x, bool of_pair) {
-  const int condim = x.rolling != 0 ? 6 : x.torsion != 0 ? 4 : x.friction != 0 ? 3 : 1;
-  if (!of_pair && condim == 3 && x.friction == 1) return;
-  e.SetAttribute("condim", condim);
-  if (of_pair) put(e, "friction", {x.friction, x.friction, x.torsion, x.rolling, x.rolling});
-  else put(e, "friction", {x.friction, x.torsion, x.rolling});
+int condim(const dynMaterial& acting) {
+  return acting.rolling != 0 ? 6 : acting.torsion != 0 ? 4 : acting.friction != 0 ? 3 : 1;
+}
+
+void put_friction(XmlElement& e, const shape::ShapeMaterial& x) {
+  const int dim = x.latent == 0 ? condim(x) : x.latent == 1 ? 4 : x.latent == 2 ? 3 : 1;
+  if (dim != 3) put(e, "condim", dim);
+  if (x.friction != 1 || x.torsion != 0.005 || x.rolling != 0.0001) put(e, "friction", {x.friction, x.torsion, x.rolling});
+  if (x.priority != 0) put(e, "priority", x.priority);
 }
 
 }  // namespace
@@ -63,16 +66,19 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
     }
   }
   put_pose(e, X);
-  if (s.radius > 0) losses.loss("rounding of shapes", called);
   if (s.colour) put_rgba(e, s.colour);
-  if (visual) return put(e, "contype", 0), put(e, "conaffinity", 0);
+  if (visual) {
+    if (s.radius > 0) losses.loss("rounding of visual shapes", called);
+    return put(e, "contype", 0), put(e, "conaffinity", 0);
+  }
   if (s.contype != 1) put(e, "contype", s.contype);
   if (s.conaffinity != 1) put(e, "conaffinity", s.conaffinity);
-  const dynMaterial& material = m.materials()[s.material];
-  put_friction(e, material, false);
+  const shape::ShapeMaterial material = material_of(m, s);
+  put_friction(e, material);
+  if (s.radius > 0) put(e, "margin", s.radius);
   dynMaterial rest = material;
   std::fill_n(rest.surface_velocity, 3, 0.0);
-  if (std::memcmp(&rest, &material, sizeof rest) != 0) put(e, "surfacevel", std::span(material.surface_velocity));
+  if (std::any_of(material.surface_velocity, material.surface_velocity + 3, [](double v) { return v != 0; })) put(e, "surfacevel", std::span(material.surface_velocity));
   if (!is_default(rest, false)) losses.loss("restitution, stiffness and damping of materials", called);
   bool wanted = false;
   for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)
@@ -148,9 +154,9 @@ void MjcfWriter::add_contacts() {
     }
     XmlElement& e = *section("contact").InsertNewChildElement("pair");
     put(e, "geom1", geom_names[a]), put(e, "geom2", geom_names[b]);
-    if (p.material() == 0) continue;
-    const dynMaterial& x = m.materials()[p.material() - 1];
-    put_friction(e, x, true);
+    const dynMaterial x = p.material() ? m.materials()[p.material() - 1]
+                                       : shape::combined(material_of(m, m.shapes()[a]), material_of(m, m.shapes()[b]));
+    put(e, "condim", condim(x)), put(e, "friction", {x.friction, x.friction, x.torsion, x.rolling, x.rolling});
     if (!is_default(x, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", geom_names[a]);
   }
 }

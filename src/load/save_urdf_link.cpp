@@ -58,7 +58,7 @@ void UrdfWriter::add_shape(XmlElement& link, const ShapeRecord& s) {
     losses.loss("shapes that are no mesh file and none of " + shape_names(RobotFormat::Urdf) + " are left out", called);
     return doc.DeleteNode(geometry);
   }
-  const dynMaterial& material = m.materials()[s.material];
+  const dynMaterial material = shape::acting(m.materials()[s.material], s.latent);
   if (s.role == DYN_SHAPE_ROLE_COLLISION && !is_default(material, true))
     losses.loss("materials of shapes (friction, restitution, ...)", called);
   if (s.role == DYN_SHAPE_ROLE_COLLISION && (s.contype != 1 || s.conaffinity != 1))

@@ -142,9 +142,9 @@ bool BlockChecker::shape(Index k) {
     return false;
   if (!require(r.frame == 0 || m.frames()[r.frame].type == DYN_FRAME_TYPE_BODY, "a shape is on no link") ||
       !require(is_value(dynShapeType(r.type)), "type of a shape") ||
-      !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape") ||
-      !require(r.filter <= std::uint32_t(PairFilter::SameBody), "filter of a shape"))
+      !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape"))
     return false;
+  static_assert(std::uint32_t(PairFilter::SameBody) == 3);  // any two bits are a filter
   const bool made =
       r.type == DYN_SHAPE_TYPE_CONVEX || r.type == DYN_SHAPE_TYPE_TRIANGLES || r.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   const Index surfaces = r.type == DYN_SHAPE_TYPE_CONVEX ? n.hulls : r.type == DYN_SHAPE_TYPE_TRIANGLES ? n.trees : n.grids;

@@ -64,7 +64,7 @@ struct Shape {
   std::string mesh;
   double radius = 0;                           // of rounding
   std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
-  dynMaterial material = shape::default_material();
+  shape::ShapeMaterial material = {shape::default_material()};
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
   std::uint32_t colour = 0;                              // colour.hpp
   PairFilter filter = PairFilter::Guess;

@@ -88,7 +88,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     Shape s{m.string(r.name),          r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name),
             placement_of(r.placement), {},     m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
-    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material],
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = material_of(m, r),
     s.colour = r.colour, s.filter = PairFilter(r.filter);
     if (r.surface >= 0) {
       SurfacePtr& surface = surfaces[{dynShapeType(r.type), r.surface}];

@@ -90,13 +90,14 @@ void Compiler::add_shapes() {
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
     r.name = text.add(s.shape.name), r.mesh = text.add(s.shape.mesh);
-    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role) & 0xFu, r.filter = std::uint8_t(s.shape.filter) & 0xFu,
+    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role) & 0xFu, r.filter = std::uint8_t(s.shape.filter) & 0x3u,
     r.colour = s.shape.colour;
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
     r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity,
-    r.material = number_of(a.materials, s.shape.material);
+    r.material = number_of(a.materials, s.shape.material), r.latent = s.shape.material.latent & 0x3u,
+    r.priority = std::uint32_t(s.shape.material.priority) & 0x7u;
     if (r.role == DYN_SHAPE_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }

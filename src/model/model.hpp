@@ -10,6 +10,7 @@
 #include "model/pair_filter.hpp"
 #include "model/stored.hpp"
 #include "shape/height_field.hpp"
+#include "shape/material.hpp"
 #include "shape/triangles.hpp"
 
 namespace dyn {
@@ -105,8 +106,9 @@ struct ActuatorRecord {
 
 struct ShapeRecord {
   Index name, mesh;
-  dynShapeType type : 8;
-  std::uint32_t role : 4, filter : 4, material : 16;  // dynShapeRole; PairFilter; its number among the materials
+  dynShapeType type : 5;
+  std::uint32_t priority : 3;                                     // of the material, of 3 bits with a sign
+  std::uint32_t role : 4, filter : 2, latent : 2, material : 16;  // dynShapeRole; PairFilter; its number among the materials
   std::uint32_t colour;                   // colour.hpp
   Index frame;
   Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1
@@ -223,6 +225,11 @@ struct Model {
     return 0;
   }
 };
+
+inline shape::ShapeMaterial material_of(const Model& m, const ShapeRecord& s) {
+  constexpr int sign = -shape::least_priority;
+  return {m.materials()[s.material], (int(s.priority) ^ sign) - sign, s.latent};
+}
 
 inline bool lists_pairs(const Model& m) { return m.n.geoms <= max_geoms; }
 

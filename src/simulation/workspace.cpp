@@ -100,7 +100,7 @@ Workspace* place(const Model& m, void* memory) {
   if (step_constraints(m) == 0) return &w;
   find_segments(m, w.segments);
   w.pair_count = -1, find_trees(m, w.tree_of), w.advancement_cache.enabled = can_cache_advancement(m);
-  for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
+  for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = material_of(m, m.shapes()[m.geoms()[k].shape]);
   if (may_rest(m)) set_up_sleep(m, w);
   solver::place(w.solver, island_rows(m), w.solver_memory);
   return &w;

@@ -170,7 +170,7 @@ struct Workspace {
 
   // allocated only for models with contacts, limits or constraints
   AdvancementCache advancement_cache;
-  dynMaterial* materials;       // of collision shapes
+  shape::ShapeMaterial* materials;  // of collision shapes
   // speeds: bound on the speed of any point of a shape. centers: x, y, z and bounding radius, each for all shapes
   double *speeds, *centers;
   NearPair* pairs;              // pairs that can ever meet

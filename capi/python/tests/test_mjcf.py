@@ -273,16 +273,6 @@ def test_a_moving_surface_is_a_belt():
     assert d.v[:2] == pytest.approx([0, 0.5], abs=1e-6)
 
 
-@pytest.mark.parametrize("box, floor, lost", [((0.2, 0), (0.4, 0), False), ((0.2, 1), (0.4, 0), True), ((0.2, -1), (0.4, 0), False),
-                                              ((0.4, 2), (0.2, 1), False), ((0.4, 2), (0.2, 3), True)])  # yapf: disable
-def test_a_priority_that_would_choose_the_smaller_friction_is_named(box, floor, lost):
-    m = dyn.load_string('<mujoco><worldbody><geom type="plane" size="9 9 1" friction="%g" priority="%d"/><body><freejoint/>'
-                        '<geom name="box" type="box" size=".1 .1 .1" friction="%g" priority="%d"/></body></worldbody></mujoco>'
-                        % (*floor, *box))
-    said = [e.message for e in m.report if e.level == dyn.ReportLevel.DROPPED]
-    assert ["priority is not used: 1 geoms" in message for message in said] == ([True] if lost else [])
-
-
 @pytest.mark.parametrize("joint, geom, what", [
     ('<joint name="j" actuatorgravcomp="true" actuatorfrcrange="-1 1"/>', "", "joint 'j': actuatorgravcomp"),
     ('<joint name="j" type="free" stiffness="3"/>', "", "joint 'j': the spring of a free joint"),

@@ -114,6 +114,19 @@ def test_mujoco_reads_what_is_written_as_what_was_read(tmp_path):
     assert b.time == a.time and two.opt.integrator == one.opt.integrator
 
 
+@pytest.mark.parametrize("file", ["m.xml", "m.dynb"])
+def test_friction_of_contacts_is_written(tmp_path, file):
+    text = ('<mujoco><worldbody><geom type="plane" size="9 9 1" friction=".4" condim="1"/><body pos="0 0 .11"><freejoint/><geom '
+            'type="box" size=".1 .1 .1" friction=".2" priority="%d" margin=".01"/></body></worldbody></mujoco>')
+    for priority, friction in (3, 0.2), (0, 0.4), (-3, 0):
+        second, lost = again(dyn.load_string(text % priority), tmp_path / file)
+        d = second.data()
+        d.set_state(second.configuration("qpos0"), [1, 0, 0, 0, 0, 0])
+        d.advance(0.2)
+        assert lost == [] and d.v[0] == pytest.approx(1 - friction * 9.81 * 0.2, abs=1e-6)
+        assert d.q[2] == pytest.approx(0.11, abs=1e-6)
+
+
 @pytest.mark.parametrize("file, says", [("m.xml", "moving bodies have no mass, and MuJoCo refuses such"),
                                         ("m.urdf", "moving links have no mass")])  # yapf: disable
 def test_moving_links_without_mass_are_named(tmp_path, file, says):
