@@ -12,21 +12,10 @@ namespace load {
 
 namespace {
 
-// Reads the named body in e at any depth. Only its own pose counts, not those of enclosing bodies and frames.
-bool read_named_body(MjcfFile& file, Element& e, MjcfContext context, std::string_view body) {
-  context.childclass = file.defaults.around(file.source, e, context.childclass);
-  for (Element* c : file.source.children(e)) {
-    const std::string_view kind = c->Name();
-    if (kind == "body" && c->Attribute("name") && c->Attribute("name") == body) return read_mjcf_body(file, *c, context), true;
-    if ((kind == "body" || kind == "frame") && read_named_body(file, *c, context, body)) return true;
-  }
-  return false;
-}
-
 // Reads an attached model: all its bodies, or one by name.
 void read_world(MjcfFile& file, Element& world, const MjcfContext& context, const char* body) {
   if (!body) return read_mjcf_content(file, world, context);
-  if (!read_named_body(file, world, context, body))
+  if (!read_mjcf_named(file, world, context, "body", body))
     file.source.report(world).fail(DYN_ERROR_NAME, line(world),
                                    "there is no body " + load::in_quotes(body) + " in the model that is attached");
 }

@@ -1,5 +1,7 @@
 // <actuator>: motors, servos and affine laws on joints. Other transmissions and laws are reported.
 #include <algorithm>
+#include <iterator>
+#include <sstream>
 #include <utility>
 
 #include "mjcf_robot.hpp"
@@ -85,9 +87,15 @@ void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuato
   }
 }
 
-}  // namespace
-
-namespace {
+// Some that are not supported have several controls.
+size_t controls_of(const Element& e) {
+  const std::string kind = e.Name(), input = attribute(e, "input");
+  if (kind == "orientation") return input == "quat" ? 4 : 3;
+  if (kind != "pid" && kind != "dcmotor") return 1;
+  if (input.empty()) return kind == "pid" ? 2 : 1;
+  std::istringstream words(input);
+  return input == "none" ? 0 : size_t(std::distance(std::istream_iterator<std::string>(words), {}));
+}
 
 void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) {
   const std::string_view kind = e.Name();
@@ -104,7 +112,10 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
     actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_AFFINE);  // its gain is 0
     actuator.spec.gear = 0, actuator.inert = true, actuator.damping_ratio = 0;
     std::copy_n(read.control_range, 2, actuator.spec.control_range);
-    file.robot.actuators.push_back(std::move(actuator));
+    for (size_t k = 0, n = controls_of(e); k < n; ++k, actuator.activations = 0) {
+      if (k > 0) actuator.name = name + "_" + std::to_string(k);
+      file.robot.actuators.push_back(actuator);
+    }
   };
   const std::string_view dynamics_before = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
   actuator.activations = kind == "muscle" || dynamics_before != "none";
@@ -123,6 +134,8 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   as_general(reader, e);
   const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
   actuator.activations = dynamics != "none";
+  if (actuator.activations && !read_switch(reader, e, "actearly", false).value_or(false))
+    reader.report.count("<actuator>: activations act at the end of the step, as with actearly", line(e));
   read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
   if (reader.optional_number(e, "delay").value_or(0) > 0) place.physics("its delay is not used: controls act at once");
   const char* joint_name = e.Attribute("joint");

@@ -85,12 +85,10 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& rob
     with_location(g.place, [&] { builder.shape(g.shape); });
   }
   for (MjcfSite& s : body.sites) {
-    if (joints.count(s.name)) {
-      s.place.info("the frame is called " + load::in_quotes(s.name + "_site"));
-      s.name += "_site";
-    }
+    s.frame = s.name;
+    if (joints.count(s.name)) s.place.info("the frame is called " + load::in_quotes(s.frame += "_site"));
     with_location(s.place, [&] {
-      builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X),
+      builder.frame(s.frame, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X),
                     DYN_FRAME_TYPE_OP_FRAME);
     });
   }

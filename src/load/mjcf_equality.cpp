@@ -32,6 +32,20 @@ const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, cons
   e.place.fail(DYN_ERROR_NAME, "there is no joint " + load::in_quotes(name));
 }
 
+const std::string& site_frame(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfSite& s : b.sites)
+      if (s.name == name) return s.frame;
+  e.place.fail(DYN_ERROR_NAME, "there is no site " + load::in_quotes(name));
+}
+
+// The body itself, or the one that it is welded to; 0: the world.
+int moving_body(const MjcfRobot& robot, const MjcfBody& b) {
+  const MjcfBody* x = &b;
+  while (x->parent >= 0 && x->joints.empty()) x = &robot.bodies[size_t(x->parent)];
+  return int(x - robot.bodies.data());
+}
+
 Parent frame_of(const MjcfBody& b) { return b.parent < 0 ? Parent{"", 0} : Parent{b.name, DYN_FRAME_TYPE_BODY}; }
 
 Pose relative_pose(const std::vector<double>& x) { return {from_quaternion(x[3], x[4], x[5], x[6]), load3(x.data())}; }
@@ -99,10 +113,15 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
       continue;
     }
     if (e.sites) {
-      with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
+      const auto frame = [&](const std::string& site) { return Parent{site_frame(robot, e, site), DYN_FRAME_TYPE_OP_FRAME}; };
+      with_location(e.place, [&] { builder.constraint(e.name, c, frame(e.first), frame(e.second)); });
       continue;
     }
     const MjcfBody &a = body_named(robot, e, e.first), &b = body_named(robot, e, e.second);
+    if (moving_body(robot, a) == moving_body(robot, b)) {
+      e.place.info("it has no effect: both bodies are fixed to one another");
+      continue;
+    }
     const Pose X_ab = initial_pose(robot, a).inverse() * initial_pose(robot, b);
     const Vec3<double> anchor = load3(e.anchor->data());
     Pose in_a = {Mat3<double>::identity(), anchor}, in_b = in_a;
@@ -156,8 +175,15 @@ void mark_mjcf_pairs(MjcfRobot& robot) {
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
   if (!robot.contacts) return;
+  std::map<std::string, int> carriers;  // moving bodies by their geoms
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfGeom& g : b.geoms) carriers[g.shape.name] = moving_body(robot, b);
   for (const MjcfPair& p : robot.pairs)
-    if (robot.has_lost(p.geoms[0]) || robot.has_lost(p.geoms[1])) p.place.physics("it is left out: a geom is missing from the model");
+    if (robot.has_lost(p.geoms[0]) || robot.has_lost(p.geoms[1]))
+      p.place.physics("it is left out: a geom is missing from the model");
+    else if (p.geoms[0] != p.geoms[1] && carriers.count(p.geoms[0]) && carriers.count(p.geoms[1]) &&
+             carriers[p.geoms[0]] == carriers[p.geoms[1]])
+      p.place.info("it has no effect: both geoms are fixed to one another");
     else with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], &p.material); });
 }
 

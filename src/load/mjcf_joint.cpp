@@ -25,6 +25,7 @@ std::optional<std::array<double, 2>> range(const Reader& reader, const Element& 
   const auto pair = reader.numbers(e, attribute, 2);
   const std::optional<bool> on = read_switch(reader, e, limited, std::nullopt);
   if (!pair) {
+    if (on.value_or(false) && e.Attribute("type", "ball")) return std::array<double, 2>{0, 0};
     if (on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
     return std::nullopt;
   }
@@ -33,7 +34,8 @@ std::optional<std::array<double, 2>> range(const Reader& reader, const Element& 
         DYN_ERROR_INVALID, e,
         std::string(attribute) + " without " + limited + ", and <compiler autolimits> is false: add " + limited + "=\"true\"");
   if (!on.value_or((*pair)[0] != 0 || (*pair)[1] != 0)) return std::nullopt;
-  if (!((*pair)[0] < (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is not below the upper one");
+  if (!((*pair)[0] < (*pair)[1]) && !(e.Attribute("type", "ball") && (*pair)[0] == (*pair)[1]))
+    reader.bad_numbers(e, attribute, "the lower end is not below the upper one");
   return std::array<double, 2>{(*pair)[0], (*pair)[1]};
 }
 
@@ -52,8 +54,9 @@ double coefficient(const Reader& reader, const Element& e, const char* attribute
 }
 
 // Limits the rotation angle of a ball joint. Half a turn or more is no limit.
-void limit_ball(const Reader& reader, const Element& e, double least, double most, JointSpec& spec) {
+void limit_ball(const Reader& reader, const Element& e, const MjcfPlace& place, double least, double most, JointSpec& spec) {
   if (least != 0) reader.bad_numbers(e, "range", "a ball joint's range begins at 0; its second number is the largest angle");
+  if (!(most > 0)) return place.physics("the limit of its angle is 0: it is not used, and the joint is free");
   if (most > half_turn * (1 + 1e-12)) return;
   spec.lower.assign(4, -no_limit), spec.lower[3] = std::max(0.0, std::cos(most / 2));
 }
@@ -100,7 +103,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
                  "solreffriction",
                  "solimpfriction"},
                 {});
-  count_unused(reader, e, "joint", {"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
+  count_unused(reader, e, "joint", {"solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
   JointSpec& spec = joint.spec;
   spec.type = joint_type_of(reader, e);
   const bool hinge = spec.type == DYN_JOINT_TYPE_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_TYPE_PRISMATIC;
@@ -127,6 +130,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   else joint.axis = context.X.R * (joint.axis * (1 / length));
   if (scalar) joint.reference = unit * reader.optional_number(e, "ref").value_or(0);
 
+  const double margin = reader.optional_number(e, "margin").value_or(0);  // the limit holds so far inside the range
   // a free joint has no limits, whatever its class says
   if (const auto limits = spec.type == DYN_JOINT_TYPE_FREE_FLYER
                               ? std::nullopt
@@ -134,8 +138,8 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
     const auto end = [&](double x) {
       return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x;
     };  // a single bound
-    if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
-    else limit_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
+    if (scalar) spec.lower = {end((*limits)[0]) + margin}, spec.upper = {end((*limits)[1]) - margin};
+    else limit_ball(reader, e, joint.place, unit * (*limits)[0], unit * (*limits)[1] - margin, spec);
   }
   // compensation by the actuator moves as a passive one, but for its limit
   const bool compensates = read_switch(reader, e, "actuatorgravcomp", false).value_or(false);

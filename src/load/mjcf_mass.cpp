@@ -34,26 +34,26 @@ MjcfMass of(const meshes::Solid& solid) {
   return {sign * solid.volume, solid.com, solid.inertia * sign};
 }
 
-// Tetrahedra between an apex and each triangle, all with positive volume.
+// Tetrahedra between an apex and each triangle. positive: all volumes count as positive.
 struct Tetrahedra {
   double volume = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();    // integral of x from the apex
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();   // and of x x^T
 
-  Tetrahedra(const meshes::Mesh& mesh, const Vec& apex) {
+  Tetrahedra(const meshes::Mesh& mesh, const Vec& apex, bool positive) {
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
       Eigen::Matrix3d corners;
       for (int k = 0; k < 3; ++k) store3(mesh.corner(t, k) - apex, corners.col(k).data());
-      const double v = std::abs(corners.determinant()) / 6;
+      const double volume_here = corners.determinant() / 6, v = positive ? std::abs(volume_here) : volume_here;
       const Eigen::Vector3d sum = corners.rowwise().sum();
       volume += v, first += v / 4 * sum, second += v / 20 * (corners * corners.transpose() + sum * sum.transpose());
     }
   }
 };
 
-// MuJoCo's rule "legacy". Tetrahedra from the surface's centroid give the centre of mass; those from there give volume and
-// inertia. Parts that are concave as seen from there count more than once.
-MjcfMass legacy(const meshes::Mesh& mesh) {
+// MuJoCo's rules. Tetrahedra from the surface's centroid give the centre of mass; those from there give volume and inertia.
+// positive (legacy): parts that are concave as seen from there count more than once.
+MjcfMass by_tetrahedra(const meshes::Mesh& mesh, bool positive) {
   Vec mean = Vec::zero();
   double area = 0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -63,10 +63,10 @@ MjcfMass legacy(const meshes::Mesh& mesh) {
   }
   if (!(area > 0)) return {};
   mean = mean * (1 / area);
-  const Tetrahedra about_mean(mesh, mean);
+  const Tetrahedra about_mean(mesh, mean, positive);
   if (!(about_mean.volume > 0)) return {};
   const Vec com = mean + load3(about_mean.first.data()) * (1 / about_mean.volume);
-  const Tetrahedra about_com(mesh, com);
+  const Tetrahedra about_com(mesh, com, positive);
   return {about_com.volume, com, symmetric(about_com.second.trace() * Eigen::Matrix3d::Identity() - about_com.second)};
 }
 
@@ -135,12 +135,15 @@ MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g) {
   const std::string who = "mesh " + load::in_quotes(g.shape.mesh);
   if (g.rule == "convex") return of(meshes::solid_of(meshes::hull_of(mesh)));
   if (g.rule == "exact") {
-    if (!closed)
-      g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no exact mass: give inertia=\"convex\" or an <inertial>");
-    return of(meshes::solid_of(mesh));
+    if (closed) return of(meshes::solid_of(mesh));
+    const MjcfMass out = by_tetrahedra(mesh, false);
+    if (!(out.mass > 0))
+      g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no volume: give inertia=\"convex\" or an <inertial>");
+    g.place.warning(who + " is not closed: the mass of its body is that of the tetrahedra from its centre to its triangles");
+    return out;
   }
   if (g.rule == "shell") return shell(mesh);
-  const MjcfMass out = legacy(mesh);
+  const MjcfMass out = by_tetrahedra(mesh, true);
   if (!closed) g.place.warning(who + " is not closed: the mass of its body is MuJoCo's estimate (legacy)");
   else if (const MjcfMass exact = of(meshes::solid_of(mesh)); std::abs(out.mass - exact.mass) > 1e-3 * exact.mass)
     g.place.warning(who + ": by MuJoCo's rule (legacy) its volume is " + text(out.mass) + " m^3, and exactly it is " +

@@ -63,7 +63,7 @@ struct MjcfGeom {
 
 struct MjcfSite {
   MjcfPlace place;
-  std::string name;
+  std::string name, frame = {};  // frame: another name, where a joint has its name
   SE3<double> X;
 };
 
@@ -208,6 +208,7 @@ struct MjcfContext {
   int body = 0;
   SE3<double> X = SE3<double>::identity();  // of the frame in the body
   std::string childclass, prefix, suffix;
+  int copies = 0;  // that it stands in, of parts of the same model
 
   std::string name(const std::string& n) const { return n.empty() ? n : prefix + n + suffix; }
 };
@@ -216,6 +217,8 @@ struct MjcfContext {
 void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, const char* body = nullptr);
 // mjcf_tree.cpp: bodies, frames, replicas, attached models
 void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context);
+// Reads and returns the named body or frame in e at any depth, or nullptr. Only its own pose counts, not those around it.
+const Element* read_mjcf_named(MjcfFile& file, Element& e, MjcfContext context, std::string_view kind, std::string_view name);
 void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_joint.cpp, mjcf_geom.cpp
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context);

@@ -8,7 +8,7 @@ namespace dyn::load {
 
 namespace {
 
-constexpr int max_bodies = 200000;
+constexpr int max_bodies = 200000, max_copies = 100;
 
 void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
@@ -80,9 +80,33 @@ void read_replicate(MjcfFile& file, Element& e, MjcfContext context, TodoList& t
   for (auto replica = replicas.rbegin(); replica != replicas.rend(); ++replica) add_content(file, e, std::move(*replica), todo);
 }
 
+bool has_joint(const Element& e) {
+  for (const Element* c = first(e); c; c = next(*c))
+    if (std::string_view(c->Name()).ends_with("joint") || has_joint(*c)) return true;
+  return false;
+}
+
+// Another copy of a body or frame of the same model.
+void attach_own(MjcfFile& file, Element& e, MjcfContext context) {
+  const Reader reader = file.source.reader(e, "an <attach>");
+  const char* kind = e.Attribute("body") ? "body" : "frame";
+  const std::string name = reader.name(e, kind);
+  if (++context.copies > max_copies) reader.fail(DYN_ERROR_LIMIT, e, "it attaches itself");
+  context.prefix += attribute(e, "prefix");
+  for (Element* world : file.source.children(file.source.root(), "worldbody"))
+    if (const Element* copied = read_mjcf_named(file, *world, context, kind, name)) {
+      if (has_joint(*copied))
+        reader.report.physics(line(e), reader.owner + ": actuators and constraints of the copy are not used");
+      return;
+    }
+  reader.fail(DYN_ERROR_NAME, e, "there is no " + std::string(kind) + " " + load::in_quotes(name) + " in the model");
+}
+
 void read_attach(MjcfFile& file, Element& e, MjcfContext context) {
   const Reader reader = file.source.reader(e, "an <attach>");
-  reader.unread(e, {"model", "body", "prefix"}, {});
+  reader.unread(e, {"model", "body", "frame", "prefix"}, {});
+  if (!e.Attribute("model")) return attach_own(file, e, std::move(context));
+  if (e.Attribute("frame")) reader.fail(DYN_ERROR_UNSUPPORTED, e, "a frame of another model is not supported: attach a body");
   const Element& asset = file.assets.model(e, reader.name(e, "model"));
   Element& root = file.source.open_model(asset, reader.name(asset, "file"));
   MjcfFile child(file.source, file.robot, file.options);
@@ -113,6 +137,7 @@ void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList&
       reader.fail(DYN_ERROR_INVALID, e, "a mocap body has no joints");
     body.place.physics("a mocap body stands still: it is fixed to the world");
   }
+  if (attribute(e, "sleep") == "init") body.place.physics("it does not begin asleep");
   if (body.name == "world" || body.name == "universe") reader.fail(DYN_ERROR_NAME, e, "the world has this name");
   body.X = context.X * read_pose(reader, e, file.compiler);
   body.rules = file.compiler.masses;
@@ -159,6 +184,16 @@ void read_all(MjcfFile& file, TodoList todo) {
 
 void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
   read_all(file, {{&e, std::make_shared<const MjcfContext>(context)}});
+}
+
+const Element* read_mjcf_named(MjcfFile& file, Element& e, MjcfContext context, std::string_view kind, std::string_view name) {
+  context.childclass = file.defaults.around(file.source, e, context.childclass);
+  for (Element* c : file.source.children(e)) {
+    if (c->Name() == kind && c->Attribute("name") && c->Attribute("name") == name) return read_mjcf_body(file, *c, context), c;
+    if (c->Name() != std::string_view("body") && c->Name() != std::string_view("frame")) continue;
+    if (const Element* found = read_mjcf_named(file, *c, context, kind, name)) return found;
+  }
+  return nullptr;
 }
 
 void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context) {

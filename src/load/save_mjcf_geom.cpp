@@ -78,7 +78,8 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   if (s.radius > 0) put(e, "margin", s.radius);
   dynMaterial rest = material;
   std::fill_n(rest.surface_velocity, 3, 0.0);
-  if (std::any_of(material.surface_velocity, material.surface_velocity + 3, [](double v) { return v != 0; })) put(e, "surfacevel", std::span(material.surface_velocity));
+  if (std::any_of(material.surface_velocity, material.surface_velocity + 3, [](double v) { return v != 0; }))
+    put(e, "surfacevel", std::span(material.surface_velocity));
   if (!is_default(rest, false)) losses.loss("restitution, stiffness and damping of materials", called);
   bool wanted = false;
   for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)
