@@ -15,7 +15,6 @@ inline constexpr int first_gain = 4;                  // which bounds the first 
 inline constexpr int ulps = 4;                        // units in the last place that a step adds to the state
 inline constexpr double min_size = 1e-3;              // of the state, for its rounding
 inline constexpr int motion_share = 256;              // of the state's rounding: floor of the error of one step
-inline constexpr double max_noise = 1e-7;             // per second: more is not rounding, unless the accuracy allows it
 inline constexpr double shortest_step = 1e-13;        // of the duration: shorter ones are refused, or join the last step
 
 inline constexpr int reference_steps = 100000;        // within one step of `reference`: what is too stiff is refused

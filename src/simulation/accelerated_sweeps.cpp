@@ -27,12 +27,12 @@ double dot(const double* a, const double* b, Index n) {
   return sum_of(sum) + rest;
 }
 
-// Solves A x = b, positive definite with a small ridge, by Cholesky. Returns false if it is singular.
+// Solves A x = b, positive definite, by Cholesky. Rounding is added to the diagonal. Returns false if it is singular.
 bool solve_gram(const double (*A)[depth], int n, double* b) {
   double L[depth][depth];
   for (int j = 0; j < n; ++j)
     for (int i = j; i < n; ++i) {
-      double sum = A[i][j] + (i == j ? ridge * A[i][i] : 0);
+      double sum = A[i][j] + (i == j ? solver::tuning::round_off * A[i][i] : 0);
       for (int k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
       if (i == j && !(sum > 0)) return false;
       L[i][j] = i == j ? std::sqrt(sum) : sum / L[j][j];
@@ -237,17 +237,14 @@ double AcceleratedSweeps::residual() const {
 
 void AcceleratedSweeps::run(Index most, dynContactReport& report) {
   const double tolerated = x.tolerance * x.fastest;
-  double least = HUGE_VAL, least_before = HUGE_VAL, last = HUGE_VAL, checked = HUGE_VAL;
+  double least = HUGE_VAL, least_before = HUGE_VAL, last = HUGE_VAL;
   w.limit.expect(solver::TimeLimit::Unit::Sweep, x.rows);
   for (Index k = 1; k <= most; ++k) {
     std::copy_n(y, x.rows, from);
     const double changed = sweep();
     ++report.iterations;
     if (changed < least) least = changed, std::copy_n(y, x.rows, best);
-    if (changed <= tolerated && changed <= recheck * checked) {
-      checked = changed;
-      if (residual() <= tolerated) return;
-    }
+    if (changed <= tolerated && residual() <= tolerated) return;
     if (k % solver::tuning::sweeps_a_check == 0) {
       if (!(least < tuning::progress * least_before)) break;
       least_before = least;

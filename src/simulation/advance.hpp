@@ -31,7 +31,8 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h))
     return joint;
   report.evaluations += 2;
-  const T max_noise = std::max(accuracy / T(tuning::growth * duration), T(tuning::max_noise));
+  // of what the accuracy allows, or of accelerations that keep half of their digits
+  const T max_noise = std::max(accuracy / T(tuning::growth * duration), std::sqrt(std::numeric_limits<T>::epsilon()));
   RoundingFloor<T> rounding{active_rows(m, d) > 0, max_noise};
   StepSizeController<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0),
                                    T(rounding.held ? tuning::max_factor_rows : tuning::max_factor)};

@@ -26,7 +26,7 @@ bool Island::relax(const dynContactReport& report, double tolerated) {
 }
 
 // Newton's method goes on to the fine residual: bodies at rest then stay at rest, and the next steps have nothing to solve.
-// Far from a solution it ends sooner: in a jam it seldom gets there, and sweeps go on from the guess.
+// Where it does not get there, as in a jam, sweeps go on from the best impulses.
 // Small islands and few sweeps leave iterations for methods that large mass ratios do not slow down.
 void Island::solve_to_default(dynContactReport& report) {
   using namespace tuning::default_solve;
@@ -35,19 +35,17 @@ void Island::solve_to_default(dynContactReport& report) {
   AcceleratedSweeps sweeps(*this);
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
   report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
-  if (report.residual <= tuning::island::nearly_solved && relax(report, tuning::island::nearly_solved)) {
+  if (report.residual <= tuning::island::tolerance && relax(report, tuning::island::tolerance)) {
     sweeps.load();
     report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
   }
   w.limit.expect(solver::TimeLimit::Unit::Segments, rows);
   const double fine = wanted(report.residual, tuning::island::fine);
-  if (report.residual > fine && report.residual <= far_guess && !w.time_is_up() && ordered()) {
+  if (report.residual > fine && report.residual <= max_guess && !w.time_is_up() && ordered()) {
     const double wanted = tolerance;
-    const bool is_near = report.residual <= near_guess;
     tolerance = std::min(tolerance, fine);
     Newton method(*this);
-    if (!method.run(is_near ? near_steps : far_steps, is_near ? 1 : tuning::newton::far_share, wanted, report))
-      method.write_best(report);
+    if (!method.run(newton_steps, wanted, report)) method.write_best(report);
     tolerance = wanted;
     sweeps.load();
   }

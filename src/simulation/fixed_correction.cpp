@@ -4,48 +4,34 @@
 
 namespace dyn::simulation {
 
-namespace {
-
-using namespace tuning::fixed_correction;
-
-}  // namespace
-
 // The next correction of each contact. A correction that keeps its direction is over-relaxed, twice as far each time.
 void Interior::update_correction() {
   for_each([&](const ActiveConstraint& a, State& s, Index) {
     const double step = solver::norm(c + a.s->first + 1, s.rows - 1) - s.correction;
-    s.relaxed = step * s.corrected > 0 && std::abs(step) > same_change * std::abs(s.corrected)
-                    ? std::min(max_relaxation, 2 * s.relaxed)
-                    : 1;
+    s.relaxed = step * s.corrected > 0 ? 2 * s.relaxed : 1;
     s.corrected = step;
     s.correction = std::max(0.0, s.correction + s.relaxed * step);
   });
 }
 
 bool Interior::run_fixed_correction(dynContactReport& report) {
+  using namespace tuning::interior;
   fixed_correction = true;
-  for (Index k = 0; k < 2 * problems && x.within_budget(report); ++k) {
-    if (k % problems == 0)  // start from the guess's corrections, then from zero
-      for_each([&](const ActiveConstraint& a, State& s, Index) {
-        s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1;
-      });
-    else
-      update_correction();
-    const double wrong = error().own / x.rows;
-    start_inside(tuning::interior::inside * std::sqrt(wrong)), velocities();
+  for_each([&](const ActiveConstraint&, State& s, Index) { s.correction = s.corrected = 0, s.relaxed = 1; });
+  while (x.within_budget(report)) {
+    update_correction();
+    start_inside(inside * std::sqrt(error().own / x.rows)), velocities();
     short_steps = 0;
-    for (Index i = 0;
-         i < tuning::interior::max_steps && x.within_budget(report) && step(report) && complementarity() > solved * wrong; ++i) {
-    }
-    if (newton_refine(newton_steps, 1, report)) return true;
+    for (Index i = 0; i < max_steps && x.within_budget(report) && step(report); ++i) {}
+    if (newton_refine(newton_steps, report)) return true;
   }
   return false;
 }
 
 // A residual slightly above the tolerance: contacts contradict one another by as little, and a solution of all is hard to find.
 void Island::solve_fixed_correction(dynContactReport& report) {
-  if (w.method_iterations() < min_iterations || report.residual < rounding || (!sparse() && !ordered())) return;
-  const Index more = (report.residual > far * tolerance ? far_rounds : near_rounds) * w.method_iterations();
+  if (!sparse() && !ordered()) return;
+  const Index more = tuning::island::rounds * w.method_iterations();
   allowance = std::min(w.max_iterations(), report.iterations + report.newton_steps + more);
   build_rows();
   Interior method(*this);

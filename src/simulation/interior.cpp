@@ -9,9 +9,9 @@ namespace {
 using solver::lorentz;
 using solver::within_cone;
 using namespace tuning::interior;
-using solver::tuning::interior::to_boundary, solver::tuning::interior::newton_reduction,
-    solver::tuning::interior::short_step, solver::tuning::interior::max_short_steps;
-using tuning::newton::min_compliance, tuning::newton::refinements, tuning::newton::near, tuning::newton::far_share;
+using solver::tuning::interior::to_boundary, solver::tuning::interior::newton_error,
+    solver::tuning::interior::newton_reduction, solver::tuning::interior::short_step, solver::tuning::interior::max_short_steps;
+using tuning::newton::min_compliance, tuning::newton::refinements;
 
 }  // namespace
 
@@ -23,8 +23,7 @@ void Interior::start_inside(double shift) {
       for (Index i = 0; i < s.rows; ++i) {
         const bool l = std::isfinite(s.lower), u = std::isfinite(s.upper);
         Uk[i] = top[i] = 0;
-        if (l && u)
-          yk[i] = std::clamp(yk[i], s.lower + box_inset * (s.upper - s.lower), s.upper - box_inset * (s.upper - s.lower));
+        if (l && u) yk[i] = 0.5 * (s.lower + s.upper);
         else if (l) yk[i] = std::max(yk[i], s.lower + shift);
         else if (u) yk[i] = std::min(yk[i], s.upper - shift);
         if (l) Uk[i] = std::max(ck[i], shift);
@@ -76,7 +75,7 @@ void Interior::scale_cone(const ActiveConstraint& a, State& s) const {
   for (Index j = 0; j <= m; ++j)
     for (Index i = 0; i <= m; ++i) nA[j] += n[i] * A[i][j];
   // Sherman-Morrison, N = (1, 0) n'; dropped where it would change the sign
-  if (const double own = 1 + nA[0]; !fixed_correction && own > min_pivot)
+  if (const double own = 1 + nA[0]; !fixed_correction && own > 0)
     for (Index i = 0; i <= m; ++i) {
       const double first = A[i][0] / own;
       for (Index j = 0; j <= m; ++j) A[i][j] -= first * nA[j];
@@ -211,9 +210,9 @@ bool Interior::step(dynContactReport& report) {
 }
 
 // Newton's method from here; if it fails, the iterate is restored.
-bool Interior::newton_refine(Index most, double share, dynContactReport& report) {
+bool Interior::newton_refine(Index most, dynContactReport& report) {
   std::copy_n(y, x.rows, y_here), std::copy_n(c, x.rows, c_here);
-  if (Newton::run(most, share, 0, report)) return true;
+  if (Newton::run(most, 0, report)) return true;
   std::copy_n(y_here, x.rows, y), std::copy_n(c_here, x.rows, c);
   return false;
 }
@@ -225,9 +224,9 @@ bool Interior::run(dynContactReport& report) {
   short_steps = 0;
   for (Index k = 0; k < max_steps && x.within_budget(report) && step(report); ++k) {
     now = error();
-    if (!(now.most < near * speed && now.most < newton_reduction * tried)) continue;
+    if (!(now.most < newton_error * speed && now.most < newton_reduction * tried)) continue;
     tried = now.most;
-    if (newton_refine(newton_steps, far_share, report)) return true;
+    if (newton_refine(newton_steps, report)) return true;
   }
   return false;
 }

@@ -36,7 +36,7 @@ class Interior : public Newton {
   void update_correction();
   // Returns false if the path is stuck.
   bool step(dynContactReport& report);
-  bool newton_refine(Index most, double share, dynContactReport& report);
+  bool newton_refine(Index most, dynContactReport& report);
 };
 
 }  // namespace dyn::simulation

@@ -101,15 +101,6 @@ void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
   x.w.report.penetration = std::max(x.w.report.penetration, -gap);
 }
 
-// Slow islands that may sleep: their forces and velocities must settle.
-bool may_fall_asleep(const Island& x) {
-  if (!(x.d.acting & DYN_EFFECT_SLEEPING)) return false;
-  for (Index k = 0; k < x.constraint_count; ++k)
-    for (Index n = 0; n < x.constraint(k).s->support_count; ++n)
-      if (std::abs(x.v_before[x.constraint(k).support[n]]) > x.w.options.sleep_speed) return false;
-  return true;
-}
-
 }  // namespace
 
 void Island::assign_rows() {
@@ -126,7 +117,6 @@ void Island::assign_rows() {
 void Island::fill() {
   drop_redundant();
   if (is_exact()) tolerance = w.has_tolerance() ? w.tolerance() : tuning::island::fine;
-  else if (may_fall_asleep(*this)) tolerance = tuning::island::settled;
   if (!is_exact()) slack = tuning::island::slack * shape::norm(load3(d.world_gravity)) * h * h;
   for (Index k = 0; k < constraint_count && w.closed_gap > 0; ++k)
     for (Index r = 0; r < constraint(k).s->rows; ++r) fast = std::max(fast, std::abs(constraint(k).s->rate[r]));
@@ -137,14 +127,14 @@ void Island::fill() {
     else fill_contact(*this, x, in_contacts++);
   }
   enough = w.has_tolerance() || contacts == 0 ? tolerance : tuning::island::tolerance;
-  if (bounces) tolerance = enough = std::min(tolerance, tuning::island::settled);
+  if (bounces) tolerance = enough = std::min(tolerance, tuning::island::fine);  // else impacts may gain energy
 }
 
 // Impulses that stopped small motion in the step before are wrong once the bodies stand: accepted as a guess, they would set them
 // in motion again, to be stopped in the next step, and so on.
 double Island::wanted(double residual, double usual) const {
   using namespace tuning::island;
-  if (!(residual <= usual && residual > standing_residual)) return usual;
+  if (!(residual <= usual && residual > solver::tuning::round_off)) return usual;
   double fast = 0;
   for (Index k = 0; k < constraint_count; ++k)
     for (Index n = 0; n < constraint(k).s->support_count; ++n) {

@@ -29,8 +29,8 @@ dynContactProblem problem(const Island& x) {
 
 }  // namespace
 
-// If few degrees of freedom support most constraints (one tree): G = Z^T Z, Z = D^-1/2 Y row by row. Returns false if they are
-// many.
+// G = Z^T Z, Z = D^-1/2 Y row by row, as for one tree. Returns false if Z is larger than G, or if its zeros cost more products
+// than pairs of constraints do, each by the degrees of freedom of one of them.
 bool Island::dense_matrix() {
   using P = Simd<double, row_lanes>;
   Index low = m.n.nvx, high = 0;
@@ -41,12 +41,10 @@ bool Island::dense_matrix() {
     low = std::min(low, a.support[a.s->support_count - 1]), high = std::max(high, a.support[0]), carried += a.s->support_count;
   }
   const Index dofs = high - low + 1;
-  if (dofs < 1 || dofs > tuning::island::dense_dofs ||
-      std::ptrdiff_t(dofs) * constraint_count > tuning::island::dense_fill * carried)
-    return false;
+  if (dofs < 1 || dofs > rows || std::ptrdiff_t(dofs) * rows > row_lanes * carried) return false;
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d) + low;
-  double *const Z = w.dense, *const G = w.matrix, root[tuning::island::dense_dofs];
+  double *const Z = w.solver.factor.x, *const G = w.matrix, *const root = kept;
   for (Index k = 0; k < dofs; ++k) root[k] = std::sqrt(Dinv[k]);
   std::fill_n(Z, ld * dofs, 0.0);
   for (Index k = 0; k < constraint_count; ++k) {

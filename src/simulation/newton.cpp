@@ -241,7 +241,7 @@ Newton::Newton(const Island& island)
   std::copy_n(before, x.rows, y), velocities();
 }
 
-bool Newton::run(Index most, double share, double enough, dynContactReport& report) {
+bool Newton::run(Index most, double enough, dynContactReport& report) {
   Error now = error();
   double last = HUGE_VAL;
   w.limit.expect(solver::TimeLimit::Unit::Segments, x.rows);
@@ -262,15 +262,12 @@ bool Newton::run(Index most, double share, double enough, dynContactReport& repo
       std::copy_n(before, x.rows, y), velocities();
       break;
     }
-    if (next.most < near * speed) {
-      candidate(best), report.residual = residual(best);
-      if (report.residual <= x.tolerance || (report.residual <= enough && !(report.residual < progress * last))) {
-        to_impulses(best);
-        return true;
-      }
-      last = report.residual;
+    candidate(best), report.residual = residual(best);
+    if (report.residual <= x.tolerance || (report.residual <= enough && !(report.residual < progress * last))) {
+      to_impulses(best);
+      return true;
     }
-    if (!(next.sum < share * now.sum)) break;
+    last = report.residual;
     now = next;
   }
   compliant = min_compliance;
@@ -295,7 +292,7 @@ bool Newton::least_norm(double tolerance) {
   return false;
 }
 
-bool Newton::run(dynContactReport& report) { return run(max_steps, 1, x.enough, report); }
+bool Newton::run(dynContactReport& report) { return run(max_steps, x.enough, report); }
 
 void Newton::write_best(dynContactReport& report) {
   candidate(best);

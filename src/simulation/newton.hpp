@@ -16,9 +16,8 @@ class Newton {
   explicit Newton(const Island& island);
   // Starts from the island's lambda and iterates while the error falls. Returns true when the tolerance is met.
   bool run(dynContactReport& report);
-  // At most max_steps steps, each of which must reduce the squared error to `share` of the last. Ends at a residual of `enough`,
-  // too, where it falls slowly.
-  bool run(Index max_steps, double share, double enough, dynContactReport& report);
+  // At most max_steps steps. Ends at a residual of `enough`, too, where it falls slowly.
+  bool run(Index max_steps, double enough, dynContactReport& report);
   // Sets lambda to the smallest impulses with which contacts that press in the guess stick; those that would pull are left out.
   // Returns false, and changes nothing, if they are no solution.
   bool least_norm(double tolerance);

@@ -215,7 +215,7 @@ bool Island::accept_guess(dynContactReport& report) {
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
-  for (int k = 0; k < guess_sweeps && report.residual > tolerance && report.residual < tuning::island::nearly_solved; ++k) {
+  for (int k = 0; k < guess_sweeps && report.residual > tolerance && report.residual < tuning::island::tolerance; ++k) {
     prepare_cones();
     sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;

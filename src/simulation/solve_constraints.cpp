@@ -137,7 +137,7 @@ void Island::solve_exactly(dynContactReport& report) {
     if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
     solve(report);
   }
-  if (!bounces && is_above(enough) && report.residual < tuning::island::nearly_solved) gauss_seidel_while_improving(report);
+  if (!bounces && is_above(enough) && report.residual < tuning::island::tolerance) gauss_seidel_while_improving(report);
   if (!bounces && is_above(enough)) solve_fixed_correction(report);
 }
 

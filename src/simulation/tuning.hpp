@@ -54,18 +54,14 @@ inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster appro
 inline constexpr double correction = 0.5;       // of the position error that a step removes
 // of a row's own G: bounds displacements of contradictory rows; and of the displacement, the solver's tolerance
 inline constexpr double correction_softness = 1e-6;
-inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps can reduce to the tolerance
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
-inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
-inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: beyond, zeros cost more
 inline constexpr int relaxed_every = 64;        // steps of dt: the smallest impulses cost a Newton step
 inline constexpr Index few_iterations = 20;     // of the dense matrix's first try, where it may end at the default residual
-inline constexpr int rounds = 3;                // of method_iterations for all methods together: three tries by the dense matrix
-inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt, with an accuracy
+inline constexpr int rounds = 3;                // of method_iterations for all methods together; once more for fixed corrections
+inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt; with an accuracy, at impacts
 inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default
 inline constexpr double standing = 0.01;        // of the residual as a speed: slower bodies stand while their impulses do not fit
-inline constexpr double standing_residual = 1e-12, gain = 0.1;  // below, it may be rounding; of the residual, that ends the solve
-inline constexpr double settled = 1e-8;         // residual of slow islands that may sleep, and of impacts, which may gain energy
+inline constexpr double gain = 0.1;             // of the residual, that ends the solve then
 inline constexpr double slack = 0.05;           // of g h^2, what gravity closes in a step: gap that pressed contacts keep
 inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations
 }  // namespace island
@@ -85,16 +81,14 @@ inline constexpr double correction_change = 0.02;  // of the first sweep's chang
 // Anderson's acceleration of sweeps (accelerated_sweeps.cpp).
 namespace acceleration {
 inline constexpr int depth = 5;                 // sweeps that are combined
-inline constexpr double ridge = 1e-12;          // of the diagonal of their Gram matrix
 inline constexpr double growth = 2;             // of a sweep's change over the last: above it the combination starts anew
-inline constexpr double recheck = 0.5;          // of the change at which the residual was evaluated
 inline constexpr Index small_sweeps = 50;       // where other methods follow
 }  // namespace acceleration
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {
-inline constexpr double near_guess = 0.02, far_guess = 1;  // residual of the guess; beyond far, no Newton
-inline constexpr Index near_steps = 16, far_steps = 8;     // Newton steps from a near and from a far guess
+inline constexpr double max_guess = 1;          // residual of the guess; beyond, no Newton
+inline constexpr Index newton_steps = 16;       // from the guess
 inline constexpr Index dense_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
 
@@ -113,8 +107,6 @@ inline constexpr int relaxations = 3;           // tries to find which contacts 
 inline constexpr double jammed = 100;           // of the impulses that stop all motion: larger ones are stress locked by friction
 inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones
 inline constexpr Index max_steps = 15;          // of one attempt
-inline constexpr double near = 1e-2;            // error over speed from which a solution may be near: the residual is evaluated
-inline constexpr double far_share = 0.5;        // of the squared error: each step of an attempt from far ends below it
 inline constexpr double progress = 0.9;         // of the residual: a step that reduces it by less ends a good enough solve
 inline constexpr double block_price = 16000, redundant_block_price = 4000;  // of a segment, in dense rows^3: measured
 }  // namespace newton
@@ -122,22 +114,8 @@ inline constexpr double block_price = 16000, redundant_block_price = 4000;  // o
 // Interior point method on segments (interior.cpp). Other constants are those of solver/interior.cpp.
 namespace interior {
 inline constexpr double inside = 10;            // of the guess's error: distance of the start from the boundary
-inline constexpr double box_inset = 0.1;        // of a bounded row's range
-inline constexpr double min_pivot = 1e-3;       // of the rank-one update: below it the matrix changes sign, the term is dropped
-inline constexpr Index max_steps = 30, newton_steps = 6;  // of one path; of each Newton attempt
+inline constexpr Index max_steps = 30, newton_steps = 10;  // of one path; of each Newton attempt
 }  // namespace interior
-
-// The same with fixed de Saxce corrections (interior.cpp, newton.cpp).
-namespace fixed_correction {
-inline constexpr Index problems = 30, newton_steps = 10;  // convex problems from each start; Newton steps after each
-inline constexpr double solved = 1e-4;          // of the squared error: complementarity at which a convex problem ends
-inline constexpr double max_relaxation = 64;    // of a correction that keeps its direction; it doubles each time
-inline constexpr double same_change = 0.5;      // of the last change: a smaller one does not keep its direction
-inline constexpr Index min_iterations = 30;     // of method_iterations: with fewer, they were the reason for the residual
-inline constexpr double rounding = 1e-11;       // residual that is rounding
-inline constexpr double far = 10;               // of the tolerance: residual above which more rounds are spent
-inline constexpr Index near_rounds = 2, far_rounds = 9;  // of method_iterations
-}  // namespace fixed_correction
 
 // Springs (semi_implicit_euler.hpp).
 inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half a radian a step; explicit steps need less than 4

@@ -58,7 +58,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.diagonal, BlockFactor::size * segments), f(w.blocks_above, 2 * BlockFactor::size * entries);
   f(w.where, segments), f(w.newton_acts, segments), f(w.newton_filled, entries);
   if (may_rest(m)) for_each_array(m, w.sleep, f);
-  f(w.matrix, room * room), f(w.dense, std::min(tuning::island::dense_dofs, m.n.nvx) * room);
+  f(w.matrix, room * room);
   f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 

@@ -91,7 +91,7 @@ struct NewtonConstraint {
   bool cone, acts;       // acts: neither at a bound nor open
   decltype(solver::ConeState::mode) mode;
   double mu, across, lower, upper;
-  // de Saxce's correction while it is fixed (interior.cpp): its value, its last change, the over-relaxation factor
+  // de Saxce's correction while it is fixed (fixed_correction.cpp): its value, its last change, the over-relaxation factor
   double correction, corrected, relaxed;
   double unit[max_rows], speed[2];  // unit: of impulses; speed: of the normal and the tangential velocities
   double soft[max_rows];            // compliance
@@ -194,7 +194,6 @@ struct Workspace {
   dynContactForce *contacts, *previous, *saved;
   ContactLaw* laws;
   double *vectors, *matrix;     // of one island
-  double* dense;                // Y of one island as a dense matrix
   Index* contact_rows;
   ConstraintBlock* blocks;            // of an island's constraints
   RowBlock* row_blocks;

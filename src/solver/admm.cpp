@@ -30,11 +30,9 @@ void admm(Workspace& w, Budget& b) {
     admm_iterations(w, b, b.max_iterations);
     return;
   }
-  // if both fail, the interior point method starts from smaller impulses
-  double factor = 1;
-  for (Index steps = first_steps; factor > tuning::epsilon && !b.spent();
-       steps *= growth, factor *= tuning::interior::start_reduction)
-    if (admm_iterations(w, b, steps) || interior(w, b, factor)) return;
+  // if both fail, the interior point method starts from smaller impulses, after as many more steps
+  for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
+    if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor)) return;
 }
 
 }  // namespace dyn::solver

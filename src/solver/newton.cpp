@@ -28,11 +28,10 @@ void newton(Workspace& w, Budget& b) {
     augmented_lagrangian(w, b, b.max_iterations);
     return;
   }
-  // if both fail, the interior point method starts from smaller impulses
-  double factor = 1;
-  for (Index steps = first_steps; factor > tuning::epsilon && !b.spent();
-       steps *= growth, factor *= tuning::interior::start_reduction)
-    if (interior(w, b, factor) || augmented_lagrangian(w, b, steps)) return;
+  // if both fail, the interior point method starts from smaller impulses, and as many more steps follow
+  for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
+    if (interior(w, b, factor) || augmented_lagrangian(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))))
+      return;
 }
 
 }  // namespace dyn::solver

@@ -79,7 +79,6 @@ inline constexpr Index first_steps = 1, growth = 2;  // subproblems before inter
 
 // Interior point method (interior.cpp; simulation/interior.cpp).
 namespace interior {
-inline constexpr double start_reduction = 0.1;    // of the initial impulses, from one attempt to the next, down to rounding
 inline constexpr double box_proximal = 1e-14;     // of the unit diagonal: redundant boxes stay regular
 inline constexpr double to_boundary = 0.99;       // of the step length to the boundary (Mehrotra 1992)
 inline constexpr Index max_steps = 40;            // bound of one attempt
