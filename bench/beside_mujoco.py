@@ -245,7 +245,7 @@ def body_of(m, shape):
 
 
 class Start(NamedTuple):
-    name: str  # "drawn", or a key's; "raised": moved by within_limits()
+    name: str  # "drawn", or a key's; "raised": moved by within_limits(); "closed": equalities hold by closed()
     key: int | None
     qpos: np.ndarray
 
@@ -262,30 +262,41 @@ def within_limits(mm, qpos):
 
 
 def violated(mm, start):
-    """Whether contacts overlap by more than 1 mm, joints are beyond limits by 1 mm or mrad, or equalities off by 2."""
+    """Whether contacts overlap by more than 1 mm, joints are beyond limits by 1 (mm, mrad), or equalities off by 0.1."""
     md = begin(mm, start)
     q = md.qpos[mm.jnt_qposadr]
     beyond = np.where(mm.jnt_limited & (mm.jnt_type >= 2), np.maximum(mm.jnt_range[:, 0] - q, q - mm.jnt_range[:, 1]), 0)
     opened = np.abs(md.efc_pos[md.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY])
-    return min((c.dist - c.includemargin for c in md.contact), default=0.0) < -1e-3 or beyond.max(initial=0) > 1e-3 or opened.max(initial=0) > 2e-3
+    deepest = min((c.dist - c.includemargin for c in md.contact), default=0.0)
+    return deepest < -1e-3 or beyond.max(initial=0) > 1e-3 or opened.max(initial=0) > 1e-4
 
 
-def sound_start(mm):
-    """The first pose of the file at which nothing is violated, as it is or raised; None if there is none."""
+def closed(beside, start):
+    """The nearest pose at which the equalities hold, raised."""
+    mm, d = beside.mm, beside.m.data()
+    q = d.project(beside.q(start.qpos), np.zeros(mm.nv)).q
+    return start._replace(name=start.name + ", closed", qpos=within_limits(mm, beside.qpos(q)))
+
+
+def sound_start(beside):
+    """The first pose of the file at which nothing is violated, as it is, raised or closed; None if there is none."""
+    mm = beside.mm
     written = [Start("drawn", None, mm.qpos0)]
     written += [Start(mm.key(k).name or f"key {k}", k, mm.key_qpos[k]) for k in range(mm.nkey) if not mm.key_act[k].any()]
     raised = [s._replace(name=s.name + ", raised", qpos=within_limits(mm, s.qpos)) for s in written]
-    return next((s for s in written + raised if not violated(mm, s)), None)
+    starts = written + raised + ([closed(beside, s) for s in written + raised] if mm.neq and beside.m.nconstraints else [])
+    return next((s for s in starts if not violated(mm, s)), None)
 
 
-def rigid(mm):
-    """A copy with contacts, limits and equalities 16 times as fast, without rebound or compliance, and with round cones."""
+def rigid(mm, faster=16):
+    """A copy with contacts, limits, friction and equalities so many times as fast, without rebound or compliance, with round
+    cones."""
     out = copy.copy(mm)
     for name in ("geom", "jnt", "dof", "eq", "pair"):
         law, impedance = getattr(out, name + "_solref"), getattr(out, name + "_solimp")
         standard = law[:, 0] > 0
-        law[standard] *= (1 / 16, 3)  # time constant, damping ratio
-        law[~standard] *= (16**2, 3 * 16)  # stiffness, damping
+        law[standard] *= (1 / faster, 3)  # time constant, damping ratio
+        law[~standard] *= (faster**2, 3 * faster)  # stiffness, damping
         impedance[:, :2] = 1 - 1e-4
     out.opt.cone, out.opt.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, max(out.opt.impratio, 10)
     out.opt.iterations, out.opt.ls_iterations, out.opt.tolerance = 200, 50, 1e-12
@@ -293,20 +304,28 @@ def rigid(mm):
 
 
 def rigid_motion(beside, duration):
-    """The motion here beside rigid() MuJoCo's, both in fine steps from sound_start(): {"start", "rigid", "until"}, {} without one.
+    """The motion here beside rigid() MuJoCo's, both in fine steps from sound_start(), {} without one:
+    {"start", "rigid", "until", "own"}.
 
-    rigid: largest distance of the configurations. until: the time at which it is first beyond MOVES.
+    rigid: largest distance of the configurations. until: the time at which it is first beyond MOVES. own: the time at which
+    MuJoCo's own motion is, when everything is twice as fast.
     """
-    mm, start = beside.mm, sound_start(beside.mm)
+    mm, start = beside.mm, sound_start(beside)
     if not start:
         return {}
     sim, md = dyn.Simulation(beside.m, dt=mm.opt.timestep / 4, tolerance=1e-8), begin(mm, start)
     sim.data.set_state(beside.q(md.qpos), beside.velocity_map(md.qpos) @ md.qvel)
     if mm.nu:
         sim.data.set_control(md.ctrl)
-    away = distances(beside, Run(rigid(mm), duration, 32, start), sim, 4)
-    parts = next((k for k, x in enumerate(away) if x > MOVES), None)
-    return {"start": start.name, "rigid": max(away)} | ({} if parts is None else {"until": parts * mm.opt.timestep})
+    peer = Run(rigid(mm), duration, 32, start)
+    away = distances(beside, peer, sim, 4)
+    out = {"start": start.name, "rigid": max(away)}
+    if max(away) > MOVES:
+        twice = Run(rigid(mm, 32), duration, 64, start)
+        own = [beside.apart(a, b) for a, b in zip(peer.qpos, twice.qpos)]
+        first = {what: next((k for k, x in enumerate(far) if x > MOVES), None) for what, far in (("until", away), ("own", own))}
+        out |= {what: k * mm.opt.timestep for what, k in first.items() if k is not None}
+    return out
 
 
 def beginning(mm):

@@ -31,7 +31,7 @@ sys.path[:0] = [str(PROJECT / "capi" / "python"), str(PROJECT / "bench")]
 
 import numpy as np  # noqa: E402
 
-MOTION = "moves itself energy contacts rigid until start".split()
+MOTION = "moves itself energy contacts rigid until own start".split()
 FIELDS = [*"file format peer result sizes timestep begins forces".split(), *MOTION, "unsupported", "reason"]
 ENERGIES, CONTACTS = 0.1, 0.7  # where motion amplifies: relative difference of energies, share of pairs that touch in both
 MOVES = 0.06  # rad or m
@@ -128,10 +128,16 @@ def as_rigid(moves, row):
     return RIGID
 
 
+def first_of(said):
+    """The first message, and how many more there are."""
+    message = re.sub(r"^\S+:\d+: ", "", said[0]).split(": it keeps")[0]
+    return message + (f" (and {len(said) - 1} more)" if said[1:] else "")
+
+
 def reason_of(beginning, moves, said):
     """What is known to part the motions, the first that holds."""
     beyond, deep = beginning
-    reasons = ["physics that is not supported"] if said else []
+    reasons = ["not supported: " + first_of(said)] if said else []
     if beyond:
         reasons.append(f"drawn beyond the limits of {len(beyond)} joints ({beyond[0]})")
     if deep:

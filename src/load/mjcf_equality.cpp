@@ -153,6 +153,7 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   for (const double x : f)
     if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
   if (f[0] != f[1] || f[3] != f[4]) pair.place.physics("friction differs by direction: the first of each is used");
+  pair.material.restitution = mjcf_rebound(reader, e);
   pair.material.friction = f[0], pair.material.torsion = f[2], pair.material.rolling = f[3];
   pair.material = shape::acting(pair.material, mjcf_latent(reader, e));
   pair.margin = reader.optional_number(e, "margin").value_or(0);

@@ -49,7 +49,8 @@ shape::ShapeMaterial material_of(const Reader& reader, const Element& e) {
   for (const double x : friction)
     if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
   shape::ShapeMaterial x = {shape::default_material()};
-  x.friction = friction[0], x.torsion = friction[1], x.rolling = friction[2], x.latent = mjcf_latent(reader, e);
+  x.friction = friction[0], x.torsion = friction[1], x.rolling = friction[2];
+  x.latent = mjcf_latent(reader, e), x.restitution = mjcf_rebound(reader, e);
   if (const auto v = reader.numbers(e, "surfacevel")) {
     std::copy_n(v->begin(), std::min<size_t>(v->size(), 3), x.surface_velocity);
     if (std::any_of(v->begin() + std::ptrdiff_t(std::min<size_t>(v->size(), 3)), v->end(), [](double turn) { return turn != 0; }))
@@ -59,6 +60,15 @@ shape::ShapeMaterial material_of(const Reader& reader, const Element& e) {
 }
 
 }  // namespace
+
+// MuJoCo's contact is a damped spring. Two negative numbers are its stiffness and damping of a unit mass, from which the ratio of
+// velocities after half a period follows.
+double mjcf_rebound(const Reader& reader, const Element& e) {
+  const auto spring = reader.numbers(e, "solref");
+  if (!spring || spring->size() < 2 || !((*spring)[0] < 0)) return 0;
+  const double ratio = -(*spring)[1] / (2 * std::sqrt(-(*spring)[0]));
+  return ratio >= 0 && ratio < 1 ? std::exp(-3.14159265358979324 * ratio / std::sqrt(1 - ratio * ratio)) : 0;
+}
 
 // condim says which kinds of friction act: 1 none, 3 sliding, 4 torsion, too, 6 rolling, too.
 std::uint32_t mjcf_latent(const Reader& reader, const Element& e) {

@@ -69,10 +69,15 @@ ByJoint velocities(const MjcfRobot& robot, const ByJoint& q, const std::vector<d
   return out;
 }
 
-void check_size(const MjcfKey& key, const char* what, size_t given, size_t needed, const char* symbol) {
-  if (given != 0 && given != needed)
-    key.place.fail(DYN_ERROR_SIZE, std::string(what) + " has " + std::to_string(given) + " numbers, and the model has " + symbol +
-                                       " = " + std::to_string(needed));
+// The key's numbers, followed by those of `otherwise` that it leaves out.
+std::vector<double> filled(const MjcfKey& key, const char* what, const std::vector<double>& given, std::vector<double> otherwise,
+                           const char* symbol) {
+  const std::string sizes = std::string(what) + " has " + std::to_string(given.size()) + " numbers, and the model has " + symbol +
+                            " = " + std::to_string(otherwise.size());
+  if (given.size() > otherwise.size()) key.place.fail(DYN_ERROR_SIZE, sizes);
+  if (!given.empty() && given.size() < otherwise.size()) key.place.warning(sizes + ": the rest is as in the drawn pose");
+  std::copy(given.begin(), given.end(), otherwise.begin());
+  return otherwise;
 }
 
 ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const ByJoint& q) {
@@ -80,18 +85,21 @@ ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const By
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) nv += size_t(joint_nv(j.spec.type));
   for (const MjcfActuator& a : robot.actuators) na += a.activations;
-  check_size(key, "qvel", key.qvel.size(), nv, "nv"), check_size(key, "act", key.act.size(), na, "na"),
-      check_size(key, "ctrl", key.ctrl.size(), robot.actuators.size(), "nu");
+  const auto of = [&](const char* what, const std::vector<double>& given, size_t size, const char* symbol) {
+    return filled(key, what, given, std::vector<double>(size), symbol);
+  };
+  const std::vector<double> qvel = of("qvel", key.qvel, nv, "nv"), act = of("act", key.act, na, "na"),
+                            ctrl = of("ctrl", key.ctrl, robot.actuators.size(), "nu");
   ConfigurationState state;
-  if (!key.qvel.empty()) state.v = velocities(robot, q, key.qvel);
+  if (!key.qvel.empty()) state.v = velocities(robot, q, qvel);
   state.time = key.time;
-  size_t act = 0;
+  size_t next = 0;
   for (size_t k = 0; k < robot.actuators.size(); ++k) {
     const MjcfActuator& a = robot.actuators[k];
     ConfigurationState::Actuator x;
-    if (!key.ctrl.empty()) x.control[0] = key.ctrl[k];
-    if (!key.act.empty() && a.activations > 0 && !a.inert) x.activation = key.act[act];
-    act += a.activations;
+    x.control[0] = ctrl[k];
+    if (a.activations > 0 && !a.inert) x.activation = act[next];
+    next += a.activations;
     if (!a.inert || nv > 0) state.actuators.emplace_back(a.name, x);
   }
   return state;
@@ -132,8 +140,7 @@ void add_mjcf_keys(Builder& builder, const MjcfRobot& robot) {
       key.place.physics("it is left out: its joints are missing from the model");
       continue;
     }
-    check_size(key, "qpos", key.qpos.size(), initial.size(), "nq");
-    const ByJoint q = coordinates(robot, key.qpos.empty() ? initial : key.qpos);
+    const ByJoint q = coordinates(robot, filled(key, "qpos", key.qpos, initial, "nq"));
     with_location(key.place, [&] { builder.configuration_of_joints(key.name, q, state_of(robot, key, q)); });
   }
   if (!is_neutral(robot)) builder.initial_configuration("qpos0");

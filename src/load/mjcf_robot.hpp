@@ -224,6 +224,7 @@ void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context);
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context);
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
 std::uint32_t mjcf_latent(const Reader& reader, const Element& e);  // ShapeMaterial::latent, of condim
+double mjcf_rebound(const Reader& reader, const Element& e);  // restitution, of solref
 void set_mjcf_priorities(MjcfRobot& robot);
 // mjcf_mass.cpp
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner);

@@ -1,4 +1,5 @@
 // Model to MJCF: shapes, their meshes and height fields, and which pairs are tested.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -23,6 +24,13 @@ void put_friction(XmlElement& e, const shape::ShapeMaterial& x) {
   if (dim != 3) put(e, "condim", dim);
   if (x.friction != 1 || x.torsion != 0.005 || x.rolling != 0.0001) put(e, "friction", {x.friction, x.torsion, x.rolling});
   if (x.priority != 0) put(e, "priority", x.priority);
+}
+
+// A contact spring of little damping, from which mjcf_rebound() gives the restitution.
+void put_restitution(XmlElement& e, double restitution) {
+  if (restitution == 0) return;
+  const double stiffness = 1e4, decay = -std::log(restitution), pi = 3.14159265358979324;
+  put(e, "solref", {-stiffness, -2 * std::sqrt(stiffness) * decay / std::sqrt(pi * pi + decay * decay)});
 }
 
 }  // namespace
@@ -76,11 +84,12 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   const shape::ShapeMaterial material = material_of(m, s);
   put_friction(e, material);
   if (s.radius > 0) put(e, "margin", s.radius);
+  put_restitution(e, material.restitution);
   dynMaterial rest = material;
-  std::fill_n(rest.surface_velocity, 3, 0.0);
+  std::fill_n(rest.surface_velocity, 3, 0.0), rest.restitution = 0;
   if (std::any_of(material.surface_velocity, material.surface_velocity + 3, [](double v) { return v != 0; }))
     put(e, "surfacevel", std::span(material.surface_velocity));
-  if (!is_default(rest, false)) losses.loss("restitution, stiffness and damping of materials", called);
+  if (!is_default(rest, false)) losses.loss("stiffness and damping of materials", called);
   bool wanted = false;
   for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)
     wanted |= p->wanted() && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
@@ -158,7 +167,10 @@ void MjcfWriter::add_contacts() {
     const dynMaterial x = p.material() ? m.materials()[p.material() - 1]
                                        : shape::combined(material_of(m, m.shapes()[a]), material_of(m, m.shapes()[b]));
     put(e, "condim", condim(x)), put(e, "friction", {x.friction, x.friction, x.torsion, x.rolling, x.rolling});
-    if (!is_default(x, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", geom_names[a]);
+    put_restitution(e, x.restitution);
+    dynMaterial rest = x;
+    rest.restitution = 0;
+    if (!is_default(rest, false)) losses.loss("stiffness, damping and surface velocity of materials", geom_names[a]);
   }
 }
 

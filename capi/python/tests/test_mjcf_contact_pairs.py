@@ -88,8 +88,9 @@ def test_priorities_beyond_eight_levels_are_named():
     assert [message.split(" counts")[0].split("priority ")[1] for message in said] == ["-5", "4", "5"]
 
 
-@pytest.mark.parametrize("floor, pair, what", [('margin="-.01"', None, "margin is negative"), ('margin=".01"', "", "its margin is not used"),
-                                               ("", 'margin=".01"', "its margin is not used")])
+@pytest.mark.parametrize("floor, pair, what", [('margin="-.01"', None, "margin is negative"),
+                                               ('margin=".01"', "", "its margin is not used"),
+                                               ("", 'margin=".01"', "its margin is not used")])  # yapf: disable
 def test_margins_that_are_not_supported_are_named(floor, pair, what):
     said = [e.message for e in dyn.load_string(xml(floor, "", pair)).report if e.level == dyn.ReportLevel.DROPPED]
     assert len(said) == 1 and what in said[0]
@@ -110,3 +111,22 @@ def test_a_material_that_is_set_keeps_its_priority():
     assert friction() == pytest.approx(0.2, rel=1e-6)
     d.set_shape_material(0, dyn.Material(friction=0.7))
     assert friction() == pytest.approx(0.7, rel=1e-6)
+
+
+@pytest.mark.parametrize("damping", [0, 10, 20])
+@pytest.mark.parametrize("where", ["floor", "ball", "pair"])
+def test_a_contact_spring_of_little_damping_rebounds(damping, where):
+    spring = f'solref="-10000 -{damping}"'
+    text = xml(spring if where == "floor" else "", spring if where == "ball" else "", spring if where == "pair" else None)
+    mm = mujoco.MjModel.from_xml_string(text)
+    mm.opt.timestep, mm.opt.gravity[:] = 1e-4, 0
+    md = mujoco.MjData(mm)
+    md.qvel[2] = -2
+    for _ in range(2000):
+        mujoco.mj_step(mm, md)
+    m = dyn.load_string(text)
+    d = m.data()
+    d.set_gravity([0, 0, 0])
+    d.set_state(m.configuration("qpos0"), [0, 0, -2, 0, 0, 0])
+    d.advance(0.2)
+    assert d.v[2] == pytest.approx(md.qvel[2], abs=0.03 * 2)  # MuJoCo's lets go before half a period

@@ -62,7 +62,8 @@ def test_actuators_with_several_controls_keep_their_places(actuator, controls):
 
 def test_what_refers_to_unsupported_parts_is_dropped():
     m = load(f'<worldbody><body name="a"><joint name="j"/>{GEOM}{FLEX}</body></worldbody><contact>'
-             '<exclude body1="a" body2="f_1"/></contact><equality><connect body1="f_0" anchor="0 0 0"/></equality><actuator><motor joint="f_2"/></actuator>'
+             '<exclude body1="a" body2="f_1"/></contact><equality><connect body1="f_0" anchor="0 0 0"/></equality>'
+             '<actuator><motor joint="f_2"/></actuator>'
              '<keyframe><key name="k" qpos="1 2 3 4"/></keyframe>')
     assert (m.nv, m.nu, m.nconstraints) == (1, 1, 0) and "k" not in m.configurations
     said = "\n".join(dropped(m))
