@@ -217,7 +217,7 @@ def table(rows, head=ALL):
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for r in rows:
         cells = [r["file"] if k == "file" else without_paths(str(r.get(k, ""))) for k in head]
-        lines.append("| " + " | ".join(cell.replace("|", "/")[:160] for cell in cells) + " |")
+        lines.append("| " + " | ".join(cell.replace("|", "/")[:160].replace("<", "&lt;") for cell in cells) + " |")
     return "\n".join(lines)
 
 
