@@ -129,8 +129,8 @@ def as_rigid(moves, row):
 
 
 def first_of(said):
-    """The first message, and how many more there are."""
-    message = re.sub(r"^\S+:\d+: ", "", said[0]).split(": it keeps")[0]
+    """The first message, without names of files, and how many more there are."""
+    message = re.sub(r"^\S+:\d+: | \('[^']*'\)", "", said[0]).split(": it keeps")[0]
     return message + (f" (and {len(said) - 1} more)" if said[1:] else "")
 
 
