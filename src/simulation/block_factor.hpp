@@ -17,6 +17,7 @@ struct BlockFactor {
   Index* where;                      // by position
   // acts: by position, has unknowns. filled: by entry, block is not zero
   bool *acts, *filled;
+  bool symmetric = false;  // then blocks of `lower` follow from those of `upper`, and need not be filled
 
   // c -= a b
   static DYN_INLINE void subtract(double* c, const double* a, const double* b) {
@@ -37,6 +38,11 @@ struct BlockFactor {
 #pragma GCC unroll 6
     for (int l = 0; l < R; ++l) sum = sum - P::load(a + W * l) * y[l];
     sum.store(x);
+  }
+
+  static DYN_INLINE void transpose(const double* a, double* to) {
+    for (int j = 0; j < R; ++j)
+      for (int i = 0; i < W; ++i) to[i + W * j] = i < R ? a[j + W * i] : 0;
   }
 
   // In-place Gauss-Jordan inverse, columns in lanes. Returns false if singular.
@@ -75,7 +81,7 @@ struct BlockFactor {
       std::fill_n(filled + begin, end - begin, false);
       if (!acts[i]) continue;
       std::fill_n(upper + std::ptrdiff_t(size) * begin, size * (end - begin), 0.0);
-      std::fill_n(lower + std::ptrdiff_t(size) * begin, size * (end - begin), 0.0);
+      if (!symmetric) std::fill_n(lower + std::ptrdiff_t(size) * begin, size * (end - begin), 0.0);
       for (Index e = begin; e < end; ++e) where[order.later[e]] = e;
       double* const D = diagonal + size * i;
       fill(i, D);
@@ -89,13 +95,14 @@ struct BlockFactor {
           const Index to = where[order.later[f]];
           filled[to] = true;
           subtract(upper + std::ptrdiff_t(size) * to, L, upper + std::ptrdiff_t(size) * f);
-          subtract(lower + std::ptrdiff_t(size) * to, lower + std::ptrdiff_t(size) * f, U);
+          if (!symmetric) subtract(lower + std::ptrdiff_t(size) * to, lower + std::ptrdiff_t(size) * f, U);
         }
       }
       if (!invert(D)) return false;
       for (Index e = begin; e < end; ++e) {
         if (!filled[e]) continue;
         double* L = lower + std::ptrdiff_t(size) * e;
+        if (symmetric) transpose(upper + std::ptrdiff_t(size) * e, L);
         alignas(64) double minus[size] = {};
         subtract(minus, L, D);
         for (int k = 0; k < size; ++k) L[k] = -minus[k];

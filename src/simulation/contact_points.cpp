@@ -303,7 +303,7 @@ Index find_contacts(const Model& m, Data<double>& d, double h, double& min_dista
   Search search{m, d, h};
   w.by_boxes ? search.by_boxes() : search.by_list();
   min_distance = search.min_distance;
-  for_each_with_previous(w, [](const dynContactForce&) { return true; }, copy_force);  // warm start
+  take_previous_forces(m, d);
   return w.contact_count;
 }
 

@@ -62,13 +62,9 @@ void init_contact(const Model& m, Data<double>& d, Index contact, double h, Cons
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
-  const auto geom = [&](Index shape) {
-    const auto before = [](const GeomRecord& g, Index s) { return g.shape < s; };
-    return Index(std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, before) - m.geoms());
-  };
   const bool listed = c.pair >= 0;
-  const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom(c.shape_a),
-              b = law.geom_b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
+  const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom_of_shape(m, c.shape_a),
+              b = law.geom_b = listed ? m.pairs()[c.pair].b : geom_of_shape(m, c.shape_b);
   const Index own = listed ? m.pairs()[c.pair].material() : 0;
   law.material = own ? m.materials()[own - 1] : shape::combined(w.materials[a], w.materials[b]);
   law.rows = shape::contact_rows(law.material);

@@ -1,7 +1,8 @@
-// The solve of steps without a tolerance: Newton's method near a solution, accelerated sweeps elsewhere.
+// The solve of steps without a tolerance: Newton's method near a solution, accelerated sweeps and proximal steps elsewhere.
 // max_iterations bounds their sum.
 #include "simulation/accelerated_sweeps.hpp"
 #include "simulation/newton.hpp"
+#include "simulation/proximal.hpp"
 
 namespace dyn::simulation {
 
@@ -25,36 +26,54 @@ bool Island::relax(const dynContactReport& report, double tolerated) {
   return true;
 }
 
-// Newton's method goes on to the fine residual: bodies at rest then stay at rest, and the next steps have nothing to solve.
-// Where it does not get there, as in a jam, sweeps go on from the best impulses.
+// Newton's method on the exact law goes on to the fine residual: bodies at rest then stay at rest, and the next steps have
+// nothing to solve. Returns false if the residual is above the tolerance.
+bool Island::solve_finely(Index most, double fine, dynContactReport& report) {
+  const double wanted = tolerance;
+  tolerance = std::min(wanted, fine);
+  Newton method(*this);
+  if (!method.run(most, wanted, report)) method.write_best(report);
+  tolerance = wanted;
+  return report.residual <= tolerance;
+}
+
+// Of large islands. Sweeps remove what is wrong at single contacts, proximal steps what is wrong with the whole.
+void Island::solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report) {
+  using namespace tuning::default_solve;
+  const Index steps = report.residual < no_guess ? proximal_steps : cold_steps;
+  if (report.residual <= near_guess) {
+    if (solve_finely(near_steps, fine, report)) return;
+  } else {
+    sweeps.run(far_sweeps, report), sweeps.write();
+    report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
+  }
+  if (report.residual > tolerance && within_budget(report)) Proximal(*this).run(steps, report);
+  if (report.residual <= tolerance) solve_finely(end_steps, fine, report);
+}
+
 // Small islands and few sweeps leave iterations for methods that large mass ratios do not slow down.
 void Island::solve_to_default(dynContactReport& report) {
   using namespace tuning::default_solve;
   allowance = w.max_iterations();
   build_rows();
   AcceleratedSweeps sweeps(*this);
+  const auto residual_of_sweeps = [&] { return fastest > 0 ? sweeps.residual() / fastest : 0; };
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
-  report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
-  if (report.residual <= tuning::island::tolerance && relax(report, tuning::island::tolerance)) {
-    sweeps.load();
-    report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
-  }
-  w.limit.expect(solver::TimeLimit::Unit::Segments, rows);
+  report.residual = residual_of_sweeps();
+  if (report.residual <= tuning::island::tolerance && relax(report, tuning::island::tolerance))
+    sweeps.load(), report.residual = residual_of_sweeps();
   const double fine = wanted(report.residual, tuning::island::fine);
-  if (report.residual > fine && report.residual <= max_guess && !w.time_is_up() && ordered()) {
-    const double wanted = tolerance;
-    tolerance = std::min(tolerance, fine);
-    Newton method(*this);
-    if (!method.run(newton_steps, wanted, report)) method.write_best(report);
-    tolerance = wanted;
+  if (report.residual > fine && (large() || report.residual <= max_guess) && !w.time_is_up() && ordered()) {
+    if (large()) solve_large(fine, sweeps, report);
+    else solve_finely(small_steps, fine, report);
     sweeps.load();
   }
   w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
-  if (report.residual > tolerance && (report.newton_steps == 0 || within_budget(report))) {
-    const Index left = std::max<Index>(1, allowance - report.newton_steps);
+  if (report.residual > tolerance && (report.newton_steps == 0 || (!large() && within_budget(report)))) {
+    const Index left = std::max<Index>(1, allowance - report.iterations - report.newton_steps);
     sweeps.run(large() ? left : std::min(left, tuning::acceleration::small_sweeps), report);
     if (!large()) {
-      report.residual = sweeps.residual() / fastest, sweeps.write();
+      report.residual = residual_of_sweeps(), sweeps.write();
       if (unsolved()) {
         if (!sparse()) solve(report);
         else if (!newton(report, true) && rows <= dense_rows) solve(report);

@@ -93,7 +93,7 @@ void Interior::scale_cone(const ActiveConstraint& a, State& s) const {
   }
 }
 
-bool Interior::factorize_barrier() const {
+bool Interior::factorize_barrier() {
   for_each([&](const ActiveConstraint& a, State& s, Index k) {
     s.acts = true, activate(k);
     if (s.cone) return scale_cone(a, s);
@@ -105,7 +105,7 @@ bool Interior::factorize_barrier() const {
       for (Index j = 0; j < s.rows; ++j) s.law[i][j] = i == j ? 1 / E : 0;
     }
   });
-  return factorize();
+  return factorize(fixed_correction);
 }
 
 // Direction to the point of the path at sigma: dy, dc = G dy, and the changes of U and the boxes' z.

@@ -30,7 +30,7 @@ class Interior : public Newton {
   void start_inside(double shift);
   double complementarity() const;
   void scale_cone(const ActiveConstraint& a, State& s) const;
-  bool factorize_barrier() const;
+  bool factorize_barrier();
   void direction_to(double sigma);
   double max_step_to_boundary() const;
   void update_correction();

@@ -8,6 +8,8 @@ namespace dyn::simulation {
 // Permutation of a contact's rows that puts the normal first, by their number.
 inline constexpr Index order_of[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};
 
+class AcceleratedSweeps;
+
 struct Island {
   const Model& m;
   Data<double>& d;
@@ -79,6 +81,8 @@ struct Island {
   // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
+  void solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report);
+  bool solve_finely(Index most, double fine, dynContactReport& report);
   void solve_exactly(dynContactReport& report);
   bool relax(const dynContactReport& report, double tolerated);
   void accelerated_sweeps(dynContactReport& report);  // alone

@@ -125,13 +125,14 @@ void Newton::fill(Index p, double* D) const {
         const Index entry = w.where[q];
         w.newton_filled[entry] = true;
         add_product<rows>(s, a.rows, b.rows, factor.upper + BlockFactor::size * std::ptrdiff_t(entry));
-        add_product<rows>(s, b.rows, a.rows, factor.lower + BlockFactor::size * std::ptrdiff_t(entry));
+        if (!factor.symmetric) add_product<rows>(s, b.rows, a.rows, factor.lower + BlockFactor::size * std::ptrdiff_t(entry));
       });
     });
   });
 }
 
-bool Newton::factorize() const {
+bool Newton::factorize(bool symmetric) {
+  factor.symmetric = symmetric;
   return factor([this](Index p, double* D) { fill(p, D); });
 }
 
@@ -140,17 +141,18 @@ bool Newton::direction() {
   if (classify() > 0) times(dy, dc);
   else std::fill_n(dc, x.rows, 0.0);
   std::fill_n(w.newton_acts, e.size, false);
+  bool symmetric = true;
   for_each([&](const ActiveConstraint&, State& s, Index k) {
-    if (s.acts) set_law(s), activate(k);
+    if (s.acts) set_law(s), activate(k), symmetric &= s.mode != solver::ConeState::slip;
   });
-  return solve_laws();
+  return solve_laws(symmetric);
 }
 
 // Adds to dy and dc the step by the constraints' laws. Returns false if singular.
-bool Newton::solve_laws() {
-  if (!factorize()) return false;
+bool Newton::solve_laws(bool symmetric) {
+  if (!factorize(symmetric)) return false;
   // wanted change of velocity less what the step gives; step; G step
-  double *left = before + room, *step = left + room, *G_step = step + room;
+  double *const left = before + room, *const step = left + room;
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     const double across = s.mode == solver::ConeState::slip ? 1 / s.across : 1;
@@ -256,6 +258,7 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
       compliant = damping;
       continue;
     }
+    const bool damped = compliant > min_compliance;
     compliant = min_compliance;
     for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], largest = std::max(largest, std::abs(y[i]));
     if (!(largest <= bound)) {
@@ -263,7 +266,8 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
       break;
     }
     candidate(best), report.residual = residual(best);
-    if (report.residual <= x.tolerance || (report.residual <= enough && !(report.residual < progress * last))) {
+    const bool stalls = !(damped && x.is_exact()) && !(report.residual < progress * last);  // a damped step is slow in any case
+    if (report.residual <= x.tolerance || (report.residual <= enough && stalls)) {
       to_impulses(best);
       return true;
     }
@@ -284,7 +288,7 @@ bool Newton::least_norm(double tolerance) {
     for_each([&](const ActiveConstraint&, State& s, Index constraint) {
       if (s.acts) set_law(s), activate(constraint);
     });
-    if (!solve_laws()) return false;
+    if (!solve_laws(true)) return false;
     std::copy_n(dy, x.rows, y), candidate(best);
     if (residual(best) <= tolerance) return to_impulses(best), true;
     for_each([&](const ActiveConstraint& a, State& s, Index) { s.acts &= a.kind != RowKind::Contact || y[a.s->first] > 0; });

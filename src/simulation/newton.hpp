@@ -36,7 +36,7 @@ class Newton {
   std::ptrdiff_t room;
   double speed, bound;  // speed: largest velocity that is to change. bound: of impulses
   // by rows, normal first, scaled
-  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room;
+  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room, *G_step = before + 3 * room;
 
   struct Error {
     double most = 0, sum = 0;  // largest error and sum of squares, as velocities
@@ -100,8 +100,7 @@ class Newton {
     std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0);
     return error(0);
   }
-  bool factorize() const;  // uses the laws of the constraints
- private:
+  bool factorize(bool symmetric);  // uses the laws of the constraints; symmetric: all of them are
   double compliant;  // compliance of sticking rows, relative to the unit diagonal
 
   void load();
@@ -109,7 +108,7 @@ class Newton {
   double classify();
   void set_law(State& s) const;
   bool direction();
-  bool solve_laws();
+  bool solve_laws(bool symmetric);
   void candidate(double* into) const;
   double residual(const double* impulses) const;
   void to_impulses(const double* from) const;

@@ -26,6 +26,7 @@ inline constexpr double speed_margin = 1.5;     // of the motion in the step: im
 inline constexpr double same_normal = 0.9;      // cosine: below it the contact turned within the step
 inline constexpr double graze = 0.05;           // of the relative motion in the step: deeper overlap at its end is a hit
 inline constexpr Index sweep_steps = 50;        // bound of conservative advancement; beyond it the pair counts as met
+inline constexpr double same_place = near;      // of the radius: a point whose features change keeps the force of one as near
 inline constexpr double touching = 1e-4;        // of the radius: smaller gaps count as touching
 inline constexpr double min_pass = 0.2;         // of the radius: least motion in which shapes pass each other
 }  // namespace search
@@ -87,8 +88,11 @@ inline constexpr Index small_sweeps = 50;       // where other methods follow
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {
-inline constexpr double max_guess = 1;          // residual of the guess; beyond, no Newton
-inline constexpr Index newton_steps = 16;       // from the guess
+// residual of the guess up to which Newton's method is tried first, in small islands and in large ones; from no_guess on, nothing
+// is known
+inline constexpr double max_guess = 1, near_guess = 0.02, no_guess = 0.9;
+inline constexpr Index small_steps = 16, near_steps = 8, end_steps = 4;  // of Newton's method; end: after the proximal steps
+inline constexpr Index far_sweeps = 40, proximal_steps = 20, cold_steps = 40;  // cold: of a large island without a guess
 inline constexpr Index dense_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
 
@@ -110,6 +114,18 @@ inline constexpr Index max_steps = 15;          // of one attempt
 inline constexpr double progress = 0.9;         // of the residual: a step that reduces it by less ends a good enough solve
 inline constexpr double block_price = 16000, redundant_block_price = 4000;  // of a segment, in dense rows^3: measured
 }  // namespace newton
+
+// Proximal steps (proximal.cpp).
+namespace proximal {
+inline constexpr double first_compliance = 1e-2, least_compliance = 1e-4, most_compliance = 0.1;  // of the unit diagonal
+inline constexpr double less = 0.3, more = 2;   // of the compliance: after an easy step, after a hard one,
+inline constexpr double short_step = 0.3;       // which took less than this of a Newton step,
+inline constexpr Index inner_steps = 4;         // or as many Newton steps as are allowed,
+inline constexpr double solved = 1e-2;          // without the squared error falling to this part
+inline constexpr double flat = 0.1;             // of the first slope: the line search ends
+inline constexpr int searches = 10;             // bound of the line search
+inline constexpr double creep = 0.05;           // of the bracket: regula falsi nearer to its ends is replaced by bisection
+}  // namespace proximal
 
 // Interior point method on segments (interior.cpp). Other constants are those of solver/interior.cpp.
 namespace interior {
