@@ -37,6 +37,13 @@ bool Island::solve_finely(Index most, double fine, dynContactReport& report) {
   return report.residual <= tolerance;
 }
 
+// Proximal steps, then Newton's method from where they ended.
+void Island::solve_proximally(dynContactReport& report) {
+  build_rows();
+  Proximal(*this).run(tuning::default_solve::proximal_steps, report);
+  if (report.residual <= enough && report.residual > tolerance) solve_finely(tuning::default_solve::end_steps, tolerance, report);
+}
+
 // Of large islands. Sweeps remove what is wrong at single contacts, proximal steps what is wrong with the whole.
 void Island::solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report) {
   using namespace tuning::default_solve;

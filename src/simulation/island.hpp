@@ -82,6 +82,7 @@ struct Island {
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
   void solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report);
+  void solve_proximally(dynContactReport& report);
   bool solve_finely(Index most, double fine, dynContactReport& report);
   void solve_exactly(dynContactReport& report);
   bool relax(const dynContactReport& report, double tolerated);
