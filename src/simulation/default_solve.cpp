@@ -14,13 +14,15 @@ void Island::accelerated_sweeps(dynContactReport& report) {
   sweeps.write();
 }
 
+bool Island::is_relaxed() const {
+  return std::llround(d.time[0] / h) % tuning::island::relaxed_every == 0 && contacts > 0 && w.closed_gap == 0 &&
+         !(d.acting & DYN_EFFECT_SLEEPING);
+}
+
 // Stress that redundant contacts keep from an impact does not stay: now and then an island at rest takes its smallest impulses.
 // They are taken if their residual is tolerated. Returns whether it tried.
 bool Island::relax(const dynContactReport& report, double tolerated) {
-  const auto step = std::llround(d.time[0] / h);
-  if (step % tuning::island::relaxed_every != 0 || report.newton_steps > 0 || contacts == 0 || equalities > 0 || bounces ||
-      w.closed_gap > 0 || (d.acting & DYN_EFFECT_SLEEPING) || !has_runs() || !ordered())
-    return false;
+  if (!is_relaxed() || report.newton_steps > 0 || equalities > 0 || bounces || !has_runs() || !ordered()) return false;
   build_rows();
   Newton(*this).least_norm(tolerated);
   return true;
@@ -35,13 +37,6 @@ bool Island::solve_finely(Index most, double fine, dynContactReport& report) {
   if (!method.run(most, wanted, report)) method.write_best(report);
   tolerance = wanted;
   return report.residual <= tolerance;
-}
-
-// Proximal steps, then Newton's method from where they ended.
-void Island::solve_proximally(dynContactReport& report) {
-  build_rows();
-  Proximal(*this).run(tuning::default_solve::proximal_steps, report);
-  if (report.residual <= enough && report.residual > tolerance) solve_finely(tuning::default_solve::end_steps, tolerance, report);
 }
 
 // Of large islands. Sweeps remove what is wrong at single contacts, proximal steps what is wrong with the whole.

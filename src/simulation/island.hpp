@@ -82,9 +82,9 @@ struct Island {
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
   void solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report);
-  void solve_proximally(dynContactReport& report);
   bool solve_finely(Index most, double fine, dynContactReport& report);
   void solve_exactly(dynContactReport& report);
+  bool is_relaxed() const;  // whether impulses of this step are made as small as can be
   bool relax(const dynContactReport& report, double tolerated);
   void accelerated_sweeps(dynContactReport& report);  // alone
   void solve_fixed_correction(dynContactReport& report);

@@ -122,7 +122,7 @@ void Island::project_rhs_to_range() {
 }
 
 // Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. By default a short
-// try comes before them for the fine residual, which costs little or very much, and proximal steps after it.
+// try comes before them for the fine residual, which costs little or very much.
 void Island::solve(dynContactReport& best) {
   w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
   if (w.time_is_up()) return;
@@ -157,11 +157,6 @@ void Island::solve(dynContactReport& best) {
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
     if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
-    if (t.most == few && t.tolerance < enough && best.residual > enough && !bounces && ordered()) {
-      solve_proximally(report = {});
-      newton_steps += report.newton_steps;
-      if (report.residual < best.residual) best = report;
-    }
     if (iterations + newton_steps >= w.max_iterations() || best.residual <= enough ||
         w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS || w.time_is_up())
       break;

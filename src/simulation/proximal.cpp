@@ -158,7 +158,9 @@ void Proximal::run(Index max_steps, dynContactReport& report) {
       shortest = std::min(shortest, t);
     } while (taken < inner_steps && steps < max_steps && prepare() > solved * far);
     end_step();
-    const double found = residual(y);
+    double largest = 0;
+    for (Index i = 0; i < x.rows; ++i) largest = std::max(largest, std::abs(y[i]));
+    const double found = largest <= bound ? residual(y) : HUGE_VAL;  // rounding of larger ones hides any velocity
     std::fill_n(dc, x.rows, 0.0);
     if (found < report.residual) report.residual = found, std::copy_n(y, x.rows, best);
     hold_correction();
