@@ -1,4 +1,6 @@
 // The forces of the step before, as the first guess of the contact solver.
+#include <algorithm>
+
 #include "collision/pair_contacts.hpp"
 #include "simulation/step.hpp"
 
