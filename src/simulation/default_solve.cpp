@@ -14,18 +14,16 @@ void Island::accelerated_sweeps(dynContactReport& report) {
   sweeps.write();
 }
 
-bool Island::is_relaxed() const {
-  return std::llround(d.time[0] / h) % tuning::island::relaxed_every == 0 && contacts > 0 && w.closed_gap == 0 &&
-         !(d.acting & DYN_EFFECT_SLEEPING);
-}
+bool Island::relaxation_is_due() const { return std::llround(d.time[0] / h) % tuning::island::relaxed_every == 0; }
 
-// Stress that redundant contacts keep from an impact does not stay: now and then an island at rest takes its smallest impulses.
-// They are taken if their residual is tolerated. Returns whether it tried.
-bool Island::relax(const dynContactReport& report, double tolerated) {
-  if (!is_relaxed() || report.newton_steps > 0 || equalities > 0 || bounces || !has_runs() || !ordered()) return false;
+// Takes the smallest impulses of an island at rest, if their residual is tolerated: stress that redundant contacts keep from an
+// impact does not stay. Returns whether it did.
+bool Island::relax(double tolerated) {
+  if (contacts == 0 || equalities > 0 || bounces || w.closed_gap > 0 || (d.acting & DYN_EFFECT_SLEEPING) || !has_runs() ||
+      !ordered())
+    return false;
   build_rows();
-  Newton(*this).least_norm(tolerated);
-  return true;
+  return Newton(*this).least_norm(tolerated);
 }
 
 // Newton's method on the exact law goes on to the fine residual: bodies at rest then stay at rest, and the next steps have
@@ -62,8 +60,10 @@ void Island::solve_to_default(dynContactReport& report) {
   const auto residual_of_sweeps = [&] { return fastest > 0 ? sweeps.residual() / fastest : 0; };
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
   report.residual = residual_of_sweeps();
-  if (report.residual <= tuning::island::tolerance && relax(report, tuning::island::tolerance))
-    sweeps.load(), report.residual = residual_of_sweeps();
+  if (report.residual <= tuning::island::tolerance && relaxation_is_due()) {
+    relax(tuning::island::tolerance), sweeps.load();  // the sweeps' sums share its memory
+    report.residual = residual_of_sweeps();
+  }
   const double fine = wanted(report.residual, tuning::island::fine);
   if (report.residual > fine && (large() || report.residual <= max_guess) && !w.time_is_up() && ordered()) {
     if (large()) solve_large(fine, sweeps, report);

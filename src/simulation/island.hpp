@@ -84,8 +84,8 @@ struct Island {
   void solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report);
   bool solve_finely(Index most, double fine, dynContactReport& report);
   void solve_exactly(dynContactReport& report);
-  bool is_relaxed() const;  // whether impulses of this step are made as small as can be
-  bool relax(const dynContactReport& report, double tolerated);
+  bool relaxation_is_due() const;  // now and then
+  bool relax(double tolerated);
   void accelerated_sweeps(dynContactReport& report);  // alone
   void solve_fixed_correction(dynContactReport& report);
   double residual() const;  // also sets by_dof and c for lambda

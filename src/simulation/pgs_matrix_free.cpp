@@ -220,7 +220,7 @@ bool Island::accept_guess(dynContactReport& report) {
     sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
   }
-  if (!is_relaxed()) tolerance = wanted(report.residual, tolerance);
+  tolerance = wanted(report.residual, tolerance);
   return report.residual <= tolerance;
 }
 

@@ -152,7 +152,9 @@ void Island::impulses(dynContactReport& report) {
   } else if (!bounces && !is_exact() && has_runs()) {
     solve_to_default(report);
   } else if (accept_guess(report)) {
-    if (relax(report, tolerance)) residual();
+    if (relaxation_is_due() && relax(tolerance)) residual();
+  } else if (report.residual <= asked && relax(tolerance)) {
+    residual();  // bodies stand: other solvers would leave what rounding leaves of redundant impulses
   } else {
     if (w.time_is_up() || bounces || !sparse() || !(newton(report, false) || report.residual <= asked)) solve_exactly(report);
     report.residual = std::max(report.residual, inconsistency);

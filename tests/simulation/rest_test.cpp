@@ -30,7 +30,7 @@ TEST(Rest, BoxBearsItsWeightWithoutFriction) {
     EXPECT_EQ(4u, play.contacts().size());
     EXPECT_NEAR(9.81, f.normal, 1e-6);
     EXPECT_NEAR(9.81 / 4, f.least, 1e-2);
-    EXPECT_LT(f.across, 1e-4) << tolerance;  // 1e-5 of its weight; 4e-5 N without AVX
+    EXPECT_LT(f.across, 1e-6) << tolerance;
   }
 }
 
