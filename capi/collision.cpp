@@ -77,8 +77,7 @@ dynStatus check_pair(const char* function, const Model& m, int pair, int first) 
 // So many shapes that pairs are not listed would otherwise look like none that collide.
 Index geom_of_shape(Call& call, int shape, int first) {
   const Model& m = call.m();
-  for (Index k = 0; k < m.n.geoms; ++k)
-    if (m.geoms()[k].shape == shape) return k;
+  if (const Index geom = collision::geom_of_shape(m, shape); geom >= 0) return geom;
   if (shape >= 0 && shape < m.n.shapes)
     call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d is no collision shape", call.function, shape);
   else if (shape < first || shape >= m.n.shapes)

@@ -1,6 +1,8 @@
 // Collision shapes of a robot, as queries read them.
 #pragma once
 
+#include <algorithm>
+
 #include "collision/distance.hpp"
 #include "model/model.hpp"
 #include "shape/geometry.hpp"
@@ -22,6 +24,14 @@ struct Masks {
 };
 inline bool masks_allow(const Masks& a, const Masks& b) {
   return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0;
+}
+
+// The geom of a shape of the model; -1: it is no collision shape. Geoms are ascending by shape.
+inline Index geom_of_shape(const Model& m, Index shape) {
+  const GeomRecord *const begin = m.geoms(), *const end = begin + m.n.geoms;
+  const GeomRecord* const g =
+      std::lower_bound(begin, end, shape, [](const GeomRecord& x, Index s) { return x.shape < s; });
+  return g != end && g->shape == shape ? Index(g - begin) : -1;
 }
 
 using shape::geometry_of;

@@ -63,8 +63,8 @@ void init_contact(const Model& m, Data<double>& d, Index contact, double h, Cons
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
   const bool listed = c.pair >= 0;
-  const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom_of_shape(m, c.shape_a),
-              b = law.geom_b = listed ? m.pairs()[c.pair].b : geom_of_shape(m, c.shape_b);
+  const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : collision::geom_of_shape(m, c.shape_a),
+              b = law.geom_b = listed ? m.pairs()[c.pair].b : collision::geom_of_shape(m, c.shape_b);
   const Index own = listed ? m.pairs()[c.pair].material() : 0;
   law.material = own ? m.materials()[own - 1] : shape::combined(w.materials[a], w.materials[b]);
   law.rows = shape::contact_rows(law.material);

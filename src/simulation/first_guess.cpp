@@ -30,7 +30,7 @@ struct PairGuess {
            std::any_of(begin, end, [&](const dynContactForce& x) { return x.contact.feature == y.contact.feature; });
   }
   double reach() const {
-    const auto radius = [&](Index shape) { return d.geoms[geom_of_shape(m, shape)].bounding_radius; };
+    const auto radius = [&](Index shape) { return d.geoms[collision::geom_of_shape(m, shape)].bounding_radius; };
     return tuning::search::same_place * std::min(radius(begin->contact.shape_a), radius(begin->contact.shape_b));
   }
   const dynContactForce* nearest(const dynContactForce& x, double reach) const {

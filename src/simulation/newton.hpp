@@ -36,7 +36,8 @@ class Newton {
   std::ptrdiff_t room;
   double speed, bound;  // speed: largest velocity that is to change. bound: of impulses
   // by rows, normal first, scaled
-  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room, *G_step = before + 3 * room;
+  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room,
+         *G_step = before + 3 * room;
 
   struct Error {
     double most = 0, sum = 0;  // largest error and sum of squares, as velocities

@@ -89,7 +89,8 @@ double Proximal::slope(double t) const {
   return sum;
 }
 
-// Zero of the slope, by regula falsi that bisects where it would creep. first: slope(0). A full step is taken unless it goes too far.
+// Zero of the slope, by regula falsi that bisects where it would creep. first: slope(0).
+// A full step is taken unless it goes too far.
 double Proximal::line_search(double first) const {
   double before = first, after = slope(1), low = 0, high = 1, t = 1;
   for (int k = 0; k < searches && after > 0 && std::abs(t == high ? after : before) > flat * -first; ++k) {

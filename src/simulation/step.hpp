@@ -97,10 +97,6 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
 // contact_points.cpp. min_distance: lower bound of the distance between any two shapes, if positive.
 Index find_contacts(const Model& m, Data<double>& d, double h, double& min_distance);
 void take_previous_forces(const Model& m, Data<double>& d);  // first_guess.cpp
-inline Index geom_of_shape(const Model& m, Index shape) {
-  const auto before = [](const GeomRecord& g, Index s) { return g.shape < s; };
-  return Index(std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, before) - m.geoms());
-}
 // contact_rows.cpp: the bodies and the material of a contact, then its rows.
 void init_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s);
 void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x);
