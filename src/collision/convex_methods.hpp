@@ -28,7 +28,7 @@ Result convex_result(const Shape& shape_a, const Pose& XA, const Shape& shape_b,
   const B b(shape_b);
   const Difference<A, B> d(a, b, relative(XA, XB));
   Cores c = method(d);
-  c.unique = c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
+  c.unique = o.says_unique && c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
   return in_world(rounded(c, a.radius, b.radius, d.small, o), XA);
 }
 template <class A, class B>

@@ -35,6 +35,7 @@ struct Options {
   double accepted = 1e-6;    // larger residuals give Failed
   double touching = 1e-9;
   Index max_iterations = 128;
+  bool says_unique = true;  // false: Result::unique is not wanted, and is false
   FallbackMethod fallback = nullptr;  // used when the primary method fails, or
   bool fallback_first = false;      // first, for overlapping pairs without a closed form
 };

@@ -106,6 +106,11 @@ struct Search {
   Data<double>& d;
   const double h;
   Workspace& w = *d.step;
+  static constexpr collision::Options options = [] {
+    collision::Options o;
+    o.says_unique = false;
+    return o;
+  }();
   Manifold found{}, end{};
   double min_distance = shape::infinity, fast = 0;  // fast: of the shapes placed (m/s)
 
@@ -113,6 +118,7 @@ struct Search {
   void place(Index k) {
     if (sleeps(k)) return;
     d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
+    w.clearances.move(k, d.geom_poses[k], d.geoms[k].bounding_radius);
     w.speeds[k] = fastest(d, k), fast = std::max(fast, w.speeds[k]);
   }
 
@@ -140,7 +146,7 @@ struct Search {
       closes = closes || found.points[i].distance + h * opening(ia, ib, found.points[i].position) < 0;
     if (!closes) return;
     const collision::Moving a = moving(ia), b = moving(ib);
-    collision::contacts(a.shape, a.at(h), b.shape, b.at(h), near, *d.collision_workspace, end);
+    collision::contacts(a.shape, a.at(h), b.shape, b.at(h), near, *d.collision_workspace, end, options);
     if (end.count > 0) {
       double deepest = shape::infinity;
       for (int i = 0; i < end.count; ++i) deepest = std::min(deepest, end.points[i].distance);
@@ -171,11 +177,17 @@ struct Search {
     if (!(near < shape::infinity) ||
         (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body)))
       return;
-    const double distance = collision::distance_lower_bound(a, A, b, B);
-    min_distance = std::min(min_distance, distance - near);
+    double bound = collision::distance_lower_bound(a, A, b, B);
+    if (bound <= margin) bound = std::max(bound, w.clearances.bound(ia, ib));
     Index pair = -1;
-    if (distance > margin || !is_tested(pair)) return;
-    collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
+    const bool near_enough = bound <= margin && is_tested(pair);
+    if (near_enough) {
+      const collision::Result nearest = collision::distance(a.shape, A, b.shape, B, *d.collision_workspace, options);
+      collision::contacts(a.shape, A, b.shape, B, nearest, margin, found);
+      if (nearest.distance > margin) w.clearances.learn(ia, ib, bound = nearest.distance - nearest.residual);
+    }
+    min_distance = std::min(min_distance, bound - near);
+    if (!near_enough || found.count == 0) return;
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
     const double way = gap > search::near * smaller ? std::max(gap, search::min_pass * smaller) : smaller;

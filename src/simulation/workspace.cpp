@@ -41,6 +41,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   for_each_array(m, w.free_bodies, f);
   if (slots == 0) return;
   f(w.materials, m.n.geoms), f(w.speeds, geom_capacity(m)), f(w.centers, 4 * geom_capacity(m));
+  w.clearances.for_each_array(m, f);
   f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)),
       f(w.awake_geoms, m.n.geoms);
   f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);

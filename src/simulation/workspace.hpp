@@ -3,6 +3,7 @@
 
 #include "collision/pair_contacts.hpp"
 #include "collision/pair_search.hpp"
+#include "simulation/clearances.hpp"
 #include "simulation/conservative_advancement.hpp"
 #include "simulation/elimination.hpp"
 #include "simulation/free_bodies.hpp"
@@ -173,6 +174,7 @@ struct Workspace {
   shape::ShapeMaterial* materials;  // of collision shapes
   // speeds: bound on the speed of any point of a shape. centers: x, y, z and bounding radius, each for all shapes
   double *speeds, *centers;
+  Clearances clearances;
   NearPair* pairs;              // pairs that can ever meet
   Index* geoms;                 // shapes of these pairs
   Index pair_count, geom_count;  // -1: not yet found

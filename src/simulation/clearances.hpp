@@ -1,0 +1,52 @@
+// Lower bounds of the distances of shapes that were apart: the distance that a query found, less the way that both have moved
+// since (Mirtich, Impulse-based dynamic simulation of rigid body systems, 1996, section 2.3). While a bound exceeds the margin,
+// a query would find no contact, and none is made: results are the same to the last bit.
+#pragma once
+
+#include "collision/geom.hpp"
+
+namespace dyn::simulation {
+
+class Clearances {
+  struct Known {
+    Index a, b;
+    double until;  // distance plus what both shapes had moved by then (m)
+  };
+  Known* known_;              // by a hash of the pair: a later pair takes the place of an earlier one
+  double* moved_;             // by shape: bound of the way of any of its points (m)
+  collision::Pose* placed_;  // by shape
+
+  static constexpr double rounding = 1e-12;  // of the sums
+  // Places are twice the pairs that come near at once, as a power of two.
+  static int bits(const Model& m) {
+    const std::ptrdiff_t geoms = m.n.geoms, pairs = std::min(16 * geoms, lists_pairs(m) ? m.n.pairs : geoms * (geoms - 1) / 2);
+    int count = 1;
+    while (std::ptrdiff_t(1) << count < 2 * pairs) ++count;
+    return count;
+  }
+  int shift_;
+  Known& at(Index a, Index b) const { return known_[((std::uint32_t(a) * 0x9e3779b1u + std::uint32_t(b)) * 0x85ebca77u) >> shift_]; }
+
+ public:
+  template <class F>
+  void for_each_array(const Model& m, F&& f) {
+    shift_ = 32 - bits(m);
+    f(known_, std::ptrdiff_t(1) << bits(m)), f(moved_, m.n.geoms), f(placed_, m.n.geoms);
+  }
+  // A shape is at X. A turn moves a point at r by at most |R - R'| r in the spectral norm, 1/sqrt 2 of the Frobenius norm.
+  void move(Index geom, const collision::Pose& X, double radius) {
+    const collision::Pose& last = placed_[geom];
+    const Vec3<double> way = X.p - last.p, x = X.R.x - last.R.x, y = X.R.y - last.R.y, z = X.R.z - last.R.z;
+    const double turned = dot(x, x) + dot(y, y) + dot(z, z);
+    moved_[geom] += std::sqrt(dot(way, way)) + (turned > 0 ? std::sqrt(0.5 * turned) * radius : 0);
+    placed_[geom] = X;
+  }
+  // Lower bound of the distance, negative where nothing is known.
+  double bound(Index a, Index b) const {
+    const Known& k = at(a, b);
+    return k.a == a && k.b == b ? k.until * (1 - rounding) - moved_[a] - moved_[b] : -shape::infinity;
+  }
+  void learn(Index a, Index b, double distance) { at(a, b) = {a, b, distance + moved_[a] + moved_[b]}; }
+};
+
+}  // namespace dyn::simulation
