@@ -34,11 +34,15 @@ namespace detail {
 template <class T>
 inline constexpr bool has_vectors =
     DYN_LANES == 4 && (std::is_same_v<T, double> || std::is_same_v<T, float> || std::is_integral_v<T>);
-// Lanes of a register. The compiler splits four doubles by itself. GCC keeps wider vectors than a register in memory.
+// Lanes of a register. GCC keeps wider vectors in memory.
 template <class T>
 inline constexpr int part_lanes = has_vectors<T> ? 8 * register_lanes / int(sizeof(T)) : 1;
 template <class T, int N>
-inline constexpr bool is_vector = has_vectors<T> && (sizeof(T) * N <= 32 || N <= part_lanes<T>);
+inline constexpr bool is_vector = has_vectors<T> && N <= part_lanes<T>;
+// Four doubles are aligned as with AVX, so that records are alike on every processor.
+template <class T, int N>
+inline constexpr std::size_t alignment =
+    !has_vectors<T> ? alignof(T) : sizeof(T) * N == 32 ? 32 : sizeof(T) * part_lanes<T>;
 // An integer of a mask: all bits of a lane are set, or none.
 template <class T>
 using LaneBits = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
@@ -53,7 +57,7 @@ using LaneBits = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
 
 // In several registers, or as plain numbers.
 template <class T, int N>
-struct Simd {
+struct alignas(detail::alignment<T, N>) Simd {
   static constexpr int lanes = N, part_lanes = detail::part_lanes<T>, parts = N / part_lanes;
   static constexpr bool plain = part_lanes == 1;
   using Part = std::conditional_t<plain, T, Simd<T, part_lanes>>;
@@ -67,9 +71,11 @@ struct Simd {
   // one number each
   template <class... U>
     requires(N > 1 && sizeof...(U) == N)
-  explicit DYN_INLINE Simd(U... a) {
+  explicit DYN_INLINE constexpr Simd(U... a) {
     const T all[] = {T(a)...};
-    *this = load(all);
+    [&]<std::size_t... part>(std::index_sequence<part...>) DYN_INLINE_LAMBDA {
+      ((x[part] = part_of<part>(all, std::make_index_sequence<part_lanes>{})), ...);
+    }(std::make_index_sequence<parts>{});
   }
   static DYN_INLINE Simd zero() { return Simd(T(0)); }
   // p needs no more alignment than a number has.
@@ -92,6 +98,10 @@ struct Simd {
     Simd a;
     for (int k = 0; k < N; ++k) a.set(k, T(p[k]));
     return a;
+  }
+  template <std::size_t part, std::size_t... k>
+  static DYN_INLINE constexpr Part part_of(const T* all, std::index_sequence<k...>) {
+    return Part(all[part * part_lanes + k]...);
   }
   DYN_INLINE T operator[](int k) const {
     if constexpr (plain) return x[k];
@@ -212,9 +222,11 @@ using Double4 = Simd<double, 4>;
 template <class To, class T, int N>
 DYN_INLINE Simd<To, N> reinterpret(const Simd<T, N>& a) {
   static_assert(sizeof(To) == sizeof(T));
-  if constexpr (detail::is_vector<T, N>) return Simd<To, N>::of((typename Simd<To, N>::Vector)a.x);
   Simd<To, N> b;
-  std::memcpy(&b, &a, sizeof b);
+  if constexpr (detail::is_vector<T, N>) b.x = (typename Simd<To, N>::Vector)a.x;
+  else if constexpr (detail::part_lanes<T> > 1)
+    for (int k = 0; k < a.parts; ++k) b.x[k] = reinterpret<To>(a.x[k]);
+  else std::memcpy(&b, &a, sizeof b);
   return b;
 }
 // 0 + a[0] + a[1] + ..., added in this order
@@ -231,7 +243,15 @@ DYN_INLINE unsigned bits_of(const Simd<T, N>& m) {
 #if defined(__AVX__)
   if constexpr (std::is_same_v<T, std::int64_t> && N == 4) return unsigned(__builtin_ia32_movmskpd256(reinterpret<double>(m).x));
   if constexpr (std::is_same_v<T, std::int32_t> && N == 8) return unsigned(__builtin_ia32_movmskps256(reinterpret<float>(m).x));
+#elif defined(__SSE2__)
+  if constexpr (std::is_same_v<T, std::int64_t> && N == 2) return unsigned(__builtin_ia32_movmskpd(reinterpret<double>(m).x));
+  if constexpr (std::is_same_v<T, std::int32_t> && N == 4) return unsigned(__builtin_ia32_movmskps(reinterpret<float>(m).x));
 #endif
+  if constexpr (!detail::is_vector<T, N> && detail::part_lanes<T> > 1) {
+    unsigned bits = 0;
+    for (int k = 0; k < m.parts; ++k) bits |= bits_of(m.x[k]) << (k * m.part_lanes);
+    return bits;
+  }
   unsigned bits = 0;
   for (int k = 0; k < N; ++k) bits |= unsigned(m[k] & 1) << k;
   return bits;

@@ -5,11 +5,39 @@
 
 namespace dyn {
 
+namespace detail {
+// the register of index k
+template <class T, int N>
+DYN_INLINE const auto& part(const Simd<T, N>& a, int k) {
+  if constexpr (is_vector<T, N>) return a;
+  else return a.x[k];
+}
+}  // namespace detail
+
 // The lanes i of a and b together: those of a are 0 .. N - 1, those of b N .. 2 N - 1.
 template <int... i, class T, int N>
 DYN_INLINE Simd<T, int(sizeof...(i))> shuffle(const Simd<T, N>& a, const Simd<T, N>& b) {
-  if constexpr (detail::is_vector<T, N>) return Simd<T, int(sizeof...(i))>::of(__builtin_shufflevector(a.x, b.x, i...));
-  else return Simd<T, int(sizeof...(i))>((i < N ? a[i % N] : b[i % N])...);
+  using Result = Simd<T, int(sizeof...(i))>;
+  if constexpr (detail::is_vector<T, N> && detail::is_vector<T, Result::lanes>) {
+    return Result::of(__builtin_shufflevector(a.x, b.x, i...));
+  } else if constexpr (detail::part_lanes<T> == 2) {
+    constexpr int from[] = {i...};
+    const auto two = [&]<int first, int second>() DYN_INLINE_LAMBDA {
+      const auto part = [&](int k) DYN_INLINE_LAMBDA { return detail::part(k < N ? a : b, k % N / 2).x; };
+      return Simd<T, 2>::of(__builtin_shufflevector(part(first), part(second), first % 2, 2 + second % 2));
+    };
+    if constexpr (Result::lanes == 2) {
+      return two.template operator()<from[0], from[1]>();
+    } else {
+      Result r;
+      [&]<std::size_t... k>(std::index_sequence<k...>) DYN_INLINE_LAMBDA {
+        ((r.x[k] = two.template operator()<from[2 * k], from[2 * k + 1]>()), ...);
+      }(std::make_index_sequence<Result::parts>{});
+      return r;
+    }
+  } else {
+    return Result((i < N ? a[i % N] : b[i % N])...);
+  }
 }
 template <int... i, class T, int N>
 DYN_INLINE Simd<T, int(sizeof...(i))> shuffle(const Simd<T, N>& a) {

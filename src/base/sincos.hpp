@@ -78,15 +78,15 @@ DYN_INLINE void sincos_lanes(Angles x, Angles& c, Angles& s) {
 template <>
 inline void sincos_sweep(const double* x, Index n, double* c, double* s) {
   using namespace detail;
-  AngleBits far = AngleBits::zero();
+  auto within = abs(Angles::zero()) <= sweep_reach;
   for (Index i = 0; i < n; i += sweep_lanes) {
     const Angles X = Angles::load(x + i);
     Angles C, S;
     sincos_lanes(X, C, S);
     C.store(c + i), S.store(s + i);
-    far |= (reinterpret<std::int64_t>(X) & 0x7fffffffffffffff) > 0x4130000000000000;  // |x| > 2^20
+    within &= abs(X) <= sweep_reach;
   }
-  if (any(far)) [[unlikely]]
+  if (!all(within)) [[unlikely]]
     sincos_far(x, n, c, s);
 }
 
