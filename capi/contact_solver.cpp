@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <iterator>
 #include <new>
 #include <tuple>
@@ -190,6 +191,7 @@ dynStatus dyn_contact_solver_init(int max_rows, void* memory, size_t size, dynCo
   if (size < needed)
     return fail(DYN_ERROR_SIZE, "%s: memory has %zu bytes, needs %zu (dyn_contact_solver_size)", function, size, needed);
   char* const at = static_cast<char*>(memory);
+  std::memset(at, 0, needed);
   Workspace* const w = new (at + (sizeof(dynContactSolver) + 63) / 64 * 64) Workspace;
   solver::place(*w, max_rows, at + head);
   *solver = new (memory) dynContactSolver{live_contact_solver, w, nullptr};
@@ -201,7 +203,7 @@ dynStatus dyn_contact_solver_new(int max_rows, dynContactSolver** solver) {
   if (const dynStatus s = check_max_rows(function, max_rows)) return s;
   if (!solver) return fail(DYN_ERROR_ARGUMENT, "%s: solver is NULL: pass the address of a dynContactSolver*", function);
   const std::size_t size = head + solver::workspace_bytes(max_rows);
-  void* const memory = std::aligned_alloc(64, size);
+  void* const memory = std::aligned_alloc(64, (size + 63) / 64 * 64);
   dynContactSolver* const handle = memory ? new_handle<dynContactSolver>() : nullptr;
   if (!handle) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
   dynContactSolver* inner = nullptr;

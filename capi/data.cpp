@@ -1,10 +1,12 @@
 // Data: creation, state, fields.
-#include <cstdlib>
+#include <cstdio>
 #include <cstring>
 #include <new>
+#include <string>
 
 #include "model/block.hpp"
 #include "model/effects.hpp"
+#include "simulation/data_layout.hpp"
 #include "simulation/workspace.hpp"
 #include "guard.hpp"
 #include "handles.hpp"
@@ -23,15 +25,32 @@ dynStatus check_parts(const char* function, dynParts parts) {
   return DYN_OK;
 }
 
-// In body_bytes + data_bytes of memory.
-void set_up(dynData* data, const Model& m, dynParts parts, void* memory, bool on_heap) {
+// In body_bytes + data_bytes of zeros.
+void set_up(dynData* data, const Model& m, dynParts parts, void* memory, std::size_t own_bytes) {
   DataBody* body = new (memory) DataBody{};
   body->model_id = m.id;
   body->counter = 1;
-  body->on_heap = on_heap;
+  body->bytes = own_bytes;
   data_layout(m, parts, static_cast<char*>(memory) + body_bytes, body->d);
+  if (own_bytes >= least_mapped)
+    detail::for_each_buffer<DYN_PART_ALL>(m, body->d.parts, body->d, []<class T>(T* p, std::size_t count) {
+      if constexpr (std::is_same_v<T, double>) ask_for_large_pages(p, count * sizeof(double));  // of matrices
+    });
   data->body = body;
   data->magic = live_data;
+}
+
+// The parts that take more than a gigabyte each: " SIMULATION takes 7.1 GB, MINV 2.3"
+std::string large_parts(const Model& m, dynParts asked) {
+  std::string text;
+  for (dynParts part = 1; part & DYN_PART_ALL; part <<= 1) {
+    const std::size_t bytes = asked & part ? data_bytes<double>(m, part) : 0;
+    if (bytes < 1000000000) continue;
+    char one[80];
+    std::snprintf(one, sizeof one, "%s %s takes %.3g GB", text.empty() ? "" : ",", name_of_part(part), 1e-9 * double(bytes));
+    text += one;
+  }
+  return text;
 }
 
 struct FieldRow {
@@ -56,18 +75,16 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
   if (const dynStatus s = check_parts("dyn_data_new", parts)) return s;
   return guarded([&] {
     const std::size_t bytes = body_bytes + data_bytes<double>(*model->m, parts);
-    void* memory = allocate_block(bytes);
+    void* memory = allocate_zeros(bytes);
     if (!memory)
-      return fail(DYN_ERROR_MEMORY,
-                  "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, CHOLESKY, MINV, "
-                  "CORIOLIS; nv x 10 njoints is REGRESSOR)",
-                  bytes);
+      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %.3g GB: ask for fewer parts;%s", 1e-9 * double(bytes),
+                  large_parts(*model->m, parts).c_str());
     dynData* handle = new_handle<dynData>();
     if (!handle) {
-      std::free(memory);
+      free_zeros(memory, bytes);
       return fail(DYN_ERROR_MEMORY, "dyn_data_new: out of memory");
     }
-    set_up(handle, *model->m, parts, memory, true);
+    set_up(handle, *model->m, parts, memory, bytes);
     *data = handle;
     return DYN_OK;
   });
@@ -86,19 +103,20 @@ dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, siz
     return fail(DYN_ERROR_SIZE, "dyn_data_init: memory has %zu bytes, needs %zu: ask dyn_data_size", size,
                 dyn_data_size(model, parts));
   char* at = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(memory) + 63) / 64 * 64);
+  std::memset(at, 0, dyn_data_size(model, parts) - 63);
   dynData* handle = new (at) dynData{};
-  set_up(handle, *model->m, parts, at + handle_bytes, false);
+  set_up(handle, *model->m, parts, at + handle_bytes, 0);
   *data = handle;
   return DYN_OK;
 }
 
 void dyn_data_free(dynData* data) {
   if (!data || data->magic != live_data) return;
-  if (!data->body->on_heap) {
+  if (data->body->bytes == 0) {
     data->magic = freed;
     return;
   }
-  std::free(data->body);
+  free_zeros(data->body, data->body->bytes);
   free_handle(data);
 }
 

@@ -83,6 +83,17 @@ dynStatus make_handle(ModelPtr model, dynModel** out) {
   return DYN_OK;
 }
 
+const char* name_of_part(dynParts part) {
+  static constexpr const char* names[] = {
+      "KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS", "CHOLESKY", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
+      "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION", "CONSTRAINTS",
+      "CONSTRAINT_DERIVATIVES", "SIMULATION"};
+  const char* name = "?";
+  for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
+    if (part >> k & 1u) name = names[k];
+  return name;
+}
+
 void Call::enter(const dynModel* model, dynData* data, dynParts part) {
   if ((status = check(model)) != DYN_OK) return;
   if ((status = check_magic(data, live_data, "data", "dyn_data_new")) != DYN_OK) return;
@@ -103,33 +114,9 @@ void Call::enter(const dynModel* model, dynData* data, dynParts part) {
   entered = true;
 #endif
   if ((d().parts & part) != part) {
-    static constexpr const char* names[] = {"KINEMATICS",
-                                            "JACOBIANS",
-                                            "COM",
-                                            "INVERSE",
-                                            "FORWARD",
-                                            "MASS",
-                                            "CHOLESKY",
-                                            "MINV",
-                                            "CORIOLIS",
-                                            "ENERGY",
-                                            "FRAMES",
-                                            "CENTROIDAL",
-                                            "INVERSE_DERIVATIVES",
-                                            "FORWARD_DERIVATIVES",
-                                            "REGRESSOR",
-                                            "IK",
-                                            "SECOND_ORDER",
-                                            "COLLISION",
-                                            "CONSTRAINTS",
-                                            "CONSTRAINT_DERIVATIVES",
-                                            "SIMULATION"};
     const dynParts missing = part & ~d().parts;
-    const char* name = "?";
-    for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
-      if (missing >> k & 1u) name = names[k];
     status = fail(DYN_ERROR_PART, "%s needs part DYN_PART_%s, which this data was made without: name it in dyn_data_new",
-                  function, name);
+                  function, name_of_part(missing));
     return;
   }
   if (part & ~dynParts(DYN_PART_SIMULATION)) have_effects_of(false);

@@ -85,7 +85,7 @@ namespace dyn::capi {
 struct DataBody {
   std::uint64_t model_id;
   std::uint64_t counter;  // of versions
-  bool on_heap;           // otherwise in the caller's memory
+  std::size_t bytes;      // to be given back; 0: in the caller's memory
   std::atomic<int> busy;
   bool stepping;          // d has the effects of steps (switch_effects)
   Data<double> d;
@@ -158,6 +158,8 @@ inline const char* text(const char* s) { return s ? s : ""; }
 
 // The number of a named configuration, or -1 with the error set.
 Index find_configuration(const Model& m, const char* name);
+// Name of the highest of some parts, without DYN_PART_.
+const char* name_of_part(dynParts part);
 // Wraps a finished model.
 dynStatus make_handle(ModelPtr model, dynModel** out);
 

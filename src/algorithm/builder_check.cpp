@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
 #include <new>
 
 #include "algorithm/cholesky.hpp"
 #include "algorithm/crba.hpp"
+#include "model/block.hpp"
 #include "model/builder_impl.hpp"
 
 namespace dyn {
@@ -65,11 +64,11 @@ std::vector<double> generic_configuration(const Model& m, std::uint64_t trial) {
 }
 
 struct Workspace {
-  std::unique_ptr<void, void (*)(void*)> memory;
+  Zeros zeros;
   Data<double> d;
-  Workspace(const Model& m, dynParts parts) : memory(std::aligned_alloc(64, data_bytes<double>(m, parts)), std::free) {
-    if (!memory) throw std::bad_alloc();
-    data_layout(m, parts, memory.get(), d);
+  Workspace(const Model& m, dynParts parts) : zeros(data_bytes<double>(m, parts)) {
+    if (!zeros.memory) throw std::bad_alloc();
+    data_layout(m, parts, zeros.memory, d);
   }
 };
 

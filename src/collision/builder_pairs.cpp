@@ -1,14 +1,13 @@
 // Which pairs of collision shapes there are, and which of them a new data tests.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
 #include <new>
 #include <map>
 #include <set>
 
 #include "algorithm/configuration.hpp"
 #include "collision/pair_search.hpp"
+#include "model/block.hpp"
 #include "model/builder_impl.hpp"
 
 namespace dyn {
@@ -152,11 +151,10 @@ GeomPairs overlapping(const Model& m) {
   constexpr int samples = 32, max_apart = 1;
   constexpr std::uint64_t seed = 1;
   GeomPairs found;
-  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, data_bytes<double>(m, DYN_PART_COLLISION)),
-                                                      std::free);
-  if (!memory) throw std::bad_alloc();
+  const Zeros zeros(data_bytes<double>(m, DYN_PART_COLLISION));
+  if (!zeros.memory) throw std::bad_alloc();
   Data<double> d;
-  data_layout(m, DYN_PART_COLLISION, memory.get(), d);
+  data_layout(m, DYN_PART_COLLISION, zeros.memory, d);
   collision::place_geoms(m, d);
   if (!places_are_measurable(m, d)) return found;
   for_each_guess(m, d, [&](Index a, Index b) {

@@ -3,8 +3,6 @@
 //   stiffness = m / (T r)^2      damping = 2 m / T
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
 #include <new>
 
 #include "algorithm/forward_dynamics.hpp"
@@ -15,26 +13,22 @@ namespace dyn::load {
 
 namespace {
 
-struct FreeBlock {
-  void operator()(void* p) const { std::free(p); }
-};
-
 // Diagonal of M^-1 at the configuration "qpos0", else the neutral one: the acceleration per unit force.
 struct InverseInertia {
   const Model& m;
-  std::unique_ptr<void, FreeBlock> arena;
+  Zeros zeros;
   Data<double> d;
   std::vector<double> zero, tau, rest, pushed;
 
   explicit InverseInertia(const Model& model)
       : m(model),
-        arena(allocate_block(data_bytes<double>(m, DYN_PART_FORWARD))),
+        zeros(data_bytes<double>(m, DYN_PART_FORWARD)),
         zero(size_t(m.n.nv)),
         tau(size_t(m.n.nv)),
         rest(size_t(m.n.nv)),
         pushed(size_t(m.n.nv)) {
-    if (!arena) throw std::bad_alloc();
-    data_layout(m, DYN_PART_FORWARD, arena.get(), d);
+    if (!zeros.memory) throw std::bad_alloc();
+    data_layout(m, DYN_PART_FORWARD, zeros.memory, d);
     for (Index k = 0; k < m.n.configurations; ++k)
       if (m.string(m.configuration_names()[k]) == std::string_view("qpos0"))
         std::copy_n(m.configurations() + std::ptrdiff_t(k) * m.n.nq, m.n.nq, d.q);

@@ -135,7 +135,7 @@ inline dynParts complete_parts(const Model& m, dynParts p) {
 template <class T, dynParts possible = DYN_PART_ALL>
 std::size_t data_bytes(const Model& m, dynParts parts);
 
-// Lays the buffers out in memory (64-byte aligned, data_bytes long) and sets the neutral state at rest.
+// Lays the buffers out in memory (64-byte aligned, data_bytes of zeros) and sets the neutral state at rest.
 template <dynParts possible = DYN_PART_ALL, class T>
 void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
 

@@ -55,13 +55,11 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   detail::for_each_buffer<possible>(m, d.parts, d, [&](auto*& p, std::size_t count) {
     using E = std::remove_reference_t<decltype(*p)>;
     p = count ? reinterpret_cast<E*>(at) : nullptr;
-    const std::size_t room = (count * sizeof(E) + 63) / 64 * 64;
-    std::memset(at, 0, room);
 #if DYN_CHECKED
     // whatever is read before it was computed shows
     for (std::size_t i = 0; i < count * sizeof(E) / sizeof(T); ++i) reinterpret_cast<T*>(at)[i] = T(NAN);
 #endif
-    at += room;
+    at += (count * sizeof(E) + 63) / 64 * 64;
   });
   set_to_configuration(m, d, m.simulation()->initial);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
@@ -70,8 +68,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = AppliedWrench<T>::none();
   d.pushed = 0, d.rows_dropped = 0;
   d.step = nullptr;
-  if constexpr (possible & DYN_PART_SIMULATION)
-    if (d.step_memory) d.step = simulation::place(m, d.step_memory);
+#if DYN_CHECKED
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
   for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv,
                d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq})
@@ -80,6 +77,11 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.Linv) std::fill_n(d.Linv, m.n.nv * padded_factor(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
+  if constexpr (possible & DYN_PART_SIMULATION)
+    if (d.step_memory) std::memset(d.step_memory, 0, simulation::workspace_bytes(m));
+#endif
+  if constexpr (possible & DYN_PART_SIMULATION)
+    if (d.step_memory) d.step = simulation::place(m, d.step_memory);
   for (Index j = 0; j < m.n.joints; ++j)
     d.chosen_effects[j] = DYN_EFFECT_DEFAULT, d.effects[j] = DYN_EFFECT_DEFAULT & DYN_EFFECT_ALL;
   apply_effects(m, d);

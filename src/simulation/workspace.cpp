@@ -89,7 +89,6 @@ std::size_t workspace_bytes(const Model& m) {
 
 Workspace* place(const Model& m, void* memory) {
   char* next = static_cast<char*>(memory);
-  std::fill_n(next, workspace_bytes(m), char(0));
   Workspace& w = *new (next) Workspace{};
   next += rounded(sizeof w);
   for_each_array(m, w, [&](auto*& array, std::ptrdiff_t n) {

@@ -270,7 +270,7 @@ inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts 
 inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
 inline Index island_rows(const Model& m) { return std::min(step_rows(m), tuning::island::dense_rows); }
 
-// The workspace in the memory given, which is aligned to 64 bytes.
+// The workspace in the memory given: zeros, aligned to 64 bytes.
 std::size_t workspace_bytes(const Model& m);
 Workspace* place(const Model& m, void* memory);
 dynStepOptions default_options();

@@ -54,11 +54,10 @@ inline std::size_t workspace_bytes(Index max_rows) {
   return bytes;
 }
 
-// memory: workspace_bytes(max_rows) bytes, aligned to 64.
+// memory: workspace_bytes(max_rows) zeros, aligned to 64. Rows beyond the last one are read.
 inline void place(Workspace& w, Index max_rows, void* memory) {
   w.max_rows = max_rows;
   char* next = static_cast<char*>(memory);
-  std::fill_n(next, workspace_bytes(max_rows), char(0));  // rows beyond the last one are read
   w.arrays([&](auto*& array, std::ptrdiff_t n) {
     array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
     next += (std::size_t(n) * sizeof *array + 63) / 64 * 64;

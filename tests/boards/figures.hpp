@@ -31,6 +31,7 @@ struct Bench {
   Data<double> d;
 
   Bench(const Model& model, void* memory) : m(model) {
+    std::memset(memory, 0, bytes(m));
     data_layout<parts>(m, parts, memory, d);
     Dice dice;
     for (Index k = 0; k < m.n.nq; ++k) d.q[k] = m.neutral()[k] + 0.5 * dice();

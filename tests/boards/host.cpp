@@ -1,7 +1,6 @@
 // On the PC: writes the models of the images and the reference results.   dyn_board_tables MODELS_DIR OUT_DIR
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -63,9 +62,9 @@ void write(const std::string& dir, const char* name, const dynModel* handle, Fig
   write_image(f, handle, DYN_IMAGE_NAMELESS);
   std::fprintf(f, "#endif\nconstexpr double figures[] = {");
   const std::size_t bytes = X::bytes(m);
-  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, bytes), std::free);
+  const Zeros zeros(bytes);
   int n = 0;
-  figures(m, memory.get(), [&](double x) { std::fprintf(f, "%s%a,", n++ % 8 ? " " : "\n", x); },
+  figures(m, zeros.memory, [&](double x) { std::fprintf(f, "%s%a,", n++ % 8 ? " " : "\n", x); },
           [](const char*, int calls, auto&& call) { while (calls--) call(); });
   std::fprintf(f, "\n};\nconstexpr unsigned long data_bytes = %zu;\n", bytes);
   std::fclose(f);

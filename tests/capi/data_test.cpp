@@ -2,6 +2,12 @@
 // keeps to its own memory.
 #include "capi/calls.hpp"
 
+#ifdef __linux__
+#include <unistd.h>
+
+#include <cstdio>
+#endif
+
 namespace dyn_test {
 namespace {
 
@@ -31,6 +37,35 @@ TEST(DataNew, NeutralAtRest) {
     EXPECT_TRUE(same_bits(Numbers(std::size_t(m.nv()), 0.0), field(m, d, name))) << name;
   EXPECT_EQ(0.0, field(m, d, "time")[0]);
 }
+
+#ifdef __linux__
+// Resident memory of this process (bytes).
+double resident() {
+  long pages = 0;
+  std::FILE* const file = std::fopen("/proc/self/statm", "r");
+  EXPECT_TRUE(file && std::fscanf(file, "%*d %ld", &pages) == 1);
+  if (file) std::fclose(file);
+  return double(pages) * double(sysconf(_SC_PAGESIZE));
+}
+
+// All parts of a long chain have matrices of nv x nv numbers, which take no memory before a call uses them.
+TEST(DataNew, TakesTheMemoryOfWhatIsUsed) {
+  if (sanitized || checked_build()) GTEST_SKIP() << "the memory is filled here";
+  const Model m = chain(1000);
+  const double nv = m.nv(), matrix = 8 * nv * nv, all = double(dyn_data_size(m, 0)), before = resident();
+  ASSERT_GT(all, 20 * matrix);
+  Data d(m);
+  EXPECT_LT(resident() - before, 64e3 + 4e3 * nv);
+  const Numbers v(std::size_t(m.nv()), 0.1);
+  ASSERT_EQ(DYN_OK, dyn_rnea(m, d, nullptr, v.data(), v.data(), nullptr, nullptr));
+  EXPECT_LT(resident() - before, 64e3 + 4e3 * nv);
+  ASSERT_EQ(DYN_OK, dyn_crba(m, d, nullptr, nullptr));
+  EXPECT_GT(resident() - before, 0.5 * matrix);
+  EXPECT_LT(resident() - before, 64e3 + 4e3 * nv + 3 * matrix);
+  ASSERT_EQ(DYN_OK, dyn_data_warm_up(m, d));
+  EXPECT_GT(resident() - before, 0.9 * all);
+}
+#endif
 
 TEST(DataNew, OnePartIsSmallerThanAll) {
   const Model m = robot("humanoid", DYN_BASE_FLOATING);

@@ -1,8 +1,6 @@
 // A model's data for one scalar, and differences along motions in quadruple precision.
 #pragma once
 
-#include <cstdlib>
-#include <memory>
 #include <new>
 
 #include "common/eigen.hpp"
@@ -10,6 +8,7 @@
 #include "algorithm/configuration.hpp"
 #include "algorithm/declarations.hpp"
 #include "integrator/stepping.hpp"
+#include "model/block.hpp"
 #include "model/builder.hpp"
 #include "simulation/data_layout.hpp"
 
@@ -26,7 +25,7 @@ decltype(auto) plain(const X& x) {
 
 template <class T>
 class Work {
-  std::unique_ptr<void, void (*)(void*)> memory;
+  Zeros zeros;
 
  public:
   const Model& m;
@@ -34,9 +33,9 @@ class Work {
 
   // With all effects that the model has.
   explicit Work(const Model& model, dynParts parts = DYN_PART_ALL)
-      : memory(std::aligned_alloc(64, data_bytes<T>(model, parts)), std::free), m(model), d{} {
-    if (!memory) throw std::bad_alloc();
-    data_layout(model, parts, memory.get(), d);
+      : zeros(data_bytes<T>(model, parts)), m(model), d{} {
+    if (!zeros.memory) throw std::bad_alloc();
+    data_layout(model, parts, zeros.memory, d);
     std::fill_n(d.effects, model.n.joints, DYN_EFFECT_ALL);
     apply_effects(model, d);
   }

@@ -1,6 +1,5 @@
 // When impulses count as a solution: rounding, energy, and rows that nothing moves.
-#include <memory>
-
+#include "model/block.hpp"
 #include "solver/list.hpp"
 #include "solver/scenes.hpp"
 
@@ -12,9 +11,9 @@ using solver::Budget;
 
 // Buffers of the solvers, and a problem scaled into them.
 struct Room {
-  std::unique_ptr<void, void (*)(void*)> memory{std::aligned_alloc(64, solver::workspace_bytes(64)), std::free};
+  Zeros zeros{solver::workspace_bytes(64)};
   solver::Workspace w;
-  Room() { solver::place(w, 64, memory.get()); }
+  Room() { solver::place(w, 64, zeros.memory); }
   explicit Room(Scene& s) : Room() {
     solver::scale(*s.get(), w.problem);
     w.problem.speed = 1;

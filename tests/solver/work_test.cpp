@@ -1,7 +1,6 @@
 // What each method costs on problems that it is made for: steps and factorizations of twelve problems, and how many of them it
 // solves. More or fewer by a sixth are a change of the method.
-#include <memory>
-
+#include "model/block.hpp"
 #include "solver/admm.hpp"
 #include "solver/alart_curnier.hpp"
 #include "solver/interior.hpp"
@@ -70,11 +69,11 @@ const Problems problem_kinds[] = {
 
 // A problem with nothing known of its solution.
 struct Start {
-  std::unique_ptr<void, void (*)(void*)> memory;
+  Zeros zeros;
   solver::Workspace w;
   solver::Budget b;
-  explicit Start(Scene& s, int most) : memory(std::aligned_alloc(64, solver::workspace_bytes(s.rows())), std::free) {
-    solver::place(w, s.rows(), memory.get());
+  explicit Start(Scene& s, int most) : zeros(solver::workspace_bytes(s.rows())) {
+    solver::place(w, s.rows(), zeros.memory);
     solver::scale(*s.get(), w.problem);
     solver::Problem& p = w.problem;
     for (int i = 0; i < p.n; ++i) p.speed = std::max(p.speed, std::fabs(p.g[i]) * p.per_unit[i]);
