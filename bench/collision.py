@@ -5,7 +5,7 @@ Usage:  collision.py [--python PY] [--library FILE] [--out DIR] [--adversarial N
 
   --python PY       Python with the wheels coal (with headers) and mujoco; both are installed into it when missing (default
                     build/peers/bin/python)
-  --library FILE    libdyn.a to link (default build/release/lib/libdyn.a, or the newest variant beside it)
+  --library FILE    archive to link (default build/release/lib/libdyn_internal*.a, of the best level)
   --out DIR         where the program goes (default build/peers-bin)
   --adversarial N   poses of each adversarial kind and pair (default 60)
   --pair PART       pairs whose name holds PART alone; the table is left as it is
@@ -119,9 +119,9 @@ def main():
     p.add_argument("--pair", default="")
     p.add_argument("--json", type=Path)
     args = p.parse_args()
-    found = sorted((PROJECT / "build/release/lib").rglob("libdyn.a"))
+    found = sorted((PROJECT / "build/release/lib").glob("libdyn_internal*.a"))
     args.library = (args.library
-                    or (found[-1] if found else die("no libdyn.a under build/release: build it (tools/run does), or give "
+                    or (found[-1] if found else die("no libdyn_internal*.a in build/release/lib: build the tests (tools/test does), or give "
                                                     "--library")))
     if not os.access(args.python, os.X_OK):
         die(f"{args.python} is missing: run bench/peers/build_pinocchio.py first, or give --python")

@@ -100,7 +100,9 @@ DYN_API const char* dyn_status_name(dynStatus status);
 DYN_API const char* dyn_last_error(void);
 /* Returns "1.0.0". */
 DYN_API const char* dyn_version(void);
-/* Returns one line: compiler, instruction set, and whether this is a checked build. */
+/* Returns one line: instruction set, compiler, and whether this is a checked build. On x86-64 the library may
+   carry several levels of instructions. It uses the best one that the processor runs, or the one that the
+   environment variable DYN_LEVEL names: plain, x86-64-v3 or x86-64-v4. */
 DYN_API const char* dyn_build_info(void);
 
 /* -------------------------------------------------------------------------------------------- basic types */
@@ -619,7 +621,8 @@ enum {
   DYN_PART_ALL = 0x1fffff                  /* All parts. */
 };
 
-/* Makes data for a model. parts = 0 means DYN_PART_ALL. */
+/* Makes data for a model. parts = 0 means DYN_PART_ALL. On Linux, pages of it that no call touches take no
+   memory: parts that are not used cost next to nothing. */
 DYN_API dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data);
 /* Returns the bytes that dyn_data_init needs, alignment slack included. Returns 0 for an invalid handle or
    unknown parts. */

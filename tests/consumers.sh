@@ -34,7 +34,7 @@ quiet "$cmake" --build "$work/consumer_cpp/build"
 expect "C++, find_package" "$("$work/consumer_cpp/build/consumer" "$robot")"
 expect "C++, find_package, static" "$("$work/consumer_cpp/build/consumer_static" "$robot")"
 
-# the installed command finds the installed library, and the variant for this processor
+# the installed command finds the installed library
 if [ -x "$prefix/bin/dyn" ]; then
   loaded=$(env -u LD_LIBRARY_PATH ldd "$prefix/bin/dyn" | awk '$1 == "libdyn.so.1" {print $3}')
   case "$(realpath "$loaded")" in "$(realpath "$prefix")"/*) echo "bin/dyn loads ${loaded#"$prefix"/bin/../}";; *) fail "bin/dyn loads $loaded";; esac

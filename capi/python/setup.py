@@ -1,10 +1,10 @@
-"""Puts the library and its variants into the package, in libdyn/lib, the robots of libdyn.gym, and stubs for type checkers, which
+"""Puts the library into the package, in libdyn/lib, the robots of libdyn.gym, and stubs for type checkers, which
 the library describes.
 
 `pip install ./capi/python` from a checkout needs no other step.
 
 DYN_PREFIX  an installed tree to take the libraries from; without it the checkout is configured and built with CMake.
-DYN_HWCAPS  which variants CMake builds then: ON (v3, v4), native (for this machine), OFF. Default: native.
+DYN_LEVELS  levels that CMake builds then, beside the plain one: ON (v3, v4), native (for this machine), OFF. Default: native.
 """
 
 import os
@@ -38,10 +38,10 @@ def build_prefix(work):
         raise SystemExit("cmake is missing, with which libdyn is built: run tools/install_packages, or set DYN_PREFIX to an "
                          "installed libdyn.")
     build, prefix = CHECKOUT / "build" / "python", work / "prefix"
-    hwcaps = os.environ.get("DYN_HWCAPS", "native")
+    levels = os.environ.get("DYN_LEVELS", "native")
     for command in (
         ["cmake", "-S", CHECKOUT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DDYN_TESTS=OFF", "-DDYN_VIEWER=OFF",
-         f"-DDYN_HWCAPS={hwcaps}"],
+         f"-DDYN_LEVELS={levels}"],
         ["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1)],
         ["cmake", "--install", build, "--prefix", prefix],
     ):
@@ -57,15 +57,14 @@ class BuildWithLibrary(build_py):
         target = package / "lib"
         with tempfile.TemporaryDirectory() as work:
             prefix = pathlib.Path(os.environ.get("DYN_PREFIX") or build_prefix(pathlib.Path(work)))
-            folders = {file.parent for file in prefix.rglob(SONAME) if "glibc-hwcaps" not in file.parts}
+            folders = {file.parent for file in prefix.rglob(SONAME)}
             if len(folders) != 1:
                 raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an "
                                  "installed libdyn.")
             folder = folders.pop()
-            for file in [folder / SONAME, *sorted(folder.glob(MODULE)), *sorted(folder.glob(f"glibc-hwcaps/*/{SONAME}"))]:
-                copy = target / file.relative_to(folder)
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(file, copy)  # the file, not the link
+            target.mkdir()
+            for file in [folder / SONAME, *folder.glob(MODULE)]:
+                shutil.copyfile(file, target / file.name)  # the file, not the link
         (package / "models").mkdir()
         for name in ROBOTS:
             shutil.copyfile(CHECKOUT / "models" / "robots" / name, package / "models" / name)

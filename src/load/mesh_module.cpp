@@ -17,25 +17,14 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* file_name = "libdyn_mesh.so";
 
-// Adds the folder of this library. A variant in LIB/glibc-hwcaps/LEVEL also adds LIB.
-void add_folders(const fs::path& library, std::vector<std::string>& files) {
-  const auto add = [&](const fs::path& folder) {
-    const std::string file = (folder / file_name).string();
-    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
-  };
-  const fs::path folder = library.parent_path();
-  add(folder);
-  if (folder.parent_path().filename() == "glibc-hwcaps") add(folder.parent_path().parent_path());
-}
-
 std::vector<std::string> candidates() {
   std::vector<std::string> files;
   Dl_info here{};
   if (dladdr(reinterpret_cast<const void*>(&mesh_module), &here) && here.dli_fname) {
     std::error_code ignored;
     const fs::path library = fs::absolute(here.dli_fname, ignored);
-    add_folders(library, files);
-    add_folders(fs::canonical(library, ignored), files);
+    for (const fs::path& file : {library, fs::canonical(library, ignored)}) files.push_back((file.parent_path() / file_name).string());
+    if (files[0] == files[1]) files.pop_back();
   }
   files.push_back(file_name);  // searched by the dynamic loader
   return files;

@@ -5,6 +5,7 @@
   names.inc      names of the values of each enumeration (names.hpp)
   enums.inc      names and sentences of enumerations (capi/reflection.cpp)
   algorithms.inc rows of dynAlgorithm (algorithms.py)
+  functions.inc  names of the functions (capi/level)
   interface.inc  the whole interface as JSON, a C++ string (dyn_interface_json in dyn.h says what it holds)
 
 A comment that ends on the line above a declaration describes it; so does one that begins behind it on its last line.
@@ -276,6 +277,10 @@ def enumerations(header):
     yield "};"
 
 
+def functions(header):
+    return (f"FUNCTION({function['name']})" for function in header.functions)
+
+
 def interface(header):
     text = json.dumps({"constants": header.constants, "macros": header.macros, "enums": header.enums, "handles": header.handles, "types": header.types,
                        "callbacks": header.callbacks, "structs": header.structs, "functions": header.functions},
@@ -294,7 +299,8 @@ def write(path, rows):
 def main(path, folder):
     header = Header(open(path, encoding="utf-8").read())
     os.makedirs(folder, exist_ok=True)
-    tables = {"members": members, "names": names, "enums": enumerations, "algorithms": algorithms.rows, "interface": interface}
+    tables = {"members": members, "names": names, "enums": enumerations, "algorithms": algorithms.rows, "functions": functions,
+              "interface": interface}
     for name, rows in tables.items():
         write(os.path.join(folder, name + ".inc"), rows(header))
 

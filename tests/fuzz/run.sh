@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the fuzzers with clang and runs each for some seconds, from tests/fuzz/corpus and what earlier runs found
 # (build/fuzz/found), as many at once as there are processors.
-#   run.sh [--all] BUILD [SECONDS each] [NAME...]     BUILD: a build of the library, with libdyn.a; without clang: 77
+#   run.sh [--all] BUILD [SECONDS each] [NAME...]     BUILD: a build of the library and its tests; without clang: 77
 # --all: the builder, the algorithms and the C interface are watched, too (it takes some minutes to compile them so)
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -15,11 +15,11 @@ shift $(($# < 2 ? $# : 2))
 command -v clang++ >/dev/null || { echo "clang++ is not installed"; exit 77; }
 level=$(sed -n 's/^DYN_ARCH:STRING=//p' "$build/CMakeCache.txt")
 [ "$level" != native ] || level=$(sed -n 's/.*-march=\(x86-64-v[34]\).*/\1/p' "$build/build.ninja" | head -1)
-archive=$build/lib/libdyn.a
-# the variant that the tests link, if there is one: without AVX the two compilers align vectors of four numbers in different ways
-for variant in "$build"/lib/glibc-hwcaps/*/libdyn.a; do
-  [ ! -e "$variant" ] || { archive=$variant level=$(basename "$(dirname "$variant")"); }
+# the level that the tests link
+for archive in "$build"/lib/libdyn_internal_v*.a; do
+  [ ! -e "$archive" ] || level=x86-64-$(sed -E 's/.*_(v[34])\.a/\1/' <<<"$archive")
 done
+[ -e "$archive" ] || archive=$build/lib/libdyn_internal.a
 mkdir -p "$out"
 cmake -S tests/fuzz -B "$out" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" -DDYN_BUILD="$build" -DDYN_FUZZ_ALL=$all -DDYN_FUZZ_ARCH="$level" -DDYN_ARCHIVE="$archive" >"$out/log" 2>&1 &&
   cmake --build "$out" --parallel 2 >"$out/log" 2>&1 || { tail -n 40 "$out/log"; exit 1; }

@@ -1,7 +1,7 @@
 """Rollouts on Ray (package ray): the same simulations by the workers of a cluster.
 
 A simulation's bits depend neither on its neighbours nor on who computes it, so the results are those of engine="threads", on
-processors for which the library has the same variant. Ray runs the tasks of a lost worker or node again.
+processors for which the library has the same level. Ray runs the tasks of a lost worker or node again.
 """
 
 from __future__ import annotations

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import platform
 import sys
 from pathlib import Path
 from typing import Any
@@ -15,40 +14,9 @@ MAJOR = 1  # of the interface that this package was written for
 
 _FILE = "libdyn.1.dylib" if sys.platform == "darwin" else "libdyn.so.1"
 
-# What glibc asks of a CPU before it searches glibc-hwcaps/<level>, in the names of /proc/cpuinfo.
-_LEVELS = (
-    (
-        "x86-64-v3",
-        {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"},
-    ),
-    ("x86-64-v4", {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}),
-)
-
-
-def cpu_levels() -> list[str]:
-    """The glibc-hwcaps folders that this CPU can use, best first."""
-    if platform.machine() not in ("x86_64", "AMD64"):
-        return []
-    try:
-        with open("/proc/cpuinfo", encoding="ascii", errors="replace") as file:
-            flags = next((set(line.split()) for line in file if line.startswith("flags")), set())
-    except OSError:
-        return []
-    levels = []
-    for name, needed in _LEVELS:
-        if not needed <= flags:
-            break
-        levels.insert(0, name)
-    return levels
-
-
 def _in_folder(folder: Path) -> Path | None:
-    """The best library in a folder that is laid out as glibc searches it."""
-    for sub in [f"glibc-hwcaps/{level}" for level in cpu_levels()] + ["."]:
-        path = folder / sub / _FILE
-        if path.is_file():
-            return path
-    return None
+    path = folder / _FILE
+    return path if path.is_file() else None
 
 
 def _plain(build: Path) -> bool:

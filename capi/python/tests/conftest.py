@@ -79,12 +79,10 @@ def wheel(tmp_path_factory):
     shutil.copytree(CAPI / "python", checkout / "capi/python", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
     shutil.copytree(CAPI.parent / "models/robots", checkout / "models/robots")
     library = Path(dyn.library_path).resolve().parent
-    prefix = library.parents[1] if library.parent.name == "glibc-hwcaps" else library
-    installed = work / "prefix/lib"  # a tree with this library and its variants alone
-    for file in [*prefix.glob("libdyn.so.1"), *prefix.glob("libdyn_mesh.so"), *prefix.glob("glibc-hwcaps/*/libdyn.so.1")]:
-        copy = installed / file.relative_to(prefix)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(file, copy)
+    installed = work / "prefix/lib"  # a tree with this library alone
+    installed.mkdir(parents=True)
+    for file in [*library.glob("libdyn.so.1"), *library.glob("libdyn_mesh.so")]:
+        shutil.copy(file, installed / file.name)
     command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(work),
                str(checkout / "capi/python")]
     subprocess.run(command, check=True, env={**os.environ, "DYN_PREFIX": str(work / "prefix")}, cwd=work)

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 import libdyn as dyn
-from libdyn import native
 
 needs_compiler = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
@@ -33,11 +32,6 @@ def test_folder_is_searched(tmp_path):
     target = tmp_path / "libdyn.so.1"
     target.symlink_to(Path(dyn.library_path).resolve())
     assert start(DYN_LIBRARY=str(tmp_path))[1] == str(target)
-    if native.cpu_levels():
-        better = tmp_path / "glibc-hwcaps" / native.cpu_levels()[-1] / "libdyn.so.1"
-        better.parent.mkdir(parents=True)
-        better.symlink_to(target)
-        assert start(DYN_LIBRARY=str(tmp_path))[1] == str(better)
 
 
 def test_missing(tmp_path):
@@ -68,12 +62,6 @@ def test_not_libdyn(tmp_path):
 def test_too_old(tmp_path):
     error = start(DYN_LIBRARY=build(tmp_path, 'const char* dyn_version(void) { return "1.0.0"; }'))[2]
     assert "has no function" in error and "update libdyn" in error
-
-
-def test_cpu_levels():
-    levels = native.cpu_levels()
-    assert levels == sorted(levels, reverse=True)
-    assert set(levels) <= {"x86-64-v3", "x86-64-v4"}
 
 
 @pytest.mark.parametrize(("call", "name"), [
