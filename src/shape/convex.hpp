@@ -154,14 +154,22 @@ inline void Convex::facing(const Vec& n, double band, Feature& f) const {
   Index best = -1;
   int most = 0;
   double turned = 0;
-  for (Index k = 0; k < hull.faces; ++k) {
-    const Vec m = hull.normal(k);
-    const double slope = dot(m, n);
-    if (hull.offset(k) - dot(m, top) > on || slope <= 0) continue;
+  const auto consider = [&](Index k) {
+    const double slope = dot(hull.normal(k), n);
+    if (slope <= 0) return;
     int within = 0;
     for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c)
       within += height - dot(hull.vertex(hull.face_vertices[c]), n) <= band;
     if (within > most || (within == most && slope > turned)) best = k, most = within, turned = slope;
+  };
+  // four planes at a time: few hold the top
+  for (Index k = 0; k < hull.faces; k += 4) {
+    const auto plane = [&](Index i) { return Double4::load(hull.planes + 4 * std::min(k + i, hull.faces - 1)); };
+    Double4 x, y, z, offset;
+    transpose4(plane(0), plane(1), plane(2), plane(3), x, y, z, offset);
+    const Double4 above = x * top[0] + y * top[1] + z * top[2];
+    const unsigned valid = (1u << std::min<Index>(hull.faces - k, 4)) - 1;
+    for_each_bit(bits_of(offset - above <= on) & valid, [&](int i) { consider(k + i); });
   }
   if (best < 0) return f.add(top, 0);
   const Index start = hull.face_start[best], corners = hull.face_start[best + 1] - start;
