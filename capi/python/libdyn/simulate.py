@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from .model import Model
 
 Controller = Callable[["Simulation"], Any]
-"""Called before each control period: it sets control, tau or wrenches of simulation.data, or returns controls, (nu,)."""
+"""Called before each control period: it returns controls (nu,), or torques (nv,) where the model has no actuators, or calls methods
+of simulation.data."""
 
 
 class Trajectory(NamedTuple):
@@ -33,7 +34,7 @@ class Simulation:
     """A data that goes on in time: the loop that one would write oneself.
 
         sim = dyn.Simulation(model)
-        trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q))
+        trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q) - kd * sim.v)
 
     q: where it begins, or the name of a configuration of the model, with the velocity, controls, activations and time that it
     states; by default as new data, where an MJCF file draws it.
@@ -90,10 +91,12 @@ class Simulation:
             q = None
         self.data.set_state(q, v)
 
-    def step(self, steps: int = 1, control: Any = None) -> None:
-        """Some steps, under controls (nu,) or those that are held."""
+    def step(self, steps: int = 1, control: Any = None, *, tau: Any = None) -> None:
+        """Some steps, under controls (nu,) and torques tau (nv,), or those that are held."""
         if control is not None:
             self.data.set_control(control)
+        if tau is not None:
+            self.data.set_state(tau=tau)
         for _ in range(steps):
             self.data.step()
 
@@ -105,7 +108,8 @@ class Simulation:
         t, q, v = np.empty(steps // every + 1), np.empty((steps // every + 1,
                                                           self.model.nq)), np.empty((steps // every + 1, self.model.nv))
         t[0], q[0], v[0] = self.time, self.q, self.v
+        name = "control" if self.model.nu else "tau"
         for k in range(1, len(t)):
-            self.step(every, None if controller is None else controller(self))
+            self.step(every, **{name: None if controller is None else controller(self)})
             t[k], q[k], v[k] = self.time, self.q, self.v
         return Trajectory(t, q, v)

@@ -35,6 +35,23 @@ def test_it_is_the_loop_over_steps(arm):
     assert sim.v.tolist() == [1, 0] and sim.q.tolist() == q
 
 
+def test_a_controller_returns_torques_where_nothing_actuates(arm):
+    """The example of the docstring: a model without actuators is driven to a target, as step(tau=...) drives it."""
+    target, data = np.array([0.5, -0.3]), arm.data()
+
+    def controller(s):
+        return data.gravity_torque(s.q) + 80 * (target - s.q) - 20 * s.v
+
+    sim, other = dyn.Simulation(arm, [0.4, -0.2]), dyn.Simulation(arm, [0.4, -0.2])
+    run = sim.run(3.0, controller)
+    np.testing.assert_allclose(run.q[-1], target, atol=1e-3)
+    for _ in range(len(run.t) - 1):
+        other.step(tau=controller(other))
+    assert np.array_equal(other.q, run.q[-1])
+    with pytest.raises(dyn.SizeError, match="tau has shape"):
+        sim.run(0.01, lambda s: np.zeros(3))
+
+
 def test_it_begins_as_the_file_draws_it():
     box = '<geom type="box" size=".1 .1 .1" mass="1"/>'
     robot = dyn.load_string(f'<mujoco><worldbody><body pos="0 0 2"><freejoint/>{box}</body></worldbody><keyframe><key '
