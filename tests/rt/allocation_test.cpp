@@ -14,7 +14,7 @@ TEST(Allocations, TheCountersCount) {
   const Model m = chain(2);
   const long before = allocations, locks_before = locks;
   dynData* d = nullptr;
-  ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &d));  // creation allocates and locks
+  ASSERT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_INVERSE, &d));  // creation allocates and locks
   EXPECT_GT(allocations, before);
   EXPECT_GT(locks, locks_before);
   const long between = allocations;

@@ -11,7 +11,7 @@ using solver::Budget;
 
 // Buffers of the solvers, and a problem scaled into them.
 struct Room {
-  Zeros zeros{solver::workspace_bytes(64)};
+  dyn::Zeros zeros{solver::workspace_bytes(64)};
   solver::Workspace w;
   Room() { solver::place(w, 64, zeros.memory); }
   explicit Room(Scene& s) : Room() {

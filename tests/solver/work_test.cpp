@@ -69,7 +69,7 @@ const Problems problem_kinds[] = {
 
 // A problem with nothing known of its solution.
 struct Start {
-  Zeros zeros;
+  dyn::Zeros zeros;
   solver::Workspace w;
   solver::Budget b;
   explicit Start(Scene& s, int most) : zeros(solver::workspace_bytes(s.rows())) {
