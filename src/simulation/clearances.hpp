@@ -19,13 +19,16 @@ class Clearances {
   static constexpr double rounding = 1e-12;  // of the sums
   // Places are twice the pairs that come near at once, as a power of two.
   static int bits(const Model& m) {
-    const std::ptrdiff_t geoms = m.n.geoms, pairs = std::min(16 * geoms, lists_pairs(m) ? m.n.pairs : geoms * (geoms - 1) / 2);
+    const std::ptrdiff_t geoms = m.n.geoms, all = lists_pairs(m) ? m.n.pairs : geoms * (geoms - 1) / 2,
+                         pairs = std::min(16 * geoms, all);
     int count = 1;
     while (std::ptrdiff_t(1) << count < 2 * pairs) ++count;
     return count;
   }
   int shift_;
-  Known& at(Index a, Index b) const { return known_[((std::uint32_t(a) * 0x9e3779b1u + std::uint32_t(b)) * 0x85ebca77u) >> shift_]; }
+  Known& at(Index a, Index b) const {
+    return known_[((std::uint32_t(a) * 0x9e3779b1u + std::uint32_t(b)) * 0x85ebca77u) >> shift_];
+  }
 
  public:
   template <class F>

@@ -2,6 +2,8 @@
 // clock(name, calls, call). No heap and no files: the same source on both.
 #pragma once
 
+#include <cstring>
+
 #include "algorithm/declarations.hpp"
 #include "integrator/stepping.hpp"
 #include "simulation/data_layout.hpp"

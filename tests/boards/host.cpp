@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "boards/figures.hpp"
+#include "model/block.hpp"
 #include "guard.hpp"
 
 namespace {
@@ -62,7 +63,7 @@ void write(const std::string& dir, const char* name, const dynModel* handle, Fig
   write_image(f, handle, DYN_IMAGE_NAMELESS);
   std::fprintf(f, "#endif\nconstexpr double figures[] = {");
   const std::size_t bytes = X::bytes(m);
-  const Zeros zeros(bytes);
+  const dyn::Zeros zeros(bytes);
   int n = 0;
   figures(m, zeros.memory, [&](double x) { std::fprintf(f, "%s%a,", n++ % 8 ? " " : "\n", x); },
           [](const char*, int calls, auto&& call) { while (calls--) call(); });
