@@ -40,14 +40,14 @@ void set_up(dynData* data, const Model& m, dynParts parts, void* memory, std::si
   data->magic = live_data;
 }
 
-// The parts that take more than a gigabyte each: " SIMULATION takes 7.1 GB, MINV 2.3"
+// The parts that take more than a gigabyte each: "; SIMULATION takes 7.1 GB; MINV takes 2.3 GB"
 std::string large_parts(const Model& m, dynParts asked) {
   std::string text;
   for (dynParts part = 1; part & DYN_PART_ALL; part <<= 1) {
-    const std::size_t bytes = asked & part ? data_bytes<double>(m, part) : 0;
+    const std::size_t bytes = complete_parts(m, asked) & part ? data_bytes<double>(m, part) : 0;
     if (bytes < 1000000000) continue;
     char one[80];
-    std::snprintf(one, sizeof one, "%s %s takes %.3g GB", text.empty() ? "" : ",", name_of_part(part), 1e-9 * double(bytes));
+    std::snprintf(one, sizeof one, "; %s takes %.3g GB", name_of_part(part), 1e-9 * double(bytes));
     text += one;
   }
   return text;
@@ -77,7 +77,7 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
     const std::size_t bytes = body_bytes + data_bytes<double>(*model->m, parts);
     void* memory = allocate_zeros(bytes);
     if (!memory)
-      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %.3g GB: ask for fewer parts;%s", 1e-9 * double(bytes),
+      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %.3g GB: ask for fewer parts%s", 1e-9 * double(bytes),
                   large_parts(*model->m, parts).c_str());
     dynData* handle = new_handle<dynData>();
     if (!handle) {

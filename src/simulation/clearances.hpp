@@ -1,5 +1,5 @@
 // Lower bounds of the distances of shapes that were apart: the distance that a query found, less the way that both have moved
-// since (Mirtich, Impulse-based dynamic simulation of rigid body systems, 1996, section 2.3). While a bound exceeds the margin,
+// since (after Mirtich, Impulse-based dynamic simulation of rigid body systems, 1996). While a bound exceeds the margin,
 // a query would find no contact, and none is made: results are the same to the last bit.
 #pragma once
 
@@ -14,7 +14,7 @@ class Clearances {
   };
   Known* known_;              // by a hash of the pair: a later pair takes the place of an earlier one
   double* moved_;             // by shape: bound of the way of any of its points (m)
-  collision::Pose* placed_;  // by shape
+  collision::Pose* placed_;   // by shape
 
   static constexpr double rounding = 1e-12;  // of the sums
   // Places are twice the pairs that come near at once, as a power of two.

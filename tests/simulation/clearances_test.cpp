@@ -67,7 +67,7 @@ TEST(Clearances, PairsApartCostAComparison) {
   EXPECT_LE(double(near - far) / 10, 200) << near << " " << far;
 }
 
-// A query finds a rod again after any way back, and after a jump of the state.
+// A query finds a box again after a jump of the state.
 TEST(Clearances, FollowJumps) {
   Scene scene({0, 0, 0});
   for (const char* name : {"a", "b"}) scene.box(name, 1, {0.1, 0.1, 1}, material(0.4));
