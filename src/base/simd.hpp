@@ -1,8 +1,8 @@
 // Simd<T, N>: N numbers side by side, called lanes. An operation acts on each lane by itself. It takes one instruction where the
-// machine has it. Only simd*.hpp know how lanes are stored: as one vector of the compiler, in several registers, or as plain
-// numbers.
+// machine has it. Only simd*.hpp know how lanes are stored: as one vector of the compiler, as two halves, or as plain numbers.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
@@ -34,107 +34,74 @@ namespace detail {
 template <class T>
 inline constexpr bool has_vectors =
     DYN_LANES == 4 && (std::is_same_v<T, double> || std::is_same_v<T, float> || std::is_integral_v<T>);
-// Lanes of a register. GCC keeps wider vectors in memory.
-template <class T>
-inline constexpr int part_lanes = has_vectors<T> ? 8 * register_lanes / int(sizeof(T)) : 1;
+// Whether N lanes fit a register. GCC keeps wider vectors in memory, so they lie in halves.
 template <class T, int N>
-inline constexpr bool is_vector = has_vectors<T> && N <= part_lanes<T>;
-// Four doubles are aligned as with AVX, so that records are alike on every processor.
+inline constexpr bool is_vector = has_vectors<T> && N * int(sizeof(T)) <= 8 * register_lanes;
 template <class T, int N>
-inline constexpr std::size_t alignment =
-    !has_vectors<T> ? alignof(T) : sizeof(T) * N == 32 ? 32 : sizeof(T) * part_lanes<T>;
+inline constexpr bool is_halved = has_vectors<T> && !is_vector<T, N>;
 // An integer of a mask: all bits of a lane are set, or none.
 template <class T>
 using LaneBits = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
 
 }  // namespace detail
 
-#define DYN_SIMD_OPERATORS(unary, binary, compare) \
+#define DYN_SIMD_OPERATORS(unary, binary, compare)                                                 \
   unary(-) unary(~) binary(+) binary(-) binary(*) binary(/) binary(&) binary(|) binary(^) binary(<<) \
-  compare(<) compare(>) compare(<=) compare(>=) compare(==) compare(!=)                              \
-  friend DYN_INLINE Simd& operator&=(Simd& a, const Simd& b) { return a = a & b; }                   \
+  compare(<) compare(>) compare(<=) compare(>=) compare(==) compare(!=)                            \
+  friend DYN_INLINE Simd& operator&=(Simd& a, const Simd& b) { return a = a & b; }                 \
   friend DYN_INLINE Simd& operator|=(Simd& a, const Simd& b) { return a = a | b; }
 
-// In several registers, or as plain numbers.
+// As plain numbers.
 template <class T, int N>
-struct alignas(detail::alignment<T, N>) Simd {
-  static constexpr int lanes = N, part_lanes = detail::part_lanes<T>, parts = N / part_lanes;
-  static constexpr bool plain = part_lanes == 1;
-  using Part = std::conditional_t<plain, T, Simd<T, part_lanes>>;
+struct Simd {
+  static constexpr int lanes = N;
   using Mask = Simd<detail::LaneBits<T>, N>;
-  Part x[parts];
+  T x[N];
 
   Simd() = default;
   DYN_INLINE Simd(T a) {
-    for (int k = 0; k < parts; ++k) x[k] = a;
+    for (int k = 0; k < N; ++k) x[k] = a;
   }
   // one number each
   template <class... U>
     requires(N > 1 && sizeof...(U) == N)
-  explicit DYN_INLINE constexpr Simd(U... a) {
-    const T all[] = {T(a)...};
-    [&]<std::size_t... part>(std::index_sequence<part...>) DYN_INLINE_LAMBDA {
-      ((x[part] = part_of<part>(all, std::make_index_sequence<part_lanes>{})), ...);
-    }(std::make_index_sequence<parts>{});
-  }
+  explicit DYN_INLINE constexpr Simd(U... a) : x{T(a)...} {}
   static DYN_INLINE Simd zero() { return Simd(T(0)); }
   // p needs no more alignment than a number has.
   static DYN_INLINE Simd load(const T* p) {
     Simd a;
-    for (int k = 0; k < parts; ++k) {
-      if constexpr (plain) a.x[k] = p[k];
-      else a.x[k] = Part::load(p + part_lanes * k);
-    }
+    for (int k = 0; k < N; ++k) a.x[k] = p[k];
     return a;
   }
   DYN_INLINE void store(T* p) const {
-    for (int k = 0; k < parts; ++k) {
-      if constexpr (plain) p[k] = x[k];
-      else x[k].store(p + part_lanes * k);
-    }
+    for (int k = 0; k < N; ++k) p[k] = x[k];
   }
   // N indices, as numbers
   static DYN_INLINE Simd convert(const Index* p) {
     Simd a;
-    for (int k = 0; k < N; ++k) a.set(k, T(p[k]));
+    for (int k = 0; k < N; ++k) a.x[k] = T(p[k]);
     return a;
   }
-  template <std::size_t part, std::size_t... k>
-  static DYN_INLINE constexpr Part part_of(const T* all, std::index_sequence<k...>) {
-    return Part(all[part * part_lanes + k]...);
-  }
-  DYN_INLINE T operator[](int k) const {
-    if constexpr (plain) return x[k];
-    else return x[k / part_lanes][k % part_lanes];
-  }
-  DYN_INLINE void set(int k, T a) {
-    if constexpr (plain) x[k] = a;
-    else x[k / part_lanes].set(k % part_lanes, a);
-  }
+  DYN_INLINE T operator[](int k) const { return x[k]; }
+  DYN_INLINE void set(int k, T a) { x[k] = a; }
 
-  // f(Part, Part) for the parts of a and b
-  template <class F>
-  static DYN_INLINE Simd each(const Simd& a, const Simd& b, F&& f) {
-    Simd c;
-    for (int k = 0; k < parts; ++k) c.x[k] = f(a.x[k], b.x[k]);
-    return c;
+#define DYN_UNARY(op)                                 \
+  friend DYN_INLINE Simd operator op(const Simd& a) { \
+    Simd c;                                           \
+    for (int k = 0; k < N; ++k) c.x[k] = op a.x[k];   \
+    return c;                                         \
   }
-#define DYN_UNARY(op)                                                                     \
-  friend DYN_INLINE Simd operator op(const Simd& a) {                                     \
-    return each(a, a, [](const Part& u, const Part&) DYN_INLINE_LAMBDA { return op u; }); \
+#define DYN_BINARY(op)                                               \
+  friend DYN_INLINE Simd operator op(const Simd& a, const Simd& b) { \
+    Simd c;                                                          \
+    for (int k = 0; k < N; ++k) c.x[k] = a.x[k] op b.x[k];           \
+    return c;                                                        \
   }
-#define DYN_BINARY(op)                                                                                           \
-  friend DYN_INLINE Simd operator op(const Simd& a, const Simd& b) {                                             \
-    return each(a, b, [](const Part& u, const Part& v) DYN_INLINE_LAMBDA { return u op v; });                    \
-  }
-#define DYN_COMPARE(op)                                                \
-  friend DYN_INLINE Mask operator op(const Simd& a, const Simd& b) {   \
-    Mask m;                                                            \
-    for (int k = 0; k < parts; ++k) {                                  \
-      if constexpr (plain) m.set(k, a.x[k] op b.x[k] ? -1 : 0);        \
-      else m.x[k] = a.x[k] op b.x[k];                                  \
-    }                                                                  \
-    return m;                                                          \
+#define DYN_COMPARE(op)                                              \
+  friend DYN_INLINE Mask operator op(const Simd& a, const Simd& b) { \
+    Mask m;                                                          \
+    for (int k = 0; k < N; ++k) m.set(k, a.x[k] op b.x[k] ? -1 : 0); \
+    return m;                                                        \
   }
   DYN_SIMD_OPERATORS(DYN_UNARY, DYN_BINARY, DYN_COMPARE)
 #undef DYN_UNARY
@@ -143,21 +110,22 @@ struct alignas(detail::alignment<T, N>) Simd {
   // a in lanes where m is set, b elsewhere
   friend DYN_INLINE Simd select(const Mask& m, const Simd& a, const Simd& b) {
     Simd c;
-    for (int k = 0; k < parts; ++k) {
-      if constexpr (plain) c.x[k] = m[k] ? a.x[k] : b.x[k];
-      else c.x[k] = select(m.x[k], a.x[k], b.x[k]);
-    }
+    for (int k = 0; k < N; ++k) c.x[k] = m[k] ? a.x[k] : b.x[k];
     return c;
   }
   friend DYN_INLINE Simd min(const Simd& a, const Simd& b) { return select(a < b, a, b); }
   friend DYN_INLINE Simd max(const Simd& a, const Simd& b) { return select(a < b, b, a); }
   friend DYN_INLINE Simd abs(const Simd& a) {
     using std::abs;
-    return each(a, a, [](const Part& u, const Part&) DYN_INLINE_LAMBDA { return abs(u); });
+    Simd c;
+    for (int k = 0; k < N; ++k) c.x[k] = abs(a.x[k]);
+    return c;
   }
   friend DYN_INLINE Simd sqrt(const Simd& a) {
     using std::sqrt;
-    return each(a, a, [](const Part& u, const Part&) DYN_INLINE_LAMBDA { return sqrt(u); });
+    Simd c;
+    for (int k = 0; k < N; ++k) c.x[k] = sqrt(a.x[k]);
+    return c;
   }
 };
 
@@ -214,6 +182,55 @@ struct Simd<T, N> {
     return b;
   }
 };
+// As two halves, of which each is one vector or halves in turn. An array of vectors would stay in memory through GCC's early
+// passes, and compiling would take eight times as long. Four doubles are aligned as with AVX: records are alike everywhere.
+template <class T, int N>
+  requires detail::is_halved<T, N>
+struct alignas(sizeof(T) * N == 32 ? 32 : 8 * register_lanes) Simd<T, N> {
+  static constexpr int lanes = N, half = N / 2;
+  using Half = Simd<T, half>;
+  using Mask = Simd<detail::LaneBits<T>, N>;
+  Half low, high;
+
+  Simd() = default;
+  DYN_INLINE Simd(T a) : low(a), high(a) {}
+  static DYN_INLINE constexpr Simd of(Half low, Half high) {
+    Simd a;
+    a.low = low, a.high = high;
+    return a;
+  }
+  template <class... U>
+    requires(N > 1 && sizeof...(U) == N)
+  explicit DYN_INLINE constexpr Simd(U... a) : Simd(std::make_index_sequence<half>{}, std::array<T, N>{T(a)...}) {}
+  static DYN_INLINE Simd zero() { return of(Half::zero(), Half::zero()); }
+  static DYN_INLINE Simd load(const T* p) { return of(Half::load(p), Half::load(p + half)); }
+  DYN_INLINE void store(T* p) const { low.store(p), high.store(p + half); }
+  static DYN_INLINE Simd convert(const Index* p) { return of(Half::convert(p), Half::convert(p + half)); }
+  DYN_INLINE T operator[](int k) const { return k < half ? low[k] : high[k - half]; }
+  DYN_INLINE void set(int k, T a) { k < half ? low.set(k, a) : high.set(k - half, a); }
+
+#define DYN_UNARY(op) \
+  friend DYN_INLINE Simd operator op(const Simd& a) { return of(op a.low, op a.high); }
+#define DYN_BINARY(op) \
+  friend DYN_INLINE Simd operator op(const Simd& a, const Simd& b) { return of(a.low op b.low, a.high op b.high); }
+#define DYN_COMPARE(op) \
+  friend DYN_INLINE Mask operator op(const Simd& a, const Simd& b) { return Mask::of(a.low op b.low, a.high op b.high); }
+  DYN_SIMD_OPERATORS(DYN_UNARY, DYN_BINARY, DYN_COMPARE)
+#undef DYN_UNARY
+#undef DYN_BINARY
+#undef DYN_COMPARE
+  friend DYN_INLINE Simd select(const Mask& m, const Simd& a, const Simd& b) {
+    return of(select(m.low, a.low, b.low), select(m.high, a.high, b.high));
+  }
+  friend DYN_INLINE Simd min(const Simd& a, const Simd& b) { return of(min(a.low, b.low), min(a.high, b.high)); }
+  friend DYN_INLINE Simd max(const Simd& a, const Simd& b) { return of(max(a.low, b.low), max(a.high, b.high)); }
+  friend DYN_INLINE Simd abs(const Simd& a) { return of(abs(a.low), abs(a.high)); }
+  friend DYN_INLINE Simd sqrt(const Simd& a) { return of(sqrt(a.low), sqrt(a.high)); }
+
+ private:
+  template <std::size_t... k>
+  DYN_INLINE constexpr Simd(std::index_sequence<k...>, const std::array<T, N>& a) : low(a[k]...), high(a[half + k]...) {}
+};
 #undef DYN_SIMD_OPERATORS
 
 using Double4 = Simd<double, 4>;
@@ -223,10 +240,12 @@ template <class To, class T, int N>
 DYN_INLINE Simd<To, N> reinterpret(const Simd<T, N>& a) {
   static_assert(sizeof(To) == sizeof(T));
   Simd<To, N> b;
-  if constexpr (detail::is_vector<T, N>) b.x = (typename Simd<To, N>::Vector)a.x;
-  else if constexpr (detail::part_lanes<T> > 1)
-    for (int k = 0; k < a.parts; ++k) b.x[k] = reinterpret<To>(a.x[k]);
-  else std::memcpy(&b, &a, sizeof b);
+  if constexpr (detail::is_vector<T, N>)
+    b.x = (typename Simd<To, N>::Vector)a.x;
+  else if constexpr (detail::is_halved<T, N>)
+    b = Simd<To, N>::of(reinterpret<To>(a.low), reinterpret<To>(a.high));
+  else
+    std::memcpy(&b, &a, sizeof b);
   return b;
 }
 // 0 + a[0] + a[1] + ..., added in this order
@@ -247,11 +266,7 @@ DYN_INLINE unsigned bits_of(const Simd<T, N>& m) {
   if constexpr (std::is_same_v<T, std::int64_t> && N == 2) return unsigned(__builtin_ia32_movmskpd(reinterpret<double>(m).x));
   if constexpr (std::is_same_v<T, std::int32_t> && N == 4) return unsigned(__builtin_ia32_movmskps(reinterpret<float>(m).x));
 #endif
-  if constexpr (!detail::is_vector<T, N> && detail::part_lanes<T> > 1) {
-    unsigned bits = 0;
-    for (int k = 0; k < m.parts; ++k) bits |= bits_of(m.x[k]) << (k * m.part_lanes);
-    return bits;
-  }
+  if constexpr (detail::is_halved<T, N>) return bits_of(m.low) | bits_of(m.high) << m.half;
   unsigned bits = 0;
   for (int k = 0; k < N; ++k) bits |= unsigned(m[k] & 1) << k;
   return bits;

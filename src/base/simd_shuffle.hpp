@@ -6,11 +6,15 @@
 namespace dyn {
 
 namespace detail {
-// the register of index k
-template <class T, int N>
-DYN_INLINE const auto& part(const Simd<T, N>& a, int k) {
-  if constexpr (is_vector<T, N>) return a;
-  else return a.x[k];
+// the register of lane k
+template <int k, class T, int N>
+DYN_INLINE const auto& register_of(const Simd<T, N>& a) {
+  if constexpr (is_vector<T, N>)
+    return a;
+  else if constexpr (k < N / 2)
+    return register_of<k>(a.low);
+  else
+    return register_of<k - N / 2>(a.high);
 }
 }  // namespace detail
 
@@ -18,23 +22,18 @@ DYN_INLINE const auto& part(const Simd<T, N>& a, int k) {
 template <int... i, class T, int N>
 DYN_INLINE Simd<T, int(sizeof...(i))> shuffle(const Simd<T, N>& a, const Simd<T, N>& b) {
   using Result = Simd<T, int(sizeof...(i))>;
+  constexpr int from[] = {i...};
   if constexpr (detail::is_vector<T, N> && detail::is_vector<T, Result::lanes>) {
     return Result::of(__builtin_shufflevector(a.x, b.x, i...));
-  } else if constexpr (detail::part_lanes<T> == 2) {
-    constexpr int from[] = {i...};
-    const auto two = [&]<int first, int second>() DYN_INLINE_LAMBDA {
-      const auto part = [&](int k) DYN_INLINE_LAMBDA { return detail::part(k < N ? a : b, k % N / 2).x; };
-      return Simd<T, 2>::of(__builtin_shufflevector(part(first), part(second), first % 2, 2 + second % 2));
-    };
-    if constexpr (Result::lanes == 2) {
-      return two.template operator()<from[0], from[1]>();
-    } else {
-      Result r;
-      [&]<std::size_t... k>(std::index_sequence<k...>) DYN_INLINE_LAMBDA {
-        ((r.x[k] = two.template operator()<from[2 * k], from[2 * k + 1]>()), ...);
-      }(std::make_index_sequence<Result::parts>{});
-      return r;
-    }
+  } else if constexpr (detail::is_halved<T, Result::lanes>) {
+    return [&]<std::size_t... k>(std::index_sequence<k...>) DYN_INLINE_LAMBDA {
+      return Result::of(shuffle<from[k]...>(a, b), shuffle<from[Result::half + k]...>(a, b));
+    }(std::make_index_sequence<Result::half>{});
+  } else if constexpr (detail::is_halved<T, N> && Result::lanes == 2) {
+    const auto& first = detail::register_of<from[0] % N>(from[0] < N ? a : b);
+    const auto& second = detail::register_of<from[1] % N>(from[1] < N ? a : b);
+    constexpr int lanes = std::remove_cvref_t<decltype(first)>::lanes;
+    return Result::of(__builtin_shufflevector(first.x, second.x, from[0] % lanes, lanes + from[1] % lanes));
   } else {
     return Result((i < N ? a[i % N] : b[i % N])...);
   }
@@ -56,11 +55,14 @@ DYN_INLINE Simd<T, 4> blend(const Simd<T, 4>& a, const Simd<T, 4>& b) {
 // the four lanes from first on
 template <int first, class T, int N>
 DYN_INLINE Simd<T, 4> slice4(const Simd<T, N>& a) {
-  constexpr int part = detail::part_lanes<T>;
-  if constexpr (N == 4) return a;
-  else if constexpr (detail::is_vector<T, N> || part == 1) return shuffle<first, first + 1, first + 2, first + 3>(a);
-  else if constexpr (part == 2) return shuffle<0, 1, 2, 3>(a.x[first / 2], a.x[first / 2 + 1]);
-  else return slice4<first % part>(a.x[first / part]);
+  if constexpr (N == 4)
+    return a;
+  else if constexpr (!detail::is_halved<T, N>)
+    return shuffle<first, first + 1, first + 2, first + 3>(a);
+  else if constexpr (first % (N / 2) <= N / 2 - 4)
+    return slice4<first % (N / 2)>(first < N / 2 ? a.low : a.high);
+  else
+    return shuffle<first, first + 1, first + 2, first + 3>(a);
 }
 // Rows of a 4 x 4 matrix from its columns.
 template <class T>
