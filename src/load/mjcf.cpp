@@ -66,9 +66,9 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   });
   each("asset", [&](Element& e) { file.assets.add(e, file.defaults); });
   each("worldbody", [&](Element& e) { read_world(file, e, context, body); });
-  each("contact", [&](Element& e) { read_mjcf_contact(file, e, context); });
-  each("actuator", [&](Element& e) { read_mjcf_actuators(file, e, context); });
-  each("equality", [&](Element& e) { read_mjcf_equalities(file, e, context); });
+  each("contact", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_contact); });
+  each("actuator", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_actuator); });
+  each("equality", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_equality); });
   if (file.part) drop_unresolved_references(file.robot, excludes, pairs, equalities);
   each("keyframe", [&](Element& e) {
     if (main) read_mjcf_keys(file, e, context);

@@ -97,6 +97,8 @@ size_t controls_of(const Element& e) {
   return input == "none" ? 0 : size_t(std::distance(std::istream_iterator<std::string>(words), {}));
 }
 
+}  // namespace
+
 void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) {
   const std::string_view kind = e.Name();
   const std::string given = e.Attribute("name") ? e.Attribute("name") : "";
@@ -128,7 +130,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
                     "joint",        "jointinparent", "tendon",    "site",       "refsite",  "body",        "slidersite",
                     "cranksite",    "cranklength",   "user",      "actdim",     "dyntype",  "gaintype",    "biastype",
                     "dynprm",       "gainprm",       "biasprm",   "actearly",   "kp",       "kv",          "dampratio",
-                    "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias"},
+                    "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias",        converted_from},
                 {"plugin"});
   file.defaults.apply(file.source, e, "actuator", context.childclass);
   as_general(reader, e);
@@ -141,7 +143,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   const char* joint_name = e.Attribute("joint");
   if (!joint_name && e.Attribute("jointinparent")) joint_name = e.Attribute("jointinparent");
   if (!joint_name) return keep_place("it drives no joint, and other transmissions are not supported");
-  actuator.joint = context.name(joint_name);
+  actuator.joint = file.copies.name(context, "joint", joint_name);
   MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
   if (!joint && file.robot.has_lost(actuator.joint)) return keep_place("its joint is missing from the model");
   if (!joint && file.part) return place.info("its joint was not attached: left out");
@@ -165,12 +167,6 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   }
   add_motor_inertia(reader, e, actuator, *joint);
   file.robot.actuators.push_back(std::move(actuator));
-}
-
-}  // namespace
-
-void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context) {
-  for (Element* e : file.source.children(section)) read_mjcf_actuator(file, *e, context);
 }
 
 void limit_mjcf_actuators(MjcfRobot& robot) {

@@ -52,42 +52,41 @@ Pose relative_pose(const std::vector<double>& x) { return {from_quaternion(x[3],
 
 }  // namespace
 
-void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context) {
-  for (Element* e : file.source.children(section)) {
-    const std::string kind = e->Name();
-    file.defaults.apply(file.source, *e, "equality", context.childclass);
-    std::string name = context.name(attribute(*e, "name"));
-    if (name.empty()) name = kind + "_" + std::to_string(file.robot.equalities.size());
-    const Reader reader = file.source.reader(*e, "equality " + load::in_quotes(name));
-    MjcfEquality x{{&reader.report, line(*e), reader.owner}, name, kind, {}, {}, {}, {}, true, false};
-    if (kind != "connect" && kind != "weld" && kind != "joint") {
-      x.place.physics("<" + kind.substr(0, 60) + "> is not supported: its parts stay unconnected");
-      continue;
-    }
-    reader.unread(*e,
-                  {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose",
-                   "torquescale", "joint1", "joint2", "polycoef"},
-                  {});
-    count_unused(reader, *e, kind.c_str(), {"solref", "solimp", "torquescale"});
-    x.enabled = read_switch(reader, *e, "active", true).value_or(true);
-    if (kind == "joint") {
-      x.first = context.name(reader.name(*e, "joint1")), x.second = context.name(attribute(*e, "joint2"));
-      x.numbers = reader.numbers(*e, "polycoef").value_or(std::vector<double>());
-      if (x.numbers.size() > 5) reader.bad_numbers(*e, "polycoef", "five numbers are expected");
-      for (size_t k = x.numbers.size(); k < 5; ++k) x.numbers.push_back(k == 1);
-    } else if (e->Attribute("site1")) {
-      x.sites = true;
-      x.first = context.name(reader.name(*e, "site1")), x.second = context.name(reader.name(*e, "site2"));
-    } else {
-      x.first = context.name(reader.name(*e, "body1")),
-      x.second = e->Attribute("body2") ? context.name(attribute(*e, "body2")) : "world";
-      if (kind == "connect") x.anchor = reader.vector3(*e, "anchor");
-      else x.anchor = reader.vector3(*e, "anchor").value_or(std::array<double, 3>{0, 0, 0});
-      if (!x.anchor) reader.fail(DYN_ERROR_INVALID, *e, "<connect> has no anchor");
-      if (const auto pose = reader.numbers(*e, "relpose", 7)) x.numbers = *pose;
-    }
-    file.robot.equalities.push_back(std::move(x));
+void read_mjcf_equality(MjcfFile& file, Element& e, const MjcfContext& context) {
+  const std::string kind = e.Name();
+  file.defaults.apply(file.source, e, "equality", context.childclass);
+  std::string name = context.name(attribute(e, "name"));
+  if (name.empty()) name = kind + "_" + std::to_string(file.robot.equalities.size());
+  const Reader reader = file.source.reader(e, "equality " + load::in_quotes(name));
+  MjcfEquality x{{&reader.report, line(e), reader.owner}, name, kind, {}, {}, {}, {}, true, false};
+  if (kind != "connect" && kind != "weld" && kind != "joint") {
+    x.place.physics("<" + kind.substr(0, 60) + "> is not supported: its parts stay unconnected");
+    return;
   }
+  reader.unread(e,
+                {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose",
+                 "torquescale", "joint1", "joint2", "polycoef"},
+                {});
+  count_unused(reader, e, kind.c_str(), {"solref", "solimp", "torquescale"});
+  x.enabled = read_switch(reader, e, "active", true).value_or(true);
+  const auto end = [&](const char* of, const std::string& part) { return file.copies.name(context, of, part); };
+  if (kind == "joint") {
+    x.first = end("joint", reader.name(e, "joint1")), x.second = end("joint", attribute(e, "joint2"));
+    x.numbers = reader.numbers(e, "polycoef").value_or(std::vector<double>());
+    if (x.numbers.size() > 5) reader.bad_numbers(e, "polycoef", "five numbers are expected");
+    for (size_t k = x.numbers.size(); k < 5; ++k) x.numbers.push_back(k == 1);
+  } else if (e.Attribute("site1")) {
+    x.sites = true;
+    x.first = end("site", reader.name(e, "site1")), x.second = end("site", reader.name(e, "site2"));
+  } else {
+    x.first = end("body", reader.name(e, "body1"));
+    x.second = e.Attribute("body2") ? end("body", attribute(e, "body2")) : "world";
+    if (kind == "connect") x.anchor = reader.vector3(e, "anchor");
+    else x.anchor = reader.vector3(e, "anchor").value_or(std::array<double, 3>{0, 0, 0});
+    if (!x.anchor) reader.fail(DYN_ERROR_INVALID, e, "<connect> has no anchor");
+    if (const auto pose = reader.numbers(e, "relpose", 7)) x.numbers = *pose;
+  }
+  file.robot.equalities.push_back(std::move(x));
 }
 
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
@@ -144,8 +143,9 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   reader.unread(
       e, {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solreffriction", "solimp", "gap", "margin"}, {});
   count_unused(reader, e, "pair", {"solref", "solreffriction", "solimp"});
+  const auto geom = [&](const char* end) { return file.copies.name(context, "geom", reader.name(e, end)); };
   MjcfPair pair{{&reader.report, line(e), reader.owner},
-                {context.name(reader.name(e, "geom1")), context.name(reader.name(e, "geom2"))},
+                {geom("geom1"), geom("geom2")},
                 shape::default_material()};
   std::vector<double> f = {1, 1, 0.005, 0.0001, 0.0001};  // whatever the geoms have
   if (const auto given = reader.numbers(e, "friction"))

@@ -37,8 +37,8 @@ bool is_actuator(const Element& e) {
 
 void as_general(const Reader& reader, Element& e) {
   const std::string_view kind = e.Name();
-  const std::string before = e.Attribute("shortcut") ? e.Attribute("shortcut") : "general";
-  e.SetAttribute("shortcut", e.Name());
+  const std::string before = e.Attribute(converted_from) ? e.Attribute(converted_from) : "general";
+  e.SetAttribute(converted_from, e.Name());
   if (kind == "general") return;
   if (before != kind && before != "general") e.DeleteAttribute("gainprm"), e.DeleteAttribute("biasprm");
   if (before != kind && (before != "general" || kind != "cylinder")) e.DeleteAttribute("dyntype"), e.DeleteAttribute("dynprm");

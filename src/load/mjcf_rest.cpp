@@ -111,18 +111,16 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
 }
 
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {
-  for (Element* c : file.source.children(e)) {
-    const std::string_view kind = c->Name();
-    const Reader reader = file.source.reader(*c, "<" + std::string(kind) + ">");
-    if (kind == "exclude") {
-      reader.unread(*c, {"name", "class", "body1", "body2"}, {});
-      file.robot.excludes.push_back({{&reader.report, line(*c), reader.owner},
-                                     {context.name(reader.name(*c, "body1")), context.name(reader.name(*c, "body2"))}});
-    } else if (kind == "pair") {
-      read_mjcf_pair(file, *c, context);
-    } else {
-      reader.report.physics(line(*c), "<contact>: element <" + std::string(kind.substr(0, 60)) + "> is not used");
-    }
+  const std::string_view kind = e.Name();
+  const Reader reader = file.source.reader(e, "<" + std::string(kind) + ">");
+  if (kind == "exclude") {
+    reader.unread(e, {"name", "class", "body1", "body2"}, {});
+    const auto body = [&](const char* end) { return file.copies.name(context, "body", reader.name(e, end)); };
+    file.robot.excludes.push_back({{&reader.report, line(e), reader.owner}, {body("body1"), body("body2")}});
+  } else if (kind == "pair") {
+    read_mjcf_pair(file, e, context);
+  } else {
+    reader.report.physics(line(e), "<contact>: element <" + std::string(kind.substr(0, 60)) + "> is not used");
   }
 }
 

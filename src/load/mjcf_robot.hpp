@@ -1,6 +1,9 @@
 // An MJCF model as values, and the steps between file and builder.
 #pragma once
 
+#include <map>
+#include <set>
+
 #include "collision_mesh.hpp"
 #include "colour.hpp"
 #include "model/constraints.hpp"
@@ -189,6 +192,35 @@ class MjcfAssets {
   Colours materials_;
 };
 
+// Where an element stands: its body and frame, its default class, and the affixes of its names.
+struct MjcfContext {
+  int body = 0;
+  SE3<double> X = SE3<double>::identity();  // of the frame in the body
+  std::string childclass, prefix, suffix, outer;  // outer: suffix of names that were not copied
+  int copies = 0;  // that it stands in, of parts of the same model
+
+  std::string name(const std::string& n) const { return n.empty() ? n : prefix + n + suffix; }
+};
+
+struct MjcfFile;
+
+// What <replicate> copied: the suffixes of a name's copies. Elements that refer to a copied name are copied, too.
+class MjcfCopies {
+ public:
+  using Read = void (*)(MjcfFile&, Element&, const MjcfContext&);
+  void add(const Element& e, const std::string& suffix);
+  // Reads the elements of a section, as MuJoCo does: first those that refer to nothing copied, then the others once a copy.
+  void read_section(MjcfFile& file, Element& section, const MjcfContext& context, Read read) const;
+  // The name that an element means by one of a joint, body, site or geom: its own copy's, if there is one.
+  std::string name(const MjcfContext& context, const std::string& kind, const std::string& name) const;
+
+ private:
+  const std::set<std::string>* suffixes_of(const std::string& kind, const std::string& name) const;
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> copies_;
+  std::vector<std::string> suffixes_;  // in the file's order
+  std::set<std::string> known_;
+};
+
 // Settings of one file while its bodies are read.
 struct MjcfFile {
   MjcfSource& source;
@@ -197,20 +229,11 @@ struct MjcfFile {
   MjcfCompiler compiler;
   MjcfDefaults defaults;
   MjcfAssets assets;
+  MjcfCopies copies;
   bool part = false;  // only one body of the file is attached
 
   MjcfFile(MjcfSource& s, MjcfRobot& r, const LoadOptions& o) : source(s), options(o), robot(r), assets(s, compiler, o) {}
   MjcfFile(const MjcfFile&) = delete;
-};
-
-// Where an element stands: its body and frame, its default class, and the affixes of its names.
-struct MjcfContext {
-  int body = 0;
-  SE3<double> X = SE3<double>::identity();  // of the frame in the body
-  std::string childclass, prefix, suffix;
-  int copies = 0;  // that it stands in, of parts of the same model
-
-  std::string name(const std::string& n) const { return n.empty() ? n : prefix + n + suffix; }
 };
 
 // mjcf.cpp: reads everything under <mujoco>. The content of its world goes to the context's frame.
@@ -236,14 +259,14 @@ void fit_mjcf_geom(const meshes::Mesh& mesh, bool bounds, double scale, MjcfGeom
 meshes::Mesh mjcf_builtin_mesh(const Reader& reader, const Element& e);
 // mjcf_rest.cpp: sections beside the bodies
 void read_mjcf_option(MjcfFile& file, Element& e);
-void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);
+void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);  // an element of <contact>
 void report_mjcf_section(MjcfFile& file, Element& e);
 // mjcf_keys.cpp: named configurations. Keys come after the actuators, whose controls they hold.
 void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot);
 void add_mjcf_keys(Builder& builder, const MjcfRobot& robot);
 // mjcf_actuator.cpp, mjcf_equality.cpp
-void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
+void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context);
 void limit_mjcf_actuators(MjcfRobot& robot);  // applies a joint's actuator force range to its only actuator
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
 // mjcf_damping.cpp: damping of servos with a damping ratio, and of joints with a time constant, from a model without actuators.
@@ -251,7 +274,7 @@ bool damped_by_ratio(const MjcfRobot& robot);
 void compute_mjcf_damping(const Model& model, MjcfRobot& robot);
 bool has_springdampers(const MjcfRobot& robot);
 void compute_mjcf_springs(const Model& model, MjcfRobot& robot);
-void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context);
+void read_mjcf_equality(MjcfFile& file, Element& e, const MjcfContext& context);
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot);
 void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context);
 void mark_mjcf_pairs(MjcfRobot& robot);  // geoms named by a pair collide whatever their masks

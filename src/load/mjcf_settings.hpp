@@ -45,7 +45,8 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes);
 
 // mjcf_law.cpp: is_actuator tells whether an actuator is supported. as_general rewrites a shortcut such as <position> as
-// <general>, after its class was applied.
+// <general>, after its class was applied, and keeps its kind in an attribute whose name no file can have.
+inline constexpr const char* converted_from = "converted from";
 bool is_actuator(const Element& e);
 void as_general(const Reader& reader, Element& e);
 

@@ -168,6 +168,7 @@ void read_all(MjcfFile& file, TodoList todo) {
     Element& e = *next.e;
     const MjcfContext& context = *next.context;
     const std::string_view kind = e.Name();
+    if (!context.suffix.empty()) file.copies.add(e, context.suffix);
     if (kind == "body") read_body(file, e, context, todo);
     else if (kind == "joint" || kind == "freejoint") read_mjcf_joint(file, e, context);
     else if (kind == "geom") read_mjcf_geom(file, e, context);

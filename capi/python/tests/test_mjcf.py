@@ -217,6 +217,27 @@ def test_replicas_are_turned_by_multiples_of_the_angles():
         p = p + turned(k) @ offset
 
 
+def test_what_refers_to_replicas_is_replicated():
+    """The order is MuJoCo 4.0.0's: first what refers to no copy, then copy by copy."""
+    m = dyn.load_string(
+        '<mujoco><worldbody><body name="base"><joint name="b" type="slide"/><geom name="bottom" size=".1"/></body><replicate '
+        'count="2" offset="0 1 0"><replicate count="2" sep="-" offset="1 0 0"><body name="arm"><joint name="j"/><geom size=".1" '
+        'pos=".3 0 0"/><site name="s"/><body name="sub"><joint name="k"/><geom name="g" size=".1"/></body></body></replicate>'
+        '</replicate></worldbody><contact><exclude body1="base" body2="arm"/><pair geom1="bottom" geom2="g"/></contact>'
+        '<equality><joint joint1="j" joint2="k"/><joint name="e" joint1="b" joint2="j"/></equality>'
+        '<actuator><motor name="first" joint="j"/><motor name="B" joint="b"/><position joint="k"/></actuator></mujoco>')
+    copies = ["-00", "-10", "-01", "-11"]
+    drive = [("B", "b")] + [pair for c in copies for pair in (("first" + c, "j" + c), (None, "k" + c))]
+    names = ["B", "first-00", None, "first-10", None, "first-01", None, "first-11", None]
+    assert len(m.actuator_names) == len(names) and all(x in (None, y) for x, y in zip(names, m.actuator_names))
+    drive = ["b"] + [joint + copy for copy in ("-00", "-10", "-01", "-11") for joint in "jk"]
+    assert [m.joint_name(m.actuator(k).joint) for k in range(9)] == drive
+    assert len(m.constraint_names) == 8 and set(m.constraint_names) >= {"e-00", "e-10", "e-01", "e-11"}
+    assert len(m.disabled_pairs) == 4
+    tested = {p.shape_b for p in m.pairs if p.reason == dyn.PairReason.TESTED and p.shape_a == 0}
+    assert tested == {2, 4, 6, 8}  # the geoms "g"; those of the arms are excluded
+
+
 @pytest.mark.parametrize("names", [("world", "a"), ("a", "world")])
 def test_what_is_excluded_from_the_world_falls_through_its_floor(names):
     m = dyn.load_string('<mujoco><worldbody><geom type="plane" size="1 1 1"/><body name="a"><freejoint/><geom '
