@@ -3,13 +3,10 @@
 
 namespace dyn::simulation {
 
-// Compares the price of a factorization: dense rows^3 against blocks of segments, in the same unit (measured).
-// With no more rows than lanes contacts are seldom redundant, and the damped dense Newton succeeds more often.
+// Compares the price of a factorization: dense rows^3 against blocks of segments, in the same unit.
 bool Island::sparse() {
   has_runs();
-  const double whole = double(rows) * rows * rows;
-  const double block =
-      rows > segment_lanes * w.elimination.size ? tuning::newton::redundant_block_price : tuning::newton::block_price;
+  const double whole = double(rows) * rows * rows, block = tuning::newton::block_price;
   if (!large() && whole <= block * w.elimination.size) return false;
   return ordered() && (large() || whole > block * (w.elimination.size + w.elimination.entries()));
 }
