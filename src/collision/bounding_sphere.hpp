@@ -1,34 +1,49 @@
-// Rejects pairs before the narrow phase by their bounding spheres about the shapes' origins.
+// Rejects pairs before the narrow phase by their bounding spheres about the shapes' origins, and by boxes.
 #pragma once
 
 #include "collision/geom.hpp"
 
 namespace dyn::collision {
 
-// Distance from a point to a rounded box.
-inline double box_distance(const Geom& box, const Pose& X, const Vec& p) {
-  const Vec at = transpose_times(X.R, p - X.p);
+inline constexpr double box_rounding = 1e-12;  // of the sizes: faces that touch are not apart
+
+// Distance from a point to a shape's rounded box.
+inline double box_distance(const Geom& g, const Pose& X, const Vec& p) {
+  const Vec at = transpose_times(X.R, p - X.p) - g.box_center;
   double square = 0;
   for (int i = 0; i < 3; ++i) {
-    const double beyond = std::max(0.0, std::abs(at[i]) - box.shape.size[i]);
+    const double beyond = std::max(0.0, std::abs(at[i]) - g.box_half[i]);
     square += beyond * beyond;
   }
-  return std::sqrt(square) - box.shape.radius;
+  return std::sqrt(square) - g.shape.radius;
+}
+
+// Lower bound of the distance of a shape from a half space.
+inline double plane_distance(const Geom& plane, const Pose& P, const Geom& g, const Pose& X) {
+  const Vec n = P.R.z;
+  const double height = dot(n, X.p - P.p);
+  if (!g.has_box()) return height - plane.shape.radius - g.bounding_radius;
+  const Vec own = transpose_times(X.R, n);
+  double low = height + dot(own, g.box_center) - box_rounding * (std::abs(height) + g.bounding_radius);
+  for (int i = 0; i < 3; ++i) low -= std::abs(own[i]) * g.box_half[i];
+  return low - plane.shape.radius - g.shape.radius;
 }
 
 // Lower bound of the distance of two shapes.
 inline double distance_lower_bound(const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
   const bool plane_a = a.shape.type == shape::Type::HalfSpace, plane_b = b.shape.type == shape::Type::HalfSpace;
   if (plane_a && plane_b) return -shape::infinity;
-  if (plane_a) return dot(A.R.z, B.p - A.p) - a.shape.radius - b.bounding_radius;
-  if (plane_b) return dot(B.R.z, A.p - B.p) - b.shape.radius - a.bounding_radius;
-  double distance = shape::norm(A.p - B.p) - a.bounding_radius - b.bounding_radius;
-  // a wall fills little of its bounding sphere: use the box itself
-  constexpr double large = 4;
-  if (a.shape.type == shape::Type::Box && a.bounding_radius > large * b.bounding_radius)
-    distance = std::max(distance, box_distance(a, A, B.p) - b.bounding_radius);
-  if (b.shape.type == shape::Type::Box && b.bounding_radius > large * a.bounding_radius)
-    distance = std::max(distance, box_distance(b, B, A.p) - a.bounding_radius);
+  if (plane_a) return plane_distance(a, A, b, B);
+  if (plane_b) return plane_distance(b, B, a, A);
+  const double between = shape::norm(A.p - B.p), reach = a.bounding_radius + b.bounding_radius,
+               rounding = box_rounding * (between + reach);
+  double distance = between - reach;
+  // walls and links fill little of their bounding spheres; of points inside, boxes say nothing
+  const auto by_box = [&](double bound) {
+    if (bound > 0) distance = std::max(distance, bound);
+  };
+  if (a.has_box()) by_box(box_distance(a, A, B.p) - b.bounding_radius - rounding);
+  if (b.has_box()) by_box(box_distance(b, B, A.p) - a.bounding_radius - rounding);
   return distance;
 }
 

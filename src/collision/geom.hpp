@@ -15,7 +15,19 @@ struct Geom {
   Pose X;
   Index body;
   double bounding_radius;  // about the shape's origin, m
+  Vec box_center, box_half;  // of the box that holds a box or a hull without rounding, in the shape's axes
+
+  bool has_box() const { return shape.type == shape::Type::Box || shape.type == shape::Type::Convex; }
 };
+
+inline void set_bounds(Geom& g) {
+  g.bounding_radius = bounding_radius(g.shape);
+  g.box_center = Vec::zero(), g.box_half = g.shape.size;
+  if (g.shape.type == shape::Type::Convex) {
+    const shape::Bounds b = shape::Convex(g.shape).bounds(Mat3<double>::identity());
+    g.box_center = (b.lower + b.upper) * 0.5, g.box_half = (b.upper - b.lower) * 0.5;
+  }
+}
 
 // Collision groups, a bit each: the groups of the shape, and those it collides with. Two shapes collide if one of them wants the
 // other (MuJoCo's rule).
@@ -50,7 +62,7 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
   if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;
   g.X = f.X * load_se3(s.placement);
   g.body = f.body;
-  g.bounding_radius = bounding_radius(g.shape);
+  set_bounds(g);
   return g;
 }
 

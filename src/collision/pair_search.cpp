@@ -37,7 +37,12 @@ std::size_t search_bytes(const Model& m) {
 
 Bounds inflated_bounds(const Geom& g, const Pose& X, double more) {
   Bounds b{};
-  shape::visit(g.shape, [&](const auto& s) { b = s.bounds(X); });
+  if (g.shape.type == shape::Type::Convex) {  // cheaper than by all its vertices
+    const shape::Shape box{shape::Type::Box, g.shape.radius, g.box_half, nullptr};
+    b = shape::Box(box).bounds(Pose{X.R, X.act(g.box_center)});
+  } else {
+    shape::visit(g.shape, [&](const auto& s) { b = s.bounds(X); });
+  }
   const double e = more + 1e-9 * (g.bounding_radius + more);  // beyond the accuracy of distances
   const auto by = shape::Vec::make(e, e, e);
   return {b.lower - by, b.upper + by};
