@@ -23,7 +23,7 @@ class Clearances {
     const std::ptrdiff_t geoms = m.n.geoms, all = lists_pairs(m) ? m.n.pairs : geoms * (geoms - 1) / 2,
                          pairs = std::min(16 * geoms, all);
     int count = 1;
-    while (ways << count < 4 * pairs) ++count;
+    while (std::ptrdiff_t(ways) << count < 4 * pairs) ++count;
     return count;
   }
   int shift_;
