@@ -172,7 +172,8 @@ void MjcfAssets::read(Entry& entry) const {
         faces.push_back(Index(f));
       }
       if (faces.size() % 3) reader.bad_numbers(e, "face", "three vertices a face are expected");
-      if (faces.empty()) mesh.vertices = *vertices;
+      if (faces.empty())
+        mesh.vertices = *vertices;
       else
         mesh = meshes::make_mesh(vertices->data(), std::int64_t(vertices->size() / 3), faces.data(),
                                  std::int64_t(faces.size() / 3), 0, reader.owner);
@@ -193,6 +194,7 @@ void MjcfAssets::read(Entry& entry) const {
   } catch (const Error& error) {
     const std::string what = error.what();
     if (what.starts_with(reader.report.where(line(e)))) throw;
+    if (what.starts_with(reader.owner)) reader.report.fail(error.status, line(e), what);
     reader.fail(error.status, e, what);
   }
 }
@@ -231,8 +233,10 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
   if (!touches) return;
   const CollisionMesh& collision = *entry.collision;
   const std::string message = "mesh " + load::in_quotes(name) + collision.message;
-  if (collision.warning) geom.place.warning(message);
-  else geom.place.info(message);
+  if (collision.warning)
+    geom.place.warning(message);
+  else
+    geom.place.info(message);
   geom.shape.type = collision.type;
   geom.shape.surface = collision.surface;
 }

@@ -14,6 +14,9 @@ namespace {
 
 using Pose = SE3<double>;
 
+// MuJoCo refuses bodies that move with a mass or a principal moment below 1e-15 (mjMINVAL). Below ten times that it gets this, in
+// kg and kg m2.
+constexpr double least_inertia = 1e-14;
 constexpr int mujoco_depth = 490;  // MuJoCo refuses elements that are nested 500 deep
 
 bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
@@ -202,7 +205,10 @@ void MjcfWriter::add_moving(Index first) {
       put(body, "name", body_name(main));
     } else {
       put(body, "name", bodies.claim(chain[end - 1].simple.name + "_body"));
-      losses.note("bodies without mass were added, which MuJoCo itself may refuse", body.Attribute("name"));
+      losses.note("bodies without mass were added, with 1e-14 kg and kg m2, as MuJoCo refuses less", body.Attribute("name"));
+      XmlElement& inertial = *body.InsertNewChildElement("inertial");
+      put(inertial, "pos", {0, 0, 0}), put(inertial, "mass", least_inertia);
+      put(inertial, "diaginertia", {least_inertia, least_inertia, least_inertia});
     }
     Pose pose = X * frame;
     if (chain[begin].simple.type == DYN_JOINT_TYPE_FREE_FLYER) {
@@ -212,7 +218,7 @@ void MjcfWriter::add_moving(Index first) {
         losses.loss("free joints whose frame is not their body's: their coordinates become the body's", chain[begin].simple.name);
     }
     put_pose(body, pose);
-    if (whole && main >= 0) add_link(body, main);
+    if (whole && main >= 0) add_link(body, main, mass_of(m, on[size_t(last)]) == 0 ? least_inertia : 0, least_inertia);
     Pose to_end = frame;  // of the body in the frame of the piece
     std::vector<Pose> ends(end - begin);
     for (size_t k = end; k-- > begin;)
@@ -221,8 +227,6 @@ void MjcfWriter::add_moving(Index first) {
     at = &body, X = Pose::identity();
     begin = end;
   }
-  if (main >= 0 && mass_of(m, on[size_t(last)]) == 0)
-    losses.note("moving bodies have no mass, and MuJoCo refuses such", frame_name(main));
   for (const Index j : group) attachments[size_t(j)] = {at, in_joint};
   add_content(last, main);
 }
@@ -234,23 +238,27 @@ static void put_principal(XmlElement& inertial, Eigen::Matrix3d axes, const Eige
   put(inertial, "quat", {u.w, u.v[0], u.v[1], u.v[2]}), put(inertial, "diaginertia", {moments[0], moments[1], moments[2]});
 }
 
-void MjcfWriter::add_link(XmlElement& body, Index frame) {
+void MjcfWriter::add_link(XmlElement& body, Index frame, double least_mass, double least_moment) {
   const LinkRecord& l = m.links()[m.frames()[frame].link];
   if (const double held = m.compensation(m.frames()[frame].link); held != 0) put(body, "gravcomp", held);
-  if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
+  const double mass = std::max(l.mass, least_mass);
+  if (mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
     XmlElement& inertial = *body.InsertNewChildElement("inertial");
-    put(inertial, "pos", std::span(l.com)), put(inertial, "mass", l.mass);
-    Eigen::Matrix3d I = Eigen::Map<const Eigen::Matrix3d>(l.inertia);
+    put(inertial, "pos", std::span(l.com)), put(inertial, "mass", mass);
+    const Eigen::Matrix3d I = Eigen::Map<const Eigen::Matrix3d>(l.inertia);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I);
     const Eigen::Vector3d moments = principal.eigenvalues();
-    if (moments[0] < -1e-9 * moments[2]) {
-      losses.loss("negative principal moments of inertia become zero", frame_name(frame));
-      I = principal.eigenvectors() * moments.cwiseMax(0).asDiagonal() * principal.eigenvectors().transpose();
-    }
+    if (moments[0] < -1e-9 * moments[2]) losses.loss("negative principal moments of inertia become zero", frame_name(frame));
+    if (mass > l.mass || moments[0] < least_moment)
+      losses.loss("moving bodies get 1e-14 kg and kg m2 at least, as MuJoCo refuses less", frame_name(frame));
     constexpr double least_of_full = 2e-14;  // MuJoCo's bound of the smallest principal moment of a fullinertia
-    if (I(0, 1) == 0 && I(0, 2) == 0 && I(1, 2) == 0) put(inertial, "diaginertia", {I(0, 0), I(1, 1), I(2, 2)});
-    else if (moments[0] < least_of_full) put_principal(inertial, principal.eigenvectors(), moments.cwiseMax(0));
-    else put(inertial, "fullinertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
+    const bool diagonal = I(0, 1) == 0 && I(0, 2) == 0 && I(1, 2) == 0;
+    if (diagonal)
+      put(inertial, "diaginertia", std::span(I.diagonal().cwiseMax(least_moment).eval().data(), 3));
+    else if (moments[0] < least_of_full)
+      put_principal(inertial, principal.eigenvectors(), moments.cwiseMax(least_moment));
+    else
+      put(inertial, "fullinertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
     if (moments[0] + moments[1] < moments[2] * (1 - 1e-9)) {
       losses.loss("impossible inertias: each principal moment becomes their mean (balanceinertia)", frame_name(frame));
       put(section("compiler"), "balanceinertia", std::string("true"));

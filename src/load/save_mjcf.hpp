@@ -42,7 +42,7 @@ class MjcfWriter {
   std::vector<Piece> pieces_of(const std::vector<Index>& group);
   void add_moving(Index first);
   void add_content(Index joint, Index main);
-  void add_link(XmlElement& body, Index frame);
+  void add_link(XmlElement& body, Index frame, double least_mass = 0, double least_moment = 0);
   // save_mjcf_joint.cpp
   void add_joint(XmlElement& body, const Piece& p, const SE3<double>& end);
   void add_numbers(XmlElement& e, const Piece& p);
@@ -55,7 +55,7 @@ class MjcfWriter {
   std::set<std::pair<Index, Index>> untested_links();
   void add_contacts();
   // save_mjcf_mesh.cpp
-  std::string mesh_asset(const ShapeRecord& s);
+  std::string mesh_asset(const ShapeRecord& s);  // empty: it cannot be read
   std::string mesh_file(const ShapeRecord& s);
   XmlElement& new_mesh(const std::string& wish, std::string& name);
   static void put_mesh(XmlElement& mesh, std::span<const double> vertices, const Index* corners, size_t triangles);

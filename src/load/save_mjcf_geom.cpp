@@ -15,9 +15,7 @@ namespace dyn::load {
 namespace {
 
 // Writes friction unless it is MuJoCo's default. condim selects the kinds of friction.
-int condim(const dynMaterial& acting) {
-  return acting.rolling != 0 ? 6 : acting.torsion != 0 ? 4 : acting.friction != 0 ? 3 : 1;
-}
+int condim(const dynMaterial& acting) { return acting.rolling != 0 ? 6 : acting.torsion != 0 ? 4 : acting.friction != 0 ? 3 : 1; }
 
 void put_friction(XmlElement& e, const shape::ShapeMaterial& x) {
   const int dim = x.latent == 0 ? condim(x) : x.latent == 1 ? 4 : x.latent == 2 ? 3 : 1;
@@ -42,6 +40,9 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   const std::optional<ShapeForm> form = shape_form(RobotFormat::Mjcf, s.type);
   if (!form && shape::size_count(s.type) > 0)
     return losses.loss(std::string("shapes of type ") + name_of(s.type) + " are left out", called);
+  const bool meshed = s.type == DYN_SHAPE_TYPE_MESH || s.type == DYN_SHAPE_TYPE_CONVEX || s.type == DYN_SHAPE_TYPE_TRIANGLES;
+  const std::string mesh = meshed ? mesh_asset(s) : "";
+  if (meshed && mesh.empty()) return;
   XmlElement& e = *body.InsertNewChildElement("geom");
   if (!name.empty()) {
     geom_names[k] = geoms.claim(name);
@@ -62,8 +63,10 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
       type("hfield"), put(e, "hfield", asset);
       break;
     }
-    case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES:
-      type("mesh"), put(e, "mesh", mesh_asset(s));
+    case DYN_SHAPE_TYPE_MESH:
+    case DYN_SHAPE_TYPE_CONVEX:
+    case DYN_SHAPE_TYPE_TRIANGLES:
+      type("mesh"), put(e, "mesh", mesh);
       if (s.type != DYN_SHAPE_TYPE_MESH)
         losses.note("hulls and triangles become meshes: load the file with meshes as hulls or triangles", called);
       break;
@@ -138,7 +141,8 @@ std::set<std::pair<Index, Index>> MjcfWriter::untested_links() {
       if (!overlap || p.reason != DYN_PAIR_REASON_OVERLAPS) continue;
       if (tested.count(links))
         losses.loss("pairs of shapes that overlap, of links of which others are tested", frame_name(links.first));
-      else out.insert(links);
+      else
+        out.insert(links);
     }
   return out;
 }

@@ -47,8 +47,10 @@ std::string MjcfWriter::mesh_file(const ShapeRecord& s) {
   if (there) path = std::filesystem::absolute(path).string();
   std::string& name = file_assets[path + " " + number_list(s.size)];
   if (!name.empty()) return name;
+  const auto left_out = [&](const char* why) { return losses.loss(why, path), std::string(); };
+  if (!there) return left_out("shapes are left out: their mesh file is not there");
   const std::string stem = std::filesystem::path(path).stem().string();
-  if (there && !mujoco_reads(path)) try {
+  if (!mujoco_reads(path)) try {
       meshes::MeshOptions how;
       how.scale = {s.size[0], s.size[1], s.size[2]};
       const meshes::Mesh read = meshes::read_mesh(path, how);
@@ -56,9 +58,8 @@ std::string MjcfWriter::mesh_file(const ShapeRecord& s) {
       losses.note("meshes of formats that MuJoCo does not read are written into the file", path);
       return name;
     } catch (const Error& e) {
-      losses.loss("meshes that neither MuJoCo nor libdyn reads", path);
+      return left_out("shapes are left out: neither MuJoCo nor libdyn reads their mesh");
     }
-  if (!there) losses.loss("mesh files that are not there, which MuJoCo refuses", path);
   XmlElement& mesh = new_mesh(stem, name);
   put(mesh, "file", path);
   if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(mesh, "scale", std::span(s.size));

@@ -43,14 +43,12 @@ bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, R
   if (free_child)
     report.fail(DYN_ERROR_BASE, free_child->line,
                 "joint " + in_quotes(free_child->spec.name) + " is floating already: choose base fixed");
-  if (root.name == "world" && root.mass == 0)
-    report.fail(
-        DYN_ERROR_BASE, root.line,
-        "the file joins the robot to link 'world', so it cannot float: choose base fixed, or remove link 'world' and its joint");
   if (welded == 0)
     report.fail(
         DYN_ERROR_BASE, root.line,
         called + " and the links welded to it have no mass, so it cannot float: choose base fixed, or give it an <inertial>");
+  if (root.name == "world")
+    report.warning(root.line, "the file joins the robot to link 'world': with base floating this link floats with it");
   for (const UrdfJoint& j : robot.joints)
     if (j.spec.name == "root_joint")
       report.fail(DYN_ERROR_NAME, j.line, "joint 'root_joint': a floating base needs this name for itself: rename the joint");

@@ -61,6 +61,14 @@ TEST(Urdf, RootWithoutMassIsWelded) {
   EXPECT_EQ(6, dyn_model_nv(free.model.get()));
 }
 
+TEST(Urdf, LinkWorldFloatsWhereThatIsChosen) {
+  const Loaded floating =
+      good(robot(link("world", "") + link("a") + joint("j", "fixed", "world", "a")), Options(DYN_BASE_FLOATING));
+  EXPECT_EQ(6, dyn_model_nv(floating.model.get()));
+  EXPECT_EQ(1, frame(floating, "world").joint);
+  EXPECT_TRUE(floating.reports("'world'", DYN_REPORT_LEVEL_WARNING, 2));
+}
+
 TEST(Urdf, JointTypes) {
   const auto type = [](const std::string& name, bool cos_sin = false) {
     Options o;
