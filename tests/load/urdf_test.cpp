@@ -66,7 +66,7 @@ TEST(Urdf, LinkWorldFloatsWhereThatIsChosen) {
       good(robot(link("world", "") + link("a") + joint("j", "fixed", "world", "a")), Options(DYN_BASE_FLOATING));
   EXPECT_EQ(6, dyn_model_nv(floating.model.get()));
   EXPECT_EQ(1, frame(floating, "world").joint);
-  EXPECT_TRUE(floating.reports("'world'", DYN_REPORT_LEVEL_WARNING, 2));
+  EXPECT_TRUE(floating.reports("with base floating", DYN_REPORT_LEVEL_WARNING, 2));
 }
 
 TEST(Urdf, JointTypes) {
