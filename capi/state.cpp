@@ -7,7 +7,7 @@ using namespace dyn::capi;
 
 namespace {
 
-constexpr std::uint64_t magic_of_states = 0x3245544154534e59u;  // "YNSTATE2"
+constexpr std::uint64_t magic_of_states = 0x3345544154534e59u;  // "YNSTATE3"
 
 struct Header {
   std::uint64_t magic, model_id;
@@ -16,17 +16,18 @@ struct Header {
 };
 
 std::size_t numbers(const Model& m) {
-  return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na);
+  return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na) + std::size_t(m.n.limits);
 }
 std::size_t bytes(const Model& m) {
   return sizeof(Header) + (numbers(m) + std::size_t(simulation::resting_trees(m))) * sizeof(double) +
          std::size_t(m.n.contacts) * sizeof(dynContactForce);
 }
 
-// f(array of the data, numbers) for q, v, a, tau, controls and their filters, and how long trees have been slow
+// f(array of the data, numbers) for q, v, a, tau, controls and their filters, forces of limits, and how long trees have been slow
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);
+  f(d.step->limit_forces, m.n.limits);
   f(d.step->sleep.slow_time, d.step->sleep.count);
 }
 

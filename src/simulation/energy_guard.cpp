@@ -128,6 +128,7 @@ void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, c
 
 void forget_forces(Workspace& w) {
   for (Index k = 0; k < w.contact_count; ++k) copy_force(w.contacts[k], nullptr);
+  std::fill_n(w.limit_forces, w.limits, 0.0);
 }
 
 Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<const double> R, double& length) {

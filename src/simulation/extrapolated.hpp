@@ -68,7 +68,7 @@ class Extrapolated {
   // One extrapolated step and its error. d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed
   // (state restored).
   Index step(double h, double& error) {
-    keep(before), simulation::save_contacts(*d.step);
+    keep(before), simulation::save_forces(*d.step);
     d.step->closed_gap = closed;
     // the solver's residual does not extrapolate: it must be far below the error, or no step is short enough
     const double given = d.step->options.tolerance, asked = d.step->tolerance();
@@ -102,7 +102,7 @@ class Extrapolated {
     for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
     return 0;
   }
-  void restore() { take(before), simulation::restore_contacts(*d.step); }
+  void restore() { take(before), simulation::restore_forces(*d.step); }
   void three_steps() { take(three); }
 
  private:

@@ -63,6 +63,8 @@ struct Finder {
     });
   }
   void limits() {
+    std::swap(w.limit_forces, w.previous_limit_forces);
+    std::fill_n(w.limit_forces, w.limits, 0.0);
     if (!(d.acting & DYN_EFFECT_LIMITS)) return;
     double fast = 0;
     for (Index k = 0; k < m.n.limits && w.closed_gap > 0; ++k) {
@@ -73,7 +75,7 @@ struct Finder {
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
       if (is_ball(m, r)) {
-        ball(r, w.closed_gap > 0 ? reached : tuning::limit_margin);
+        ball(r, k, w.closed_gap > 0 ? reached : tuning::limit_margin);
         continue;
       }
       const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q];
@@ -87,10 +89,10 @@ struct Finder {
       s.rows = 1;
       limit(s, q, lower, upper);
       s.rate[0] = limit_rate(s, v);
-      append_next(RowKind::Box, -1);
+      append_next(RowKind::Box, k);
     }
   }
-  void ball(const LimitRecord& r, double near) {
+  void ball(const LimitRecord& r, Index k, double near) {
     const BallGap x = ball_gap(m, d, r, v);
     if (x.gap > tuning::speed_growth * h * ball_speed(r, v) + near) return;
     if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) return;
@@ -101,7 +103,7 @@ struct Finder {
     s.rows = 1, s.g1 = 1, s.g2 = 0;
     s.error[0] = x.gap, s.lower[0] = 0, s.upper[0] = HUGE_VAL;
     s.rate[0] = limit_rate(s, v);
-    append_next(RowKind::Box, -1);
+    append_next(RowKind::Box, k);
   }
   void contacts() {
     if (m.n.contacts == 0) return;

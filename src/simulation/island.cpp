@@ -35,13 +35,15 @@ void fill_equality(const Island& x, const ConstraintInstance<double>& s) {
   }
 }
 
-void fill_box(const Island& x, const ConstraintInstance<double>& s, Index k) {
+void fill_box(const Island& x, const ActiveConstraint& a, Index k) {
+  const ConstraintInstance<double>& s = *a.s;
   const Index i = s.first;
   x.g[i] = s.rate[0], x.bias[i] = gap_bias(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
   if (x.w.closed_gap > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT)
     record_contact_overshoot(x, s.error[0], limit_rate(s, x.v_before));
-  x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
+  x.lambda[i] = a.index < 0 ? 0 : x.h * std::max(0.0, s.g1 * x.w.previous_limit_forces[a.index]);
+  x.compliance[i] = x.v_minus[i] = 0;
 }
 
 // At the beginning of the step.
@@ -123,7 +125,7 @@ void Island::fill() {
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
     if (x.kind == RowKind::Equality) fill_equality(*this, *x.s);
-    else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
+    else if (x.kind == RowKind::Box) fill_box(*this, x, in_boxes++);
     else fill_contact(*this, x, in_contacts++);
   }
   enough = w.has_tolerance() || contacts == 0 ? tolerance : tuning::island::tolerance;

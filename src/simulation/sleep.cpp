@@ -158,11 +158,11 @@ void wake_all(const Model& m, Data<double>& d) {
   update_awake(m, d);
 }
 
-// The contact search starts again from the contacts of the last step.
+// The search starts again from the contacts and forces of the last step.
 void wake_touched(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  std::swap(w.contacts, w.previous);
+  std::swap(w.contacts, w.previous), std::swap(w.limit_forces, w.previous_limit_forces);
   w.contact_count = w.previous_count;
   double *const q = d.backup, *const v = q + m.n.nq;
   for (Index t = 0; t < z.count; ++t)

@@ -163,6 +163,7 @@ void Island::impulses(dynContactReport& report) {
   w.limit.leave();
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
+    if (x.kind == RowKind::Box && x.index >= 0) w.limit_forces[x.index] = x.s->g1 * lambda[x.s->first] / h;
     if (x.kind != RowKind::Contact) continue;
     dynContactForce& f = w.contacts[x.index];
     const ContactLaw& law = w.laws[x.index];

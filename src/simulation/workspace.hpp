@@ -23,7 +23,7 @@ struct ActiveConstraint {
   Index* support;   // supporting degrees of freedom, descending
   double* Y;  // J^T columns propagated to the root, row_lanes numbers a supporting dof (algorithm/constrained/delassus.hpp)
   RowKind kind;
-  Index index;         // number of the contact, or -1
+  Index index;         // number of the contact or joint limit, or -1
   Index tree1, tree2;  // -1: the world
   Index island;
   bool idle;           // all constraints of its island are idle: nothing to solve; or it is open
@@ -194,6 +194,9 @@ struct Workspace {
   Index* order;                 // active constraints by islands
   // contacts of the last step, of the one before, and those saved for retries of a step
   dynContactForce *contacts, *previous, *saved;
+  // of joint limits, likewise: N, N m, negative at an upper limit
+  double *limit_forces, *previous_limit_forces, *saved_limit_forces;
+  Index limits;
   ContactLaw* laws;
   double *vectors, *matrix;     // of one island
   Index* contact_rows;
@@ -254,9 +257,15 @@ void for_each_contact(const Workspace& w, F&& f) {
                         *b = w.sleep.sleeping_contacts, *const b_end = b + w.sleep.sleeping_contact_count;
   while (a != a_end || b != b_end) f(b == b_end || (a != a_end && collision::comes_before(a->contact, b->contact)) ? *a++ : *b++);
 }
-// Retries of a step start from the same contacts.
-inline void save_contacts(Workspace& w) { std::copy_n(w.contacts, w.contact_count, w.saved), w.saved_count = w.contact_count; }
-inline void restore_contacts(Workspace& w) { std::copy_n(w.saved, w.saved_count, w.contacts), w.contact_count = w.saved_count; }
+// Retries of a step start from the same contacts and forces.
+inline void save_forces(Workspace& w) {
+  std::copy_n(w.contacts, w.contact_count, w.saved), w.saved_count = w.contact_count;
+  std::copy_n(w.limit_forces, w.limits, w.saved_limit_forces);
+}
+inline void restore_forces(Workspace& w) {
+  std::copy_n(w.saved, w.saved_count, w.contacts), w.contact_count = w.saved_count;
+  std::copy_n(w.saved_limit_forces, w.limits, w.limit_forces);
+}
 // Must be called when anything a step starts from may have changed.
 inline void invalidate_sleep(Data<double>& d) {
   if (d.step) d.step->sleep.inputs_known = false;
