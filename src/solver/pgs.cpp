@@ -159,6 +159,8 @@ LocalCone local_cone(const Problem& p, const Cone& cone) {
     l.e[k] = l.e[k] > tiny * largest ? l.e[k] : 0;
     l.coupling[k] = 0;
     for (Index i = 0; i < m; ++i) l.coupling[k] += l.q[i][k] * p.G(t + i, n);
+    // an impulse that moves nothing and lies in the cone: rounding of b would make it as large as can be
+    if (l.e[k] == 0 && cone.mu * std::fabs(l.coupling[k]) >= Gnn) l.e[k] = HUGE_VAL;
   }
   return l;
 }

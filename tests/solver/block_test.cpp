@@ -51,11 +51,39 @@ struct Block {
     for (Index i = 1; i < n; ++i) ct += c[i] * c[i], yt += y[i] * y[i], product += c[i] * y[i];
     ct = std::sqrt(ct), yt = std::sqrt(yt);
     worst = std::fabs(c[0]) / size;
-    const double inside = 1 - yt / (mu * y[0]);  // of the cone, as a share
+    const double inside = 1 - yt / (mu * y[0]);                                                   // of the cone, as a share
     if (inside < 1e-3) return std::max({worst, (product / yt + ct) / size, inside * ct / size});  // slides
     return std::max(worst, ct / size);
   }
 };
+
+// Impulses along one direction of the cone move nothing, and rounding leaves a velocity along it.
+TEST(ContactBlock, ImpulsesThatMoveNothingStaySmall) {
+  Random draw;
+  for (int k = 0; k < 500; ++k) {
+    Block x(3, draw);
+    x.mu = x.cone.mu = 1;
+    const double turn = draw.uniform(0, 6.3), lean = draw.uniform(0, 0.9),
+                 still[3] = {1, lean * std::cos(turn), lean * std::sin(turn)};
+    double moved[3][2], asked[2], size = 0;
+    for (double& y : asked) y = draw.normal();
+    for (int j = 0; j < 2; ++j) {
+      double along = 0;
+      for (auto& row : moved) row[j] = draw.normal();
+      for (int i = 0; i < 3; ++i) along += moved[i][j] * still[i] / (1 + lean * lean);
+      for (int i = 0; i < 3; ++i) moved[i][j] -= along * still[i];
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) x.entries[i + 8 * j] = moved[i][0] * moved[j][0] + moved[i][1] * moved[j][1];
+      x.b[i] = moved[i][0] * asked[0] + moved[i][1] * asked[1], size = std::max(size, std::fabs(x.b[i]));
+    }
+    for (int i = 0; i < 3; ++i) x.b[i] += 1e-14 * size * draw.normal();
+    LocalCone l = local_cone(x.p, x.cone);
+    double y[3];
+    solve_cone(x.cone, l, x.at(0, 0), x.b, y);
+    EXPECT_LE(std::hypot(y[0], y[1], y[2]), 1e6) << k;
+  }
+}
 
 // S = Q E Q' of the tangential block without the normal.
 TEST(ContactBlock, EigenvectorsAreExact) {
