@@ -83,13 +83,14 @@ inline constexpr double correction_change = 0.02;  // of the first sweep's chang
 namespace acceleration {
 inline constexpr int depth = 5;                 // sweeps that are combined
 inline constexpr double growth = 2;             // of a sweep's change over the last: above it the combination starts anew
-inline constexpr Index small_sweeps = 30;       // where other methods follow
+inline constexpr Index small_sweeps = 50;       // where other methods follow
 }  // namespace acceleration
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {
-// residual of the guess up to which Newton's method is tried first; from no_guess on, nothing is known
-inline constexpr double near_guess = 0.02, no_guess = 0.9;
+// residual of the guess up to which Newton's method is tried first; with equalities, which have no guess, in small islands; from
+// no_guess on, nothing is known
+inline constexpr double near_guess = 0.02, max_guess = 1, no_guess = 0.9;
 inline constexpr Index small_steps = 16, near_steps = 8, end_steps = 4;  // of Newton's method; end: after the proximal steps
 inline constexpr Index far_sweeps = 40, proximal_steps = 20, cold_steps = 40;  // cold: of a large island without a guess
 inline constexpr Index dense_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
