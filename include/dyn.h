@@ -1918,8 +1918,8 @@ DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
 /* Steps move the q, v held in data, under constant tau, controls and wrenches. They apply the effects that
    are on, the contacts of tested pairs, and the enabled constraints. Rotations are integrated on the group,
    so orders hold for them too. A step with contacts, limits or constraints solves for their impulses
-   (dynContactProblem), one problem for each island of bodies that they join. The impulses of the last step
-   are the first guess:
+   (dynContactProblem), one problem for each island of bodies that they join. The impulses of contacts and
+   joint limits in the last step are the first guess:
      v_free = v + dt ddq      v' = v_free + M^-1 J' lambda, with c_n >= -gap / dt
      q' = q (+) (dt v' + M^-1 J' mu)
    (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law.) mu removes half of an overlap
@@ -2061,10 +2061,10 @@ DYN_API dynStatus dyn_data_step_contacts(const dynModel* model, dynData* data, d
                                          int capacity, int* count);
 
 /* The whole state of a simulation: q, v, a, tau, controls, act, time, how long bodies have been slow (for
-   sleep), and the contacts of the last step. Steps after dyn_data_restore_state equal, bit for bit, the steps
-   after dyn_data_save_state. The data, of the same model in the same process, must have the same options,
-   effects, gravity, wrenches, pairs, materials and constraints. memory: dyn_model_state_size bytes (0 for an
-   invalid handle). */
+   sleep), the contacts of the last step, and the forces of its joint limits. Steps after
+   dyn_data_restore_state equal, bit for bit, the steps after dyn_data_save_state. The data, of the same model
+   in the same process, must have the same options, effects, gravity, wrenches, pairs, materials and
+   constraints. memory: dyn_model_state_size bytes (0 for an invalid handle). */
 DYN_API size_t dyn_model_state_size(const dynModel* model);
 /* Saves the state of the simulation. */
 DYN_API dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void* memory, size_t size);

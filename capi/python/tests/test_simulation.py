@@ -131,6 +131,33 @@ def test_states_are_kept():
         d.restore_state(kept[:-1])
 
 
+def test_limits_keep_their_forces():
+    """An arm that lies at its limits, one upper and one lower: the forces of the step before solve the next one."""
+    m = dyn.load_string("""<mujoco><option timestep="0.002"/><worldbody>
+        <body><joint axis="0 1 0" range="-60 20"/><geom type="capsule" fromto="0 0 0 .4 0 0" size=".03"/>
+          <body pos=".4 0 0"><joint axis="0 -1 0" range="-30 60"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/>
+          </body></body></worldbody></mujoco>""")
+    d = m.data()
+    d.advance(1)
+    assert d.q == pytest.approx(np.deg2rad([20, -30]), abs=1e-9) and abs(d.v).max() < 1e-9
+    kept, first = d.save_state(), []
+    for _ in range(2):
+        d.restore_state(kept)
+        work = 0
+        for _ in range(50):
+            d.step()
+            work += d.step_report.iterations
+        assert work == 0 and d.step_report.residual < 1e-9
+        first.append((d.q.tolist(), d.v.tolist()))
+    assert first[0] == first[1]
+    d.reset()
+    d.advance(1)
+    d.reset()  # forgets the forces: the first steps are those of new data
+    fresh = m.data()
+    d.step(), fresh.step()
+    assert np.array_equal(d.q, fresh.q) and np.array_equal(d.v, fresh.v)
+
+
 def test_the_ledger():
     m = box_on_ground(dyn.Material(friction=0.4))
     d = m.data()
