@@ -65,7 +65,8 @@ void Island::solve_to_default(dynContactReport& report) {
     report.residual = residual_of_sweeps();
   }
   const double fine = wanted(report.residual, tuning::island::fine);
-  if (report.residual > fine && (large() || report.residual <= (equalities > 0 ? max_guess : near_guess)) && !w.time_is_up() && ordered()) {
+  const bool near = report.residual <= (equalities > 0 ? max_guess : near_guess);
+  if (report.residual > fine && (large() || near) && !w.time_is_up() && ordered()) {
     if (large()) solve_large(fine, sweeps, report);
     else solve_finely(small_steps, fine, report);
     sweeps.load();
