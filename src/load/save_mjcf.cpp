@@ -248,7 +248,8 @@ void MjcfWriter::add_link(XmlElement& body, Index frame, double least_mass, doub
     const Eigen::Matrix3d I = Eigen::Map<const Eigen::Matrix3d>(l.inertia);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I);
     const Eigen::Vector3d moments = principal.eigenvalues();
-    if (moments[0] < -1e-9 * moments[2]) losses.loss("negative principal moments become the least that MuJoCo takes", frame_name(frame));
+    if (moments[0] < -1e-9 * moments[2])
+      losses.loss("negative principal moments become the least that MuJoCo takes", frame_name(frame));
     if (mass > l.mass || moments[0] < least_moment)
       losses.loss("moving bodies get 1e-14 kg and kg m2 at least, as MuJoCo refuses less", frame_name(frame));
     constexpr double least_of_full = 2e-14;  // MuJoCo's bound of the smallest principal moment of a fullinertia
