@@ -37,7 +37,8 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
     for (Stage s : {Stage::Position, Stage::Velocity, Stage::Acceleration}) d.invalidate(s);
     call.drop_results();
   };
-  const Index failed = project(m, d, given->max_iterations, given->weigh != 0, given->tolerance, v_out ? d.v : nullptr, found);
+  const Index failed = project(m, d, given->max_iterations, given->weigh != 0, given->tolerance, v_out ? d.v : nullptr, found,
+                               misalignment_tolerance);
   forget_mass(call);
   if (failed) {
     go_back();

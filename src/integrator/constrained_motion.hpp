@@ -66,8 +66,8 @@ Index project_to_constraints(const Model& m, Data<T>& d) {
                         [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
-    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping),
-                   d.misalignment[0]);  // Newton converges quadratically: one iteration reaches rounding
+    return project(m, d, 1, true, T(0), d.v, result, d.misalignment[0],
+                   T(tuning::projection_damping));  // Newton converges quadratically: one iteration reaches rounding
   }
   return 0;
 }

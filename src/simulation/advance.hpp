@@ -217,13 +217,16 @@ Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool s
   return euler_step(m, d, s, h, springs);
 }
 
-// An explicit step, unless springs, damping or gains make it unstable.
+// An explicit step, unless springs, damping or gains make it unstable. Loops may make a joint heavier than it is by itself: there
+// the energy decides.
 template <class Tableau, class T>
 Index stable_explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if (const Index joint = explicit_step<Tableau>(m, d, s, h)) return joint;
   if constexpr (std::is_same_v<T, double>)
-    if (d.step && (d.step->failed_joint = simulation::unstable_joint(m, d, h, Tableau::stability, d.step->stable_dt)))
-      return unstable;
+    if (d.step && (d.step->failed_joint = simulation::unstable_joint(m, d, h, Tableau::stability, d.step->stable_dt))) {
+      if (active_rows(m, d) == 0) return unstable;
+      d.step->rows_add_energy = true;
+    }
   return 0;
 }
 

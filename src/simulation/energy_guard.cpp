@@ -133,7 +133,7 @@ void forget_forces(Workspace& w) {
 
 Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<const double> R, double& length) {
   constexpr std::uint32_t stiff = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_ACTUATORS;
-  if (!(d.acting & stiff) || m.has_mimic || active_rows(m, d) > 0) return 0;
+  if (!(d.acting & stiff) || m.has_mimic) return 0;
   const auto amplification = [&](std::complex<double> z) {
     std::complex<double> sum = 0;
     for (std::size_t k = R.size(); k-- > 0;) sum = sum * z + R[k];

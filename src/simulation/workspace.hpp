@@ -160,7 +160,8 @@ struct Workspace {
   // gap (m, rad) that counts as closed; 0 in fixed steps, where an open gap may close exactly
   double closed_gap;
   int drift_count;              // drifts since the step began, when closed_gap > 0
-  // rows_add_energy: an island's impulses did positive work. rows_work: what soft rows, gains, restitution and belts give (J)
+  // rows_add_energy: impulses of an island, or an explicit step beside them, may have done positive work.
+  // rows_work: what soft rows, gains, restitution and belts give (J)
   bool rows_add_energy;
   double rows_work;
   Index failed_joint;           // that the message of a refused step names

@@ -179,7 +179,9 @@ void run_constraints(const CheckOptions& options) {
   std::string text = std::to_string(slots.size()) + " constraints, " + std::to_string(report.rows) + " rows, rank " +
                      std::to_string(report.rank) + ": " + std::to_string(robot.nv - report.rank) + " of " +
                      std::to_string(robot.nv) + " degrees of freedom are left\n";
+  const bool misaligned = report.contradictory == 0 && report.error <= 1.001 * report.contradiction;
   text += report.error < 1e-9 ? "q satisfies them"
+          : misaligned        ? "q satisfies them but for their misalignment"
           : options.as_is     ? "q does not satisfy them"
                               : "no q was found that satisfies them";
   text += ": largest error " + short_number(report.error) + "; condition " + short_number(report.condition) + "\n";

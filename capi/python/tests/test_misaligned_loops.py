@@ -72,6 +72,30 @@ def test_every_solver_moves_it(exact, tilt, solver):
 
 @pytest.mark.parametrize("kind", ("loop", "connect"))
 @pytest.mark.parametrize("tilt", TILTS)
+def test_project_closes_it_where_the_exact_one_closes(tilt, kind):
+    """Not at the one q, 0.4 rad away, where the tilted loop closes without error."""
+    far, v = np.array([0.8, -0.9, -1.2]), np.array([1.0, 2.0, -1.0])
+    exact, found = (tilted_four_bar(x, kind).data().project(far, v) for x in (0.0, tilt))
+    assert found.result.reason == dyn.ConstraintReason.CONVERGED and found.result.residual < 2 * tilt + 1e-12
+    np.testing.assert_allclose(found.q, exact.q, atol=10 * tilt + 1e-12)
+    np.testing.assert_allclose(found.v, exact.v, atol=10 * tilt + 1e-12)
+    if tilt > 1e-12:
+        assert found.result.contradiction == found.result.residual
+
+
+def test_project_calls_a_short_rod_contradictory():
+    """Two rods between the same bodies, of lengths 1 m and 1.001 m: redundant rows, but no misalignment explains 0.5 mm."""
+    b = dyn.Builder("rods")
+    rod(b, "a", None, None, 1.0)
+    b.add_frame("tip", "a", (1.0, 0, 0))
+    for name, length in (("short", 1.0), ("long", 1.001)):
+        b.add_constraint(name, dc.distance("tip", None, length, placement2=(0.5, 1.0, 0)))
+    found = b.finish().data().project(np.array([0.1])).result
+    assert found.reason == dyn.ConstraintReason.CONTRADICTORY and 4e-4 < found.contradiction < 6e-4
+
+
+@pytest.mark.parametrize("kind", ("loop", "connect"))
+@pytest.mark.parametrize("tilt", TILTS)
 def test_report_gives_the_mobility_of_the_exact_mechanism(exact, tilt, kind):
     m = tilted_four_bar(tilt, kind)
     d = m.data()

@@ -23,7 +23,7 @@ template <class T> void delassus_times(const Model&, Data<T>&, const T* x, T* by
 template <class T> void project_velocity(const Model&, Data<T>&, const T* v, T* out, dynConstraintResult&);
 template <class T>
 Index project(const Model&, Data<T>&, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult&,
-              T min_damping = T(1e-14), double misalignment = 0);
+              double misalignment, T min_damping = T(1e-14));
 template <class T>
 Index constrained_inverse_dynamics(const Model&, Data<T>&, const T* v, const T* a, const T* fext, const std::int32_t* actuated,
                                    T* tau, dynConstraintResult&);

@@ -71,6 +71,7 @@ struct DescentResult {
   T cost = T(0);     // |C|^2
   int iterations = 0;
   bool ended = true;  // converged, or no step reduces |C|
+  bool aligned = false;  // only what the misalignment of dropped rows explains is left
 };
 
 // Largest component of a step: angles in rad, displacements over the model's length.
@@ -103,21 +104,26 @@ Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool w
   T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step,
     *before = d.constraint_q;
   if (const Index failed = project_rows(m, d, weigh)) return failed;
-  found.cost = gather_errors(m, d, C, misalignment > 0), found.ended = false;
+  found.cost = gather_errors(m, d, C, misalignment > 0), found.ended = found.aligned = false;
   T damping = T(least);
   for (int k = 0; k < max_iterations && largest_size(C, rows) > tolerance && damping < T(most); ++k) {
     ++found.iterations;
-    propagate_rows(m, d);
     if constexpr (std::is_same_v<T, double>)
-      if (misalignment > 0) keep_all_rows(m, d), drop_redundant_rows(m, d, misalignment);
+      if (misalignment > 0) keep_all_rows(m, d);
+    propagate_rows(m, d);
+    for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
+    if constexpr (std::is_same_v<T, double>)
+      if (misalignment > 0) {
+        drop_redundant_rows(m, d, misalignment), share_errors(m, d, lambda);
+        const T left = largest_size(C, rows);
+        found.aligned = left <= explained_error(m, d) && largest_size(lambda, rows) <= std::max(tolerance, d.row_moved[0] * left);
+        if (found.aligned) break;
+      }
     delassus(m, d, rows, d.row_matrix);
     T trace = T(0);
     for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
     const T mu = std::max(damping * std::min(T(1), T(2) * largest_size(C, rows) / length), min_damping) * trace / T(double(rows));
     if (!(mu > T(0))) break;
-    for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
-    if constexpr (std::is_same_v<T, double>)
-      if (misalignment > 0) share_errors(m, d, lambda);
     factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     solve_factored(work.factor, Dinv, ld, rows, lambda);
     gather(m, d, lambda, step);
@@ -139,7 +145,7 @@ Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool w
     damping = damping * T(10);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
   }
-  found.ended = largest_size(C, rows) <= tolerance || !(damping < T(most));
+  found.ended = found.aligned || largest_size(C, rows) <= tolerance || !(damping < T(most));
   return 0;
 }
 
@@ -150,7 +156,7 @@ Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, 
   T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
   Random random{1};
   for (const double size : {0.01, 0.3}) {
-    if (!found.ended || largest_size(row_vector(m, d, 0), active_rows(m, d)) <= tolerance) break;
+    if (!found.ended || found.aligned || largest_size(row_vector(m, d, 0), active_rows(m, d)) <= tolerance) break;
     std::copy(d.q, d.q + m.n.nq, kept);
     for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
     integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
@@ -170,7 +176,7 @@ Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, 
 // (redundant_rows.hpp).
 template <class T>
 Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result,
-              T min_damping, double misalignment) {
+              double misalignment, T min_damping) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
   DescentResult<T> descent;
@@ -179,10 +185,11 @@ Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
   if (const Index failed = escape_saddle(m, d, max_iterations, weigh, tolerance, min_damping, misalignment, descent))
     return failed;
   result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
-  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINT_REASON_CONVERGED
-                  : descent.ended                      ? DYN_CONSTRAINT_REASON_CONTRADICTORY
-                                                       : DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
-  result.contradiction = result.reason == DYN_CONSTRAINT_REASON_CONTRADICTORY ? result.residual : 0;
+  const bool closed = result.residual <= double(tolerance);
+  result.reason = closed || descent.aligned ? DYN_CONSTRAINT_REASON_CONVERGED
+                  : descent.ended           ? DYN_CONSTRAINT_REASON_CONTRADICTORY
+                                            : DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
+  result.contradiction = descent.ended && !closed ? result.residual : 0;
 
   project_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);
   if (misalignment > 0) keep_all_rows(m, d);

@@ -22,6 +22,9 @@ Index drop_redundant_rows(const Model& m, Data<double>& d, double misalignment);
 // over all rows; the others get zero.
 void share_errors(const Model& m, Data<double>& d, double* errors);
 
+// Largest error (m or rad) that the misalignment of the rows of the last drop_redundant_rows explains, and no contradiction.
+double explained_error(const Model& m, const Data<double>& d);
+
 // Clears what dropped rows ask for.
 template <class T>
 void clear_dropped_rows(const Model& m, Data<T>& d, T* b) {

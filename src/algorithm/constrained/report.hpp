@@ -1,12 +1,11 @@
 // Constraint diagnostics: rank, condition, and dependent rows, from the eigenvectors of the Delassus matrix with unit diagonal.
 // Eigenvectors of eigenvalue 0 are combinations of rows that no motion changes: C along them cannot be removed. As many count as
-// zero as steps leave out rows (redundant_rows.hpp). An error of ten times their misalignment is no contradiction.
+// zero as steps leave out rows (redundant_rows.hpp). An error that their misalignment explains is no contradiction.
 #pragma once
 
 #include <algorithm>
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
-#include "model/length.hpp"
 
 namespace dyn {
 
@@ -44,12 +43,12 @@ template <class T, class Out>
 Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report, Out&& rows_out) {
   using std::abs;
   using std::sqrt;
-  constexpr double rounding = 1e-10, participating = 1e-6, little = 0.1, exact = 1e-7, explained = 10;
+  constexpr double rounding = 1e-10, participating = 1e-6, little = 0.1;
   if (const Index failed = constraint_factor(m, d)) return failed;
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   propagate_rows(m, d);
   const Index left_out = drop_redundant_rows(m, d, misalignment_tolerance);
-  const double agreement = std::max(exact, explained * double(d.row_moved[0]) * own_length(m));
+  const double agreement = explained_error(m, d);
   keep_all_rows(m, d), propagate_rows(m, d);
   const Index n = active_rows(m, d);
   const std::ptrdiff_t ld = padded_rows(n);

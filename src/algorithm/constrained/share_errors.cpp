@@ -1,6 +1,13 @@
 #include "algorithm/constrained/constrained_dynamics.hpp"
 
+#include "model/length.hpp"
+
 namespace dyn {
+
+double explained_error(const Model& m, const Data<double>& d) {
+  constexpr double exact = 1e-7, explained = 10;  // of rows that are exactly redundant; of a misalignment over the length
+  return std::max(exact, explained * d.row_moved[0] * own_length(m));
+}
 
 // With the dropped rows C times the kept ones: (1 + C^T C) y = errors_K + C^T errors_D.
 void share_errors(const Model& m, Data<double>& d, double* errors) {

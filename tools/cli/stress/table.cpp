@@ -41,7 +41,7 @@ const std::vector<Case>& cases() {
       {"bricard-1ms", "mechanisms", "P3 at 1 s, m", "integrator reference", 1e-2,
        "redundant rows in steps of 1 ms by five integrators", false, bricard_default},
       {"governor-default", "mechanisms", "height at 1 s in default steps of 1 ms, m", "extrapolation in 113 bits (IFToMM A05)",
-       1e-2, "stiff springs and dampers without implicit_fast", false, governor_default},
+       1e-2, "stiff springs and dampers without implicit_fast; four integrators, three solvers", false, governor_default},
       {"four-bars-misaligned", "mechanisms", "crank after 0.5 s, rad", "exact mechanism, integrator reference", 5e-3,
        "hinges tilted by 0 to 1e-4 rad lock by count; five integrators, three solvers", false, misaligned_four_bars},
       {"four-bar-urdf", "mechanisms", "crank after 0.5 s, rad", "exact mechanism, integrator reference", 5e-3,
