@@ -28,9 +28,10 @@ class ImplicitActuators {
       d.saturated[k] = 0;
     });
   }
-  // Adds the implicit terms to d.armature and returns tau with the forces.
-  const T* apply(const T* tau) {
-    std::copy_n(tau, m.n.nv, d.step_tau);
+  // Adds the implicit terms to d.armature and returns tau of the trees `part` with the forces.
+  template <class Part>
+  const T* apply(const Part& part, const T* tau) {
+    part.for_each_group(m, [&](const Trees& t) { std::copy(tau + t.v, tau + t.v_end, d.step_tau + t.v); });
     each([&](const ActuatorRecord& r, Index k) {
       const T gear = T(r.spec.gear);
       T f = d.actuator_force[k];

@@ -78,9 +78,8 @@ template <class T, class Part>
   const T* fext = forces_on_bodies(m, d);
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (;;) {  // each round fixes one more actuator at least
-    if (const Index joint =
-            forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq))
-      return joint;
+    const T *const v = d.v, *const driven = actuators.apply(part, tau);
+    if (const Index joint = forward_dynamics(m, d, part, v, driven, fext, d.ddq)) return joint;
     if (!actuators.saturate(d.ddq)) return 0;
     set_implicit_armature(m, d, armature, h, springs, part);  // again without the gains of saturated actuators
   }
