@@ -51,30 +51,52 @@ struct Batch::Job {
   const Batch& batch;
   const BatchAlgorithm& algorithm;
   const std::int64_t n, share;
-  dynBatchArrays first;                 // row 0
-  std::ptrdiff_t v, a, tau, b, out[4];  // sizes of rows; 0: all states read the same zeros
+  dynBatchArrays first;  // row 0
+  BatchStrides stride;
+  const dynAlgorithm number;
+  bool in_lanes;
+  dynBatchArrays read;  // in lanes: without inputs that the algorithm does not read
   alignas(64) std::atomic<std::int64_t> next{0};
 
   Job(const Batch& of, const BatchAlgorithm& x, std::int64_t count, const dynBatchArrays& arrays)
-      // shares so small that the last ones end together
-      : batch(of), algorithm(x), n(count), share(std::clamp<std::int64_t>(n / (32 * of.threads), 1, 64)), first(arrays) {
+      : batch(of),
+        algorithm(x),
+        n(count),
+        share(share_of(count, of.threads)),
+        first(arrays),
+        number(dynAlgorithm(&x - batch_algorithms)) {
     auto or_zeros = [&](const double*& p) {
       if (p) return std::ptrdiff_t(batch.sizes.nv);
       p = batch.zeros.data();
       return std::ptrdiff_t(0);
     };
-    v = or_zeros(first.v), a = or_zeros(first.a), tau = or_zeros(first.tau), b = std::ptrdiff_t(batch.sizes.nv);
+    stride.v = or_zeros(first.v), stride.a = or_zeros(first.a), stride.tau = or_zeros(first.tau),
+    stride.b = std::ptrdiff_t(batch.sizes.nv);
     for (int k = 0; k < 4; ++k) {
-      out[k] = algorithm.outputs[k].name ? algorithm.outputs[k].extent(batch.sizes).size() : 0;
+      stride.out[k] = algorithm.outputs[k].name ? algorithm.outputs[k].extent(batch.sizes).size() : 0;
     }
+    read = first;
+    for (const auto& [name, array] : {std::pair{"v", &read.v}, {"a", &read.a}, {"tau", &read.tau}, {"fext", &read.fext}})
+      if (!algorithm.reads(name)) *array = nullptr;
+    in_lanes = !first.exact && batch.lanes_apply && frame_is_valid() &&
+               Lanes::has(*batch.handle->m, number, batch.datas[0]->body->d.parts);
+  }
+  // So small that the last ones end together.
+  static std::int64_t share_of(std::int64_t n, int threads) {
+    const std::int64_t most = std::clamp<std::int64_t>(n / (32 * threads), 1, 64), width = Lanes::width();
+    return (most + width - 1) / width * width;
+  }
+  // Errors that are no state's own are those of single calls.
+  bool frame_is_valid() const {
+    return number != DYN_ALGORITHM_FRAME_PLACEMENT || (first.frame >= 0 && first.frame < batch.sizes.nframes);
   }
 
   dynBatchArrays row(std::int64_t k) const {
     dynBatchArrays x = first;
-    advance(x.q, k, batch.sizes.nq), advance(x.q1, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a),
-        advance(x.tau, k, tau), advance(x.b, k, b);
+    advance(x.q, k, batch.sizes.nq), advance(x.q1, k, batch.sizes.nq), advance(x.v, k, stride.v),
+        advance(x.a, k, stride.a), advance(x.tau, k, stride.tau), advance(x.b, k, stride.b);
     advance(x.fext, k, 6 * std::ptrdiff_t(batch.sizes.njoints));
-    for (int o = 0; o < 4; ++o) advance(x.out[o], k, out[o]);
+    for (int o = 0; o < 4; ++o) advance(x.out[o], k, stride.out[o]);
     return x;
   }
 
@@ -82,13 +104,24 @@ struct Batch::Job {
   void work(int thread) {
     Worker& worker = batch.workers[std::size_t(thread)];
     dynData* data = batch.datas[std::size_t(thread)].get();
-    for (std::int64_t begin; (begin = next.fetch_add(share, std::memory_order_relaxed)) < n;)
-      for (std::int64_t k = begin; k < std::min(begin + share, n); ++k) {
-        forget(data);
-        const dynStatus status = algorithm.call(batch.handle, data, row(k));
-        if (first.status) first.status[k] = status;
-        if (status != DYN_OK) worker.failed(k, status);
+    const auto compute = [&](std::int64_t k) {
+      forget(data);
+      const dynStatus status = algorithm.call(batch.handle, data, row(k));
+      if (first.status) first.status[k] = status;
+      if (status != DYN_OK) worker.failed(k, status);
+    };
+    for (std::int64_t begin; (begin = next.fetch_add(share, std::memory_order_relaxed)) < n;) {
+      const std::int64_t end = std::min(begin + share, n);
+      for (std::int64_t k = begin; !in_lanes && k < end; ++k) compute(k);
+      for (std::int64_t k = begin; in_lanes && k < end; k += Lanes::width()) {
+        const int count = int(std::min<std::int64_t>(Lanes::width(), end - k));
+        const unsigned done = batch.lanes[std::size_t(thread)].run(number, read, k, count, stride);
+        for (int l = 0; l < count; ++l) {
+          if (!(done >> l & 1u)) compute(k + l);  // with its error
+          else if (first.status) first.status[k + l] = DYN_OK;
+        }
       }
+    }
   }
 };
 
@@ -115,6 +148,11 @@ Batch::Batch(const dynModel* model, dynParts parts, int count)
     if (const dynStatus s = dyn_data_new(model, parts, &data)) throw Error(s, dyn_last_error());
     datas.emplace_back(data);
   }
+  const bool any = std::any_of(batch_algorithms, batch_algorithms + batch_algorithm_count, [&](const BatchAlgorithm& a) {
+    return Lanes::has(*model->m, dynAlgorithm(&a - batch_algorithms), datas[0]->body->d.parts);
+  });
+  for (int k = 0; any && k < count; ++k) lanes.emplace_back(*model->m, datas[0]->body->d.parts);
+  set_effects_of_lanes();
   if (parts == 0 || (parts & DYN_PART_SIMULATION)) {
     fresh.resize(dyn_model_state_size(model));
     if (const dynStatus s = dyn_data_save_state(model, datas[0].get(), fresh.data(), fresh.size()))
@@ -122,11 +160,16 @@ Batch::Batch(const dynModel* model, dynParts parts, int count)
   }
 }
 
+void Batch::set_effects_of_lanes() {
+  for (Lanes& l : lanes) lanes_apply = l.set_effects(datas[0]->body->d);
+}
+
 dynStatus Batch::set_effects(int joint, std::uint32_t effects) {
   const Turn turn(*this, "dyn_batch_set_effects");
   if (turn.status != DYN_OK) return turn.status;
   for (const auto& data : datas)
     if (const dynStatus s = dyn_data_set_effects(handle, data.get(), joint, effects)) return s;  // the first one, if any
+  set_effects_of_lanes();
   return DYN_OK;
 }
 

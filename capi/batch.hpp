@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "batch_lanes.hpp"
 #include "guard.hpp"
 #include "thread_pool.hpp"
 
@@ -73,6 +74,7 @@ class Batch {
   // with `where`.
   template <class J>
   dynStatus work(J& job, std::int64_t n, const char* where, const char* what);
+  void set_effects_of_lanes();
   dynStatus first_failure(std::int64_t n, const char* where, const char* what) const;
   struct Free {
     void operator()(dynData* d) const { dyn_data_free(d); }
@@ -83,6 +85,8 @@ class Batch {
   const Sizes sizes;
   const int threads;
   std::vector<std::unique_ptr<dynData, Free>> datas;
+  mutable std::vector<Lanes> lanes;  // one for each thread; empty in large models
+  bool lanes_apply = false;          // under the effects that are chosen
   std::vector<double> zeros;
   std::vector<char> fresh;  // the state of new data, where it can step
   std::unique_ptr<double[]> accelerations;  // nv for each thread: what rollouts' sensors read

@@ -1283,7 +1283,7 @@ DYN_API dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, con
 
 /* How a solution of constraints ended. */
 typedef enum dynConstraintReason {
-  DYN_CONSTRAINT_REASON_CONVERGED = 0,     /* Solved to the tolerance. */
+  DYN_CONSTRAINT_REASON_CONVERGED = 0, /* Solved to the tolerance, but for misaligned redundant rows. */
   /* No motion satisfies all rows: the result is least-squares, each row weighted by its inverse Delassus
      entry. */
   DYN_CONSTRAINT_REASON_CONTRADICTORY = 1,
@@ -1355,8 +1355,10 @@ DYN_API void dyn_project_options_init(dynProjectOptions* options, uint32_t struc
 #define dyn_project_options_init(x) dyn_project_options_init(x, sizeof(dynProjectOptions))
 /* Projects q, and v when v_out is not NULL, to the nearest values that satisfy the constraints: damped
    Gauss-Newton on the manifold. q_out: nq; v_out: nv. Contradictory constraints give the least-squares q, and
-   result->reason says so. When no small step makes |C| less (a linkage stretched flat), it restarts from
-   beside, twice, with max_iterations each. data is left at the solution. */
+   result->reason says so. Rows that are redundant but for a misalignment (5e-4) are left out, as in steps: a
+   rounded axis does not move q far. A result that converged so has the error left as its residual and
+   contradiction. When no small step makes |C| less (a linkage stretched flat), it restarts from beside,
+   twice, with max_iterations each. data is left at the solution. */
 DYN_API dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v,
                               const dynProjectOptions* options, double* q_out, double* v_out,
                               dynConstraintResult* result);
@@ -2289,12 +2291,16 @@ typedef struct dynBatchArrays {
   const double* q1;                  /* n rows of nq, required by DIFFERENCE */
   double dt;
   dynIntegrator integrator;
+  int32_t exact;                     /* 1: the bits of single calls; default 0 */
   double* out[4];                    /* n rows each; NULL: not wanted, but one at least must be */
   dynStatus* status;                 /* n, or NULL */
 } dynBatchArrays;
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays, uint32_t struct_size);
 #define dyn_batch_arrays_init(x) dyn_batch_arrays_init(x, sizeof(dynBatchArrays))
-/* Computes an algorithm for n states. */
+/* Computes an algorithm for n states. A state's bits depend on nothing but the state: not on n, threads,
+   order or neighbours. In small models placements, joint Jacobians, RNEA, ABA, CRBA, Minv and derivatives
+   take several states side by side, in the lanes of registers. Sums then have another order than in single
+   calls: with exact they have the same bits. */
 DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n,
                                 const dynBatchArrays* arrays);
 /* One state on any data, as dyn_X does it: inputs that are NULL are those held, outputs may be NULL. */

@@ -1102,6 +1102,7 @@ class BatchArrays {
   BatchArrays& q1(Input x) { return q1_ = x, *this; }
   BatchArrays& dt(double seconds) { return value_.dt = seconds, *this; }
   BatchArrays& integrator(dynIntegrator i) { return value_.integrator = i, *this; }
+  BatchArrays& exact(bool x = true) { return value_.exact = x, *this; }
   // An output: a vector (or the like) of the right size.
   template <class V>
   BatchArrays& out(int k, V& x) {

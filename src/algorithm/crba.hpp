@@ -36,6 +36,25 @@ void contract_related(const Model& m, const T* X, T* M) {
     for (Index j = parent[i]; j >= 0; j = parent[j]) M[i + n * j] = M[j + n * i];
 }
 
+// d.M from the columns and forces, by tiles.
+template <class T>
+DYN_INLINE void inertia_by_tiles(const Model& m, Data<T>& d) {
+  const TiledMatrix<T> M{m.has_mimic ? d.Mx : d.M, m.n.nvx};
+  const bool large = m.n.nvx > 256;  // beyond the cache nearby
+  for_each_tile<T>(
+      m, [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA { return Six<T>::transposed(d.S + i0); },
+      [&](const Six<T>& S, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
+        const Force<T>* F = d.F + j0;
+        const Tile<T> t{mask(j0, S.dot(F[0])), mask(j0 + 1, S.dot(F[1])), mask(j0 + 2, S.dot(F[2])), mask(j0 + 3, S.dot(F[3]))};
+        const Tile<T> other = t.transposed();
+        if (i0 == j0) return M.store_diagonal(t, other, i0);
+        if (large) M.prefetch(i0 + 8, j0);
+        M.store(t, i0, j0);
+        M.store(other, j0, i0);
+      });
+  if (m.has_mimic) contract_related(m, d.Mx, d.M);
+}
+
 // d.M, full and symmetric.
 template <class T>
 void crba(const Model& m, Data<T>& d) {
@@ -59,20 +78,13 @@ void crba(const Model& m, Data<T>& d) {
     if (parent) d.Ic[parent] = d.Ic[parent] + up;
   });
 
-  const TiledMatrix<T> M{m.has_mimic ? d.Mx : d.M, m.n.nvx};
-  const bool large = m.n.nvx > 256;  // beyond the cache nearby
-  for_each_tile<T>(
-      m, [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA { return Six<T>::transposed(d.S + i0); },
-      [&](const Six<T>& S, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
-        const Force<T>* F = d.F + j0;
-        const Tile<T> t{mask(j0, S.dot(F[0])), mask(j0 + 1, S.dot(F[1])), mask(j0 + 2, S.dot(F[2])), mask(j0 + 3, S.dot(F[3]))};
-        const Tile<T> other = t.transposed();
-        if (i0 == j0) return M.store_diagonal(t, other, i0);
-        if (large) M.prefetch(i0 + 8, j0);
-        M.store(t, i0, j0);
-        M.store(other, j0, i0);
-      });
-  if (m.has_mimic) contract_related(m, d.Mx, d.M);
+  if (branches_by_state<T> || m.has_mimic) {
+    inertia_by_tiles(m, d);
+  } else {
+    for_each_entry(m, [&](std::ptrdiff_t i, std::ptrdiff_t j) DYN_INLINE_LAMBDA {
+      d.M[i + m.n.nv * j] = d.M[j + m.n.nv * i] = dot(d.S[i], d.F[j]);
+    });
+  }
   add_armature(m, d);
   d.mark_fresh(Stage::Mass);
 }

@@ -4,6 +4,7 @@
 
 #include "algorithm/configuration.hpp"
 #include "algorithm/tree_groups.hpp"
+#include "base/scalar.hpp"
 #include "effect/list.hpp"
 
 namespace dyn {

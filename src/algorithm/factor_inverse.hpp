@@ -9,7 +9,7 @@ namespace dyn {
 
 // A column of 1 to be read from where its zeros begin or end.
 template <class T>
-inline constexpr auto unit_column = [] {
+inline const auto unit_column = [] {
   struct { T x[5 * block_lanes]; } column{};
   column.x[block_lanes - 1] = T(1);
   return column;

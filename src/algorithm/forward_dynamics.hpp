@@ -20,14 +20,15 @@ inline Index joint_of(const Model& m, Index dof) {
 template <class T, class Part>
 Index forward_dynamics(const Model& m, Data<T>& d, const Part& part, const T* v, const T* tau, const T* fext, T* ddq) {
   if (!m.has_mimic) {
-    if (resists(d)) {
-      for_each_dof_range(m, part, [&](Index first, Index end) { std::fill(d.net + first, d.net + end, T(0)); });
-      add_resistance(m, d, v, d.net, part);
-      for_each_dof_range(m, part, [&](Index first, Index end) {
-        for (Index k = first; k < end; ++k) d.net[k] = tau[k] - d.net[k];
-      });
-      tau = d.net;
-    }
+    if constexpr (branches_by_state<T>)
+      if (resists(d)) {
+        for_each_dof_range(m, part, [&](Index first, Index end) { std::fill(d.net + first, d.net + end, T(0)); });
+        add_resistance(m, d, v, d.net, part);
+        for_each_dof_range(m, part, [&](Index first, Index end) {
+          for (Index k = first; k < end; ++k) d.net[k] = tau[k] - d.net[k];
+        });
+        tau = d.net;
+      }
     const Index body = aba(m, d, v, tau, fext, ddq, part);
     return body ? m.bodies()[body].joint : 0;
   }

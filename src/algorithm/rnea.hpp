@@ -83,7 +83,8 @@ void rigid_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, 
 template <class T>
 void inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* tau) {
   rigid_inverse_dynamics(m, d, v, a, fext, tau);
-  if (resists(d)) add_resistance(m, d, v, tau);
+  if constexpr (branches_by_state<T>)
+    if (resists(d)) add_resistance(m, d, v, tau);
   for (Index k = 0; k < m.n.nv; ++k) tau[k] += d.armature[k] * a[k];
 }
 

@@ -91,13 +91,10 @@ void composite_forces(const Model& m, Data<T>& d, T* tau) {
   });
 }
 
-// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau, from the columns and each body's forces.
+// Products of the columns with the composite forces, by tiles.
 template <class T>
-void torque_derivatives(const Model& m, Data<T>& d, const T* v, const T* a) {
-  composite_forces(m, d, m.has_mimic ? d.taux : d.tau);
-
-  const TiledMatrix<T> dq{m.has_mimic ? d.dqx : d.dtau_dq, m.n.nvx}, dv{m.has_mimic ? d.dvx : d.dtau_dv, m.n.nvx},
-      M{m.has_mimic ? d.Mx : d.M, m.n.nvx};
+DYN_INLINE void derivatives_by_tiles(const Model& m, Data<T>& d, const TiledMatrix<T>& dq, const TiledMatrix<T>& dv,
+                                     const TiledMatrix<T>& M) {
   struct Rows {
     Six<T> S, dS, ddS, W;
   };
@@ -122,6 +119,29 @@ void torque_derivatives(const Model& m, Data<T>& d, const T* v, const T* a) {
                       }).transposed(),
                       i0, j0);
       });
+}
+// The same entry by entry.
+template <class T>
+DYN_INLINE void derivatives_by_entries(const Model& m, Data<T>& d) {
+  const std::ptrdiff_t n = m.n.nv;
+  for_each_entry(m, [&](std::ptrdiff_t i, std::ptrdiff_t j) DYN_INLINE_LAMBDA {
+    const std::ptrdiff_t upper = i + n * j, lower = j + n * i;
+    d.M[lower] = d.M[upper] = dot(d.S[i], d.F[j]);
+    d.dtau_dq[lower] = dot(d.ddS[i], d.F[j]) + dot(d.dS[i].angular, d.Q[j]);
+    d.dtau_dv[lower] = dot(d.W[i], d.F[j]) + dot(d.S[i].angular, d.Q[j]);
+    d.dtau_dq[upper] = dot(d.S[i], d.Fq[j]), d.dtau_dv[upper] = dot(d.S[i], d.Fv[j]);
+  });
+}
+
+// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau, from the columns and each body's forces.
+template <class T>
+void torque_derivatives(const Model& m, Data<T>& d, const T* v, const T* a) {
+  composite_forces(m, d, m.has_mimic ? d.taux : d.tau);
+
+  const TiledMatrix<T> dq{m.has_mimic ? d.dqx : d.dtau_dq, m.n.nvx}, dv{m.has_mimic ? d.dvx : d.dtau_dv, m.n.nvx},
+      M{m.has_mimic ? d.Mx : d.M, m.n.nvx};
+  if (branches_by_state<T> || m.has_mimic) derivatives_by_tiles(m, d, dq, dv, M);
+  else derivatives_by_entries(m, d);
 
   // columns of one joint: what turns the force turns them as well
   forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
@@ -141,7 +161,8 @@ void torque_derivatives(const Model& m, Data<T>& d, const T* v, const T* a) {
     d.reduce(m, d.taux, d.tau);
   }
   add_armature(m, d);
-  if (resists(d)) add_resistance(m, d, v, d.tau), add_resistance_derivatives(m, d, v, d.dtau_dq, d.dtau_dv);
+  if constexpr (branches_by_state<T>)
+    if (resists(d)) add_resistance(m, d, v, d.tau), add_resistance_derivatives(m, d, v, d.dtau_dq, d.dtau_dv);
   for (Index k = 0; k < m.n.nv; ++k) d.tau[k] += d.armature[k] * a[k];
   d.mark_fresh(Stage::Mass);
 }

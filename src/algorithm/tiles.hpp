@@ -4,6 +4,7 @@
 // to body, no sum across lanes.
 #pragma once
 
+#include "base/scalar.hpp"
 #include "base/simd_memory.hpp"
 #include "base/transpose.hpp"
 #include "joint/list.hpp"
@@ -135,6 +136,15 @@ DYN_INLINE void for_each_tile_among(const Model& m, const Index* next, std::ptrd
   auto following = [&](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return std::ptrdiff_t(next[j0 / 4]); };
   for (std::ptrdiff_t i0 = first; i0 < m.n.nvx; i0 = following(i0))
     for_each_tile_of_rows<T>(m, i0, i0, m.n.nvx, begin, f, following);
+}
+
+// f(i, j) for the pairs of which i supports j, i <= j, of models without mimic joints: for scalars that fill registers by
+// themselves (lane.hpp), and need no tiles.
+template <class F>
+DYN_INLINE void for_each_entry(const Model& m, F&& f) {
+  const Index* parent = m.dof_parent();
+  for (Index j = 0; j < m.n.nv; ++j)
+    for (Index i = j; i >= 0; i = parent[i]) f(std::ptrdiff_t(i), std::ptrdiff_t(j));
 }
 
 // f(body, first, nv) for the bodies of more than one degree of freedom.

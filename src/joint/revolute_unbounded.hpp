@@ -12,8 +12,9 @@ struct RevoluteUnbounded : AboutZ<RevoluteUnbounded> {
   template <class T>
   static DYN_INLINE void unit(const T* q, T& c, T& s) {
     using std::abs;
+    using std::max;
     using std::sqrt;
-    const T big = abs(q[0]) > abs(q[1]) ? abs(q[0]) : abs(q[1]);
+    const T big = max(abs(q[0]), abs(q[1]));
     const T x = q[0] / big, y = q[1] / big, n = sqrt(x * x + y * y);
     c = x / n, s = y / n;
   }

@@ -1,5 +1,5 @@
-// Tests batches: every algorithm gives bit for bit what single calls give, whatever the number of threads; a state that fails is
-// named and the others are computed; bad arguments are refused.
+// Tests batches: every algorithm gives what single calls give, with `exact` bit for bit; a state's bits depend on nothing but the
+// state; a state that fails is named and the others are computed; bad arguments are refused.
 #include "capi/batch.hpp"
 
 #include <sys/wait.h>
@@ -28,7 +28,8 @@ TEST(Batch, EqualsSingleCalls) {
   for (const Model& m : models()) {
     const Batch one(m, 1), two(m, 2), four(m, 4);
     for (int which = 0; which < batch_algorithms; ++which) {
-      const BatchCase alone(m, which, n), together(m, which, n), many(m, which, n);
+      BatchCase alone(m, which, n), together(m, which, n), many(m, which, n);
+      for (BatchCase* c : {&alone, &together, &many}) c->x.exact = 1;
       ASSERT_EQ(DYN_OK, alone(one)) << dyn_last_error();
       ASSERT_EQ(DYN_OK, together(two)) << dyn_last_error();
       ASSERT_EQ(DYN_OK, many(four)) << dyn_last_error();
@@ -50,12 +51,70 @@ TEST(Batch, EqualsSingleCalls) {
   EXPECT_GT(compared, 7 * n * batch_algorithms - 1);
 }
 
+// In lanes: each number within rounding of the largest of its state's results, where M is divided by times its condition.
+TEST(Batch, LanesAreNearSingleCalls) {
+  constexpr int n = 70;
+  int differ = 0;
+  for (const Model& m : models()) {
+    const Batch batch(m, 1);
+    for (int which = 0; which < batch_algorithms; ++which) {
+      const BatchCase lanes(m, which, n);
+      BatchCase exact(m, which, n);
+      exact.x.exact = 1;
+      const bool divides = which == DYN_ALGORITHM_ABA || which == DYN_ALGORITHM_MINV || which == DYN_ALGORITHM_ABA_DERIVATIVES;
+      ASSERT_EQ(DYN_OK, lanes(batch)) << dyn_last_error();
+      ASSERT_EQ(DYN_OK, exact(batch)) << dyn_last_error();
+      for (int k = 0; k < n; ++k)
+        for (int o = 0; o < lanes.info.outputs; ++o) {
+          const Numbers x = lanes.row(o, k), y = exact.row(o, k);
+          double size = 0, gap = 0;
+          for (std::size_t i = 0; i < x.size(); ++i)
+            size = std::max(size, std::abs(y[i])), gap = std::max(gap, std::abs(x[i] - y[i]));
+          ASSERT_LE(gap, (divides ? 1e-6 : 1e-12) * size) << dyn_model_name(m) << ": " << lanes.info.name << "[" << k << "]";
+          differ += gap > 0;
+        }
+    }
+  }
+  EXPECT_GT(differ, 0);
+}
+
+// Whatever their number, order, threads and neighbours, of which some fail.
+TEST(Batch, BitsDependOnTheStateAlone) {
+  constexpr int n = 41;
+  for (const Model& m : {all_types(), robot("panda"), robot("go2", DYN_BASE_FLOATING), random_robot(3, 12)}) {
+    const Batch one(m, 1), four(m, 4);
+    for (int which = 0; which < batch_algorithms; ++which) {
+      const BatchCase all(m, which, n);
+      ASSERT_EQ(DYN_OK, all(four)) << dyn_last_error();
+      for (int k = 0; k < n; k += 5) {
+        const BatchCase alone(m, which, 1, std::uint64_t(1 + k)), next(m, which, 3, std::uint64_t(1 + k));
+        ASSERT_EQ(DYN_OK, alone(one)) << dyn_last_error();
+        ASSERT_EQ(DYN_OK, next(one)) << dyn_last_error();
+        for (int o = 0; o < all.info.outputs; ++o) {
+          ASSERT_TRUE(same_bits(all.row(o, k), alone.row(o, 0))) << all.info.name;
+          if (k + 3 <= n) {
+            ASSERT_TRUE(same_bits(all.row(o, k + 2), next.row(o, 2))) << all.info.name;
+          }
+        }
+      }
+      if (!reads(all.info, "q")) continue;
+      BatchCase broken(m, which, n);
+      for (int k = 2; k < n; k += 3) broken.q[std::size_t(k * dyn_model_nq(m))] = nan;
+      EXPECT_EQ(DYN_ERROR_NONFINITE, broken(one));
+      for (int k = 0; k < n; ++k)
+        for (int o = 0; o < all.info.outputs && k % 3 != 2; ++o)
+          ASSERT_TRUE(same_bits(all.row(o, k), broken.row(o, k))) << all.info.name;
+    }
+  }
+}
+
 // What a data holds from the state before, or from another algorithm, makes no difference.
 TEST(Batch, TheSameStateAgain) {
   const Model m = all_types();
   const Batch one(m, 1);
   for (int which = 0; which < batch_algorithms; ++which) {
     BatchCase c(m, which, 2);
+    c.x.exact = 1;
     for (Numbers* x : {&c.q, &c.v, &c.a, &c.tau, &c.fext, &c.b, &c.q1})
       std::copy_n(x->begin(), x->size() / 2, x->begin() + std::ptrdiff_t(x->size() / 2));
     const auto expected = c.single(0);
@@ -78,7 +137,7 @@ TEST(Batch, FramesJointsAndReferences) {
     for (int f = 1; f < m.njoints(); f += 3)
       for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED}) {
         BatchCase c(m, which, 5);
-        c.x.frame = c.x.joint = f, c.x.reference = r;
+        c.x.frame = c.x.joint = f, c.x.reference = r, c.x.exact = 1;
         ASSERT_EQ(DYN_OK, c(batch)) << dyn_last_error();
         for (int k = 0; k < 5; ++k)
           for (int o = 0; o < c.info.outputs; ++o)

@@ -84,13 +84,14 @@ class Batch(Algorithms, Rollouts):
         tau = batch.rnea(q, v, a)        # (N, nq), (N, nv), (N, nv) -> (N, nv)
 
     Methods are those of Data with an axis N in front; q is always given; v, a, tau, fext that are not given are zeros. Several
-    outputs come as a named tuple. Row k is bit for bit what Data computes for row k, for any number of threads. Each also takes
+    outputs come as a named tuple. The bits of row k depend on row k alone: not on N, threads or other rows. Each also takes
 
         only    the name of one output, which is then computed and returned alone
         out     an array (or a tuple of them) that the method returned before, to be filled and returned again: memory for large
                 results costs more than they do
         status  an int32 array (N,), filled with the dyn.Status of every state: those that fail raise nothing, and their rows are
                 NaN. Without it the first state that fails raises, named in the message.
+        exact   True: the bits of Data. By default small models take several states side by side, which rounds otherwise (1e-14)
 
     Arrays that are float64 and contiguous are read in place. A batch belongs to one thread at a time.
     """
@@ -110,6 +111,7 @@ class Batch(Algorithms, Rollouts):
         """The caller's included."""
         self._lock = threading.Lock()
         self._arrays = abi.initialized(abi.BatchArrays)
+        self._exact = False
         self._arrays_ref = byref(self._arrays)
         self._out = self._arrays.out
         self._plans: dict[int, _Plan] = {}

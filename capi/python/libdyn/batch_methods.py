@@ -23,7 +23,7 @@ def _method(algorithm: AlgorithmInfo) -> Callable[..., Any]:
     size, absent = len(parameters), (None,) * len(parameters)
     needed = sum(p.default is P.empty for p in parameters)
 
-    def call(self, *given, only=None, out=None, status=None, **named):
+    def call(self, *given, only=None, out=None, status=None, exact=False, **named):
         if not named and needed <= len(given) <= size:
             given += absent[len(given) :]
         else:
@@ -33,11 +33,14 @@ def _method(algorithm: AlgorithmInfo) -> Callable[..., Any]:
         if not self._lock.acquire(False):
             raise BusyError("another thread is using this batch: give each thread its own.")
         try:
+            if exact is not self._exact:
+                self._exact = self._arrays.exact = bool(exact)
             return self._compute(algorithm, given, only, out, status)
         finally:
             self._lock.release()
 
     keywords = [P(name, P.KEYWORD_ONLY, default=None) for name in ("only", "out", "status")]
+    keywords.append(P("exact", P.KEYWORD_ONLY, default=False))
     call.__name__, call.__qualname__ = algorithm.name, f"Batch.{algorithm.name}"
     call.__signature__ = inspect.Signature([P("self", P.POSITIONAL_ONLY), *parameters, *keywords])
     call.__doc__ = description(algorithm)
