@@ -89,7 +89,7 @@ inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAx
     const Vec next = X.act(fb.nearest(X.act_inverse(a + shift)));
     const Vec moved = next - b;
     b = next;
-    if (dot(moved, moved) <= 1e-32 * dot(b, b)) break;
+    if (dot(moved, moved) <= 1e-30 * (dot(b, b) + dot(ha, ha))) break;  // rounding moves them by a few bits
   }
 }
 
