@@ -57,6 +57,21 @@ inline PairOfShapes make_pair(Type ta, Type tb) {
   return pair;
 }
 
+// Shapes whose axes are parallel: most lie with a face on a face. They overlap by a ten thousandth.
+inline std::vector<Scene> at_rest(const PairOfShapes& pair) {
+  std::vector<Scene> out;
+  for (int i = 0; i < poses; ++i) {
+    Chance g(std::uint64_t(i) * 64 + 7);
+    Scene s = {pair.a, pair.b, {g.rotation(), g.direction()}, {}};
+    s.B.R = s.A.R * g.quarter_turns();
+    const Vec along = s.A.R * shape::axis(pair.a.shape.type == Type::HalfSpace ? 2 : g.pick(3));
+    s.B.p = s.A.p + along * 3.0 + s.A.R * (g.direction() * 0.1);
+    for (int k = 0; k < 5; ++k) s.B.p -= along * (query(s).distance + 1e-4);
+    out.push_back(s);
+  }
+  return out;
+}
+
 // median over the passes of the mean time of a query, ns
 template <class F>
 double time(const std::vector<Scene>& scenes, F&& f) {

@@ -26,8 +26,10 @@ template <class A, class B, class F>
 Result convex_result(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const Pose& XB, const Options& o, F&& method) {
   const A a(shape_a);
   const B b(shape_b);
-  const Difference<A, B> d(a, b, relative(XA, XB));
-  Cores c = method(d);
+  Difference<A, B> d(a, b, relative(XA, XB));
+  d.limit(o.max_distance);
+  Cores c;
+  if (!apart_along_centers(d, c)) c = method(d);
   c.unique = o.says_unique && c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
   return in_world(rounded(c, a.radius, b.radius, d.small, o), XA);
 }

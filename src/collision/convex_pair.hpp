@@ -16,6 +16,21 @@ struct Cores {
   bool unique;
 };
 
+// Cores that a direction separates by more than their reach. The distance is a lower bound.
+inline Cores beyond(const Vec& normal, double distance) { return {normal, Vec::zero(), Vec::zero(), distance, 0, 0, false}; }
+
+// Returns whether the line between the shapes' origins separates the cores by more than their reach.
+template <class D>
+DYN_INLINE bool apart_along_centers(const D& d, Cores& c) {
+  const Vec& p = d.X.p;
+  if (!(d.reach < shape::infinity) || !(dot(p, p) > d.reach * d.reach)) return false;
+  const double square = dot(p, p), gap = -dot(p, d.support(p).w);
+  if (!(gap > 0 && gap * gap > d.reach * d.reach * square)) return false;
+  const double length = std::sqrt(square);
+  c = beyond(p * (1 / length), gap / length);
+  return true;
+}
+
 // Required accuracy of the distance, m.
 template <class D>
 inline double wanted(const D& d, const Options& options) {
@@ -38,6 +53,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
     return refined && p.unique;
   };
   GjkResult g = gjk(d, guess, options, finish);
+  if (g.beyond) return beyond(g.v * (-1 / g.norm), g.norm - g.gap);
   if (!refined && g.apart && g.gap > options.accepted * d.small) {
     // GJK stalled by rounding: start again from another direction
     const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);

@@ -15,10 +15,17 @@ struct Difference {
   Pose X;   // pose of B in A
   Mat Rt;   // axes of A in B
   double small, large;  // size of the smaller and of the larger shape
+  double reach = shape::infinity;  // m: no more is asked of cores farther apart
 
   DYN_INLINE Difference(const A& a, const B& b, const Pose& X) : A_(a), B_(b), X(X), Rt(transpose(X.R)) {
     const double sa = a.extent() + a.radius, sb = b.extent() + b.radius;
     small = std::min(sa, sb), large = std::max(sa, sb);
+  }
+
+  // Sets the reach for a distance of the rounded shapes, by more than rounding.
+  void limit(double distance) {
+    if (distance < shape::infinity)
+      reach = std::max(0.0, distance + A_.radius + B_.radius) + 1e-12 * (large + shape::norm(X.p));
   }
 
   static constexpr bool curved = A::curved || B::curved;

@@ -70,7 +70,7 @@ Result half_spaces(const Shape& a, const Pose& XA, const Shape& b, const Pose& X
 }
 template <class B>
 Result half_space(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
-  return in_world(finish(half_space_pair(HalfSpace(a), B(b), relative(XA, XB)), HalfSpace(a), B(b), o), XA);
+  return in_world(finish(half_space_pair(HalfSpace(a), B(b), relative(XA, XB), o.says_unique), HalfSpace(a), B(b), o), XA);
 }
 Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
   return convex_result<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });

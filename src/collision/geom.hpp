@@ -9,6 +9,17 @@
 
 namespace dyn::collision {
 
+// A hull of the model, and the faces around its vertices; null: they are not consistent.
+struct PlacedHull {
+  shape::Hull hull;
+  const Index* vertex_faces;
+};
+inline std::ptrdiff_t hull_corners(const Model& m) {
+  std::ptrdiff_t sum = 0;
+  for (Index k = 0; k < m.n.hulls; ++k) sum += m.hulls()[k].header.corners;
+  return sum;
+}
+
 // A shape and its pose in its body's internal frame.
 struct Geom {
   shape::Shape shape;
@@ -57,7 +68,8 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
   Geom g;
   if (!geometry_of(s.type, s.size, s.radius, g.shape))
     g.shape = {shape::Type::Sphere, 0, shape::Vec::zero(), nullptr};  // the name of a mesh: a point, in no tested pair
-  if (g.shape.type == shape::Type::Convex) g.shape.hull = d.hulls + s.surface;
+  if (g.shape.type == shape::Type::Convex)
+    g.shape.hull = &d.hulls[s.surface].hull, g.shape.vertex_faces = d.hulls[s.surface].vertex_faces;
   if (g.shape.type == shape::Type::Triangles) g.shape.triangles = d.trees + s.surface;
   if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;
   g.X = f.X * load_se3(s.placement);
@@ -69,11 +81,18 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
 // Fills the fields of data that belong to shapes.
 template <class D>
 void set_up(const Model& m, D& d) {
-  auto place = [&]<class T>(T* to, const Stored<T>* from, Index count) {
-    for (Index k = 0; k < count; ++k)
-      to[k] = view(from[k].header, m.surface_numbers() + from[k].numbers, m.surface_indices() + from[k].indices);
+  const auto placed = [&](const auto& s) {
+    return view(s.header, m.surface_numbers() + s.numbers, m.surface_indices() + s.indices);
   };
-  place(d.hulls, m.hulls(), m.n.hulls), place(d.trees, m.trees(), m.n.trees), place(d.grids, m.grids(), m.n.grids);
+  Index* faces = d.hull_faces;
+  for (Index k = 0; k < m.n.hulls; ++k) {
+    PlacedHull& h = d.hulls[k];
+    h.hull = placed(m.hulls()[k]);
+    h.vertex_faces = shape::list_vertex_faces(h.hull, faces) ? faces : nullptr;
+    faces += h.hull.corners;
+  }
+  for (Index k = 0; k < m.n.trees; ++k) d.trees[k] = placed(m.trees()[k]);
+  for (Index k = 0; k < m.n.grids; ++k) d.grids[k] = placed(m.grids()[k]);
   for (Index k = 0; k < m.n.geoms; ++k) {
     d.geoms[k] = geom_of(m, d, k);
     const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];

@@ -14,10 +14,11 @@ struct GjkResult {
   double gap;    // upper bound less lower bound
   Index iterations;
   bool apart;    // false: the cores overlap or touch
+  bool beyond;   // the lower bound exceeds D's reach: no more is known
 };
 
 // guess: point of A minus point of B. finish(result) is called when the bounds are close, and again each time they are 100 times
-// closer. GJK ends when it returns true.
+// closer. GJK ends when it returns true, or when a direction separates the cores by more than their reach.
 template <class D, class Finish>
 inline GjkResult gjk(const D& difference, Vec guess, const Options& options, Finish&& finish) {
   const double rounding = difference.rounding();
@@ -26,6 +27,7 @@ inline GjkResult gjk(const D& difference, Vec guess, const Options& options, Fin
   GjkResult r, best;
   best.gap = shape::infinity;
   Simplex& s = r.simplex;
+  r.beyond = best.beyond = false;
   s.size = 1, s.weight[0] = 1, s.p[0] = difference.support(dot(guess, guess) > 0 ? -guess : shape::axis(0));
   r.v = s.p[0].w;
   double vv = dot(r.v, r.v);
@@ -36,6 +38,7 @@ inline GjkResult gjk(const D& difference, Vec guess, const Options& options, Fin
     if (!r.apart) return r;
     const Vertex p = difference.support(-r.v);
     r.gap = r.norm - dot(r.v, p.w) / r.norm;
+    if (r.norm - r.gap > difference.reach) return r.beyond = true, r;
     if (r.gap <= wanted) return r;
     if (r.iterations >= options.max_iterations || stalled > 3) return r.gap < best.gap ? r : best;
     if (r.gap <= close) {

@@ -4,16 +4,15 @@
 
 namespace dyn::collision {
 
-PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band,
-                                shape::Feature& feature) {
+void planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band,
+                       shape::Feature& feature, PlanarFeature& out) {
   const Vec local = transpose_times(X.R, plane.n * towards);
   shape::visit(s, [&]<class S>(const S& x) {
     if constexpr (S::type != shape::Type::HalfSpace) x.facing(local, band, feature);
   });
-  PlanarFeature f = project(feature, X, plane, towards);
-  f.h += towards * s.radius;
-  if (f.count > 2) orient(f);
-  return f;
+  project(feature, X, plane, towards, out);
+  out.h += towards * s.radius;
+  if (out.count > 2) orient(out);
 }
 
 void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps,
@@ -36,22 +35,29 @@ void clip_against_plane(const PlanarFeature& f, double plane, bool swapped, Over
 }
 
 void clip_faces(const PlanarFeature& a, const PlanarFeature& b, double eps, Overlap& out) {
-  ClipPoint buffers[2][Overlap::most];
-  ClipPoint *from = buffers[0], *to = buffers[1];
+  struct Point {
+    double x, y;
+  };
+  Point buffers[2][Overlap::most];
+  Point *from = buffers[0], *to = buffers[1];
   int count = a.count;
-  for (int k = 0; k < count; ++k) from[k] = {a.p[k].x, a.p[k].y, 0, 0};
+  for (int k = 0; k < count; ++k) from[k] = {a.p[k].x, a.p[k].y};
   for (int k = 0; k < b.count && count > 0; ++k) {
     int kept = 0;
     auto keep = [&](double x, double y) {
-      if (kept < Overlap::most) to[kept++] = {x, y, 0, 0};
+      if (kept < Overlap::most) to[kept++] = {x, y};
     };
-    auto inside = [&](const ClipPoint& p) { return inner(b.p[k], b.p[(k + 1) % b.count], p.x, p.y); };
+    const Edge edge(b.p[k], b.p[k + 1 < b.count ? k + 1 : 0]);
+    auto inside = [&](const Point& p) { return edge.inner(p.x, p.y); };
     double here = inside(from[0]);
     for (int i = 0; i < count; ++i) {
-      const ClipPoint &p = from[i], &q = from[i + 1 < count ? i + 1 : 0];
-      const double there = inside(q), t = here / (here - there);
+      const Point &p = from[i], &q = from[i + 1 < count ? i + 1 : 0];
+      const double there = inside(q);
       if (here >= -eps) keep(p.x, p.y);
-      if ((here > eps && there < -eps) || (here < -eps && there > eps)) keep(p.x + t * (q.x - p.x), p.y + t * (q.y - p.y));
+      if ((here > eps && there < -eps) || (here < -eps && there > eps)) {
+        const double t = here / (here - there);
+        keep(p.x + t * (q.x - p.x), p.y + t * (q.y - p.y));
+      }
       here = there;
     }
     count = kept;
@@ -67,11 +73,11 @@ void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps,
   const Corner &p = line.p[0], &q = line.p[1];
   double low = 0, high = 1;
   for (int k = 0; k < face.count; ++k) {
-    const Corner &a = face.p[k], &b = face.p[(k + 1) % face.count];
-    const double at_p = inner(a, b, p.x, p.y), at_q = inner(a, b, q.x, q.y), t = at_p / (at_p - at_q);
+    const Edge edge(face.p[k], face.p[k + 1 < face.count ? k + 1 : 0]);
+    const double at_p = edge.inner(p.x, p.y), at_q = edge.inner(q.x, q.y);
     if (at_p < -eps && at_q < -eps) return;
-    if (at_p < -eps) low = std::max(low, t);
-    if (at_q < -eps) high = std::min(high, t);
+    if (at_p < -eps) low = std::max(low, at_p / (at_p - at_q));
+    if (at_q < -eps) high = std::min(high, at_p / (at_p - at_q));
   }
   if (low > high) return;
   for (const double t : {low, high}) {
@@ -109,9 +115,13 @@ void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature
 
 void merge(Overlap& o, double eps) {
   int kept = 0;
+  const auto apart = [&](const ClipPoint& a, const ClipPoint& b) {
+    const double x = a.x - b.x, y = a.y - b.y;
+    return x * x + y * y > eps * eps;
+  };
   for (int i = 0; i < o.count; ++i) {
     int same = 0;
-    while (same < kept && shape::length2(o.p[same].x - o.p[i].x, o.p[same].y - o.p[i].y) > eps) ++same;
+    while (same < kept && apart(o.p[same], o.p[i])) ++same;
     if (same == kept) o.p[kept++] = o.p[i];
     if (o.p[i].gap < o.p[same].gap) o.p[same] = o.p[i];
   }

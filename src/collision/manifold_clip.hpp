@@ -7,10 +7,16 @@
 
 namespace dyn::collision {
 
+// Tolerances relative to the size of the smaller shape: of lines and planes, and of points that are one.
+inline constexpr double coincident = 1e-7, same_point = 1e-5;
+
 // A point of the overlap: height of A's surface, gap to B's surface, and the features it lies on (Contact).
 struct ClipPoint {
   double x, y, high, gap;
-  std::uint64_t feature = ~std::uint64_t(0);
+  std::uint64_t feature;
+
+  ClipPoint() = default;
+  ClipPoint(double x, double y, double high, double gap) : x(x), y(y), high(high), gap(gap) {}
 };
 
 struct Corner {
@@ -36,9 +42,8 @@ struct ContactPlane {
 
 // Corners of a feature of the shape at X. towards: +1 if the other shape lies along n, -1 if against n. A face seen edge-on
 // becomes its edge, a line seen end-on its end.
-inline PlanarFeature project(const shape::Feature& f, const Pose& X, const ContactPlane& plane, double towards) {
+inline void project(const shape::Feature& f, const Pose& X, const ContactPlane& plane, double towards, PlanarFeature& out) {
   constexpr double steep = 0.05;  // cosine to n
-  PlanarFeature out;
   const Vec offset = X.p - plane.origin;
   Vec p[shape::Feature::most];
   p[0] = Vec::zero();
@@ -51,13 +56,13 @@ inline PlanarFeature project(const shape::Feature& f, const Pose& X, const Conta
     if (std::abs(dot(normal, plane.n)) < steep * shape::norm(normal) || !(dot(normal, normal) > 0)) {
       double highest = -shape::infinity;
       for (int k = 0; k < count; ++k) {
-        const double high = towards * dot(plane.n, p[k] + p[(k + 1) % count]);
+        const double high = towards * dot(plane.n, p[k] + p[k + 1 < count ? k + 1 : 0]);
         if (high > highest) highest = high, first = k;
       }
       count = 2;
     }
   }
-  auto at = [&](int k) { return (first + k) % f.count; };
+  auto at = [&](int k) { return first + k < f.count ? first + k : first + k - f.count; };
   if (count == 2) {
     const Vec e = p[at(1)] - p[at(0)];
     const double along = dot(e, plane.n), length2 = dot(e, e);
@@ -74,19 +79,21 @@ inline PlanarFeature project(const shape::Feature& f, const Pose& X, const Conta
   const double nn = dot(normal, plane.n);
   out.gx = -dot(normal, plane.u) / nn, out.gy = -dot(normal, plane.v) / nn;
   out.h = dot(plane.n, p[first]) - out.gx * out.p[0].x - out.gy * out.p[0].y;
-  return out;
 }
 
 // Names the part a point lies on by two numbers of 16 bits: a corner (equal), an edge (ascending), or the inside.
 inline std::uint32_t part_of(const PlanarFeature& f, double x, double y, double eps) {
   auto name = [](std::uint32_t i, std::uint32_t j) { return std::min(i, j) << 16 | std::max(i, j); };
-  for (int k = 0; k < f.count; ++k)
-    if (shape::length2(f.p[k].x - x, f.p[k].y - y) <= eps) return name(f.p[k].id, f.p[k].id);
+  const double square = eps * eps;
+  for (int k = 0; k < f.count; ++k) {
+    const double rx = f.p[k].x - x, ry = f.p[k].y - y;
+    if (rx * rx + ry * ry <= square) return name(f.p[k].id, f.p[k].id);
+  }
   for (int k = 0; k < f.count && f.count > 1; ++k) {
-    const Corner &a = f.p[k], &b = f.p[(k + 1) % f.count];
-    const double ex = b.x - a.x, ey = b.y - a.y, rx = x - a.x, ry = y - a.y, length = shape::length2(ex, ey),
-                 along = ex * rx + ey * ry;
-    if (std::abs(ex * ry - ey * rx) <= eps * length && along >= 0 && along <= length * length) return name(a.id, b.id);
+    const Corner &a = f.p[k], &b = f.p[k + 1 < f.count ? k + 1 : 0];
+    const double ex = b.x - a.x, ey = b.y - a.y, rx = x - a.x, ry = y - a.y, length2 = ex * ex + ey * ey,
+                 along = ex * rx + ey * ry, beside = ex * ry - ey * rx;
+    if (beside * beside <= square * length2 && along >= 0 && along <= length2) return name(a.id, b.id);
   }
   return 0xffffffff;
 }
@@ -128,11 +135,14 @@ struct Overlap {
   }
 };
 
-// Signed distance of a point from the edge a b, positive inside.
-inline double inner(const Corner& a, const Corner& b, double x, double y) {
-  const double ex = b.x - a.x, ey = b.y - a.y;
-  return (ex * (y - a.y) - ey * (x - a.x)) / shape::length2(ex, ey);
-}
+// The line through two corners.
+struct Edge {
+  double x, y, ex, ey, length;
+
+  Edge(const Corner& a, const Corner& b) : x(a.x), y(a.y), ex(b.x - a.x), ey(b.y - a.y), length(shape::length2(ex, ey)) {}
+  // Signed distance of a point, positive inside.
+  double inner(double px, double py) const { return (ex * (py - y) - ey * (px - x)) / length; }
+};
 
 // Corners of the overlap of two faces, or of a line and a face (swapped: the line is B's).
 void clip_faces(const PlanarFeature& a, const PlanarFeature& b, double eps, Overlap& out);
@@ -140,8 +150,8 @@ void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps,
 // Two lines on surfaces with these radii of curvature: the ends of one over the surface of the other.
 void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps, Overlap& out);
 // Feature of a convex shape that faces the other one. towards: +1 if the other lies along the plane's normal, -1 if against.
-PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band,
-                                shape::Feature& feature);
+void planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band,
+                       shape::Feature& feature, PlanarFeature& out);
 // Any two features, faces counter-clockwise. A single point has no overlap.
 void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps, Overlap& out);
 // All corners over a plane at that height. swapped: they are B's.

@@ -36,6 +36,7 @@ struct Options {
   double touching = 1e-9;
   Index max_iterations = 128;
   bool says_unique = true;  // false: Result::unique is not wanted, and is false
+  double max_distance = shape::infinity;  // m: a query may end beyond it, with a lower bound as its distance and other points
   FallbackMethod fallback = nullptr;  // used when the primary method fails, or
   bool fallback_first = false;      // first, for overlapping pairs without a closed form
 };

@@ -45,7 +45,8 @@ void planar_triangles(const S& s, const Pose& X, const ContactPlane& plane, doub
       if (origin + std::max({dot(n, corner[0]), dot(n, corner[1]), dot(n, corner[2])}) < level) continue;
       Feature feature;
       for (int k = 0; k < 3; ++k) feature.add(corner[k], s.number(node, i, k));
-      PlanarFeature figure = project(feature, X, plane, towards);
+      PlanarFeature figure;
+      project(feature, X, plane, towards, figure);
       orient(figure);
       figure.h += towards * s.radius;
       f(figure, box);
@@ -121,7 +122,7 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
     Feature feature;
     PlanarFeature of_other;
     const bool plane = other.type == Type::HalfSpace;
-    if (!plane) of_other = planar_feature_of(other, X_O, s.plane, -towards, s.band, feature);
+    if (!plane) planar_feature_of(other, X_O, s.plane, -towards, s.band, feature, of_other);
     if (of_other.count > 2) orient(of_other);
     const double curvature_radius = feature.curvature_radius + other.radius;
     over_all_of(surface, X, towards, level, grown(bounds_in(X, other, X_O), wide), [&](const PlanarFeature& f, const Bounds&) {

@@ -16,6 +16,7 @@ namespace collision {
 struct EpaWorkspace;
 struct Geom;
 struct Masks;
+struct PlacedHull;
 struct Result;
 }  // namespace collision
 namespace simulation {

@@ -36,19 +36,36 @@ struct Hull {
   }
 };
 
+// Lists the faces around each vertex, ascending: `corners` entries, in which those of a vertex begin where its neighbours do.
+// Returns false if the hull has other faces than neighbours at a vertex.
+inline bool list_vertex_faces(const Hull& h, Index* out) {
+  std::fill_n(out, h.corners, Index(-1));
+  for (Index f = 0; f < h.faces; ++f)
+    for (Index c = h.face_start[f]; c < h.face_start[f + 1]; ++c) {
+      Index at = h.neighbour_start[h.face_vertices[c]];
+      const Index end = h.neighbour_start[h.face_vertices[c] + 1];
+      while (at < end && out[at] >= 0) ++at;
+      if (at == end) return false;
+      out[at] = f;
+    }
+  return true;
+}
+
 struct Convex : Solid<Convex> {
   static constexpr Type type = Type::Convex;
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CONVEX;
   static constexpr bool from_surface = true;
   const Hull& hull;
+  const Index* vertex_faces;
   double radius;
 
-  explicit Convex(const Shape& s) : hull(*s.hull), radius(s.radius) {}
+  explicit Convex(const Shape& s) : hull(*s.hull), vertex_faces(s.vertex_faces), radius(s.radius) {}
 
   Vec support(const Vec& d) const { return hull.vertex(last_ = hull.vertices <= search_all ? farthest(d) : climb(d)); }
   Nearest nearest(const Vec& p) const;
   Flat flat(const Vec& n) const;
-  void facing(const Vec& n, double band, Feature& f) const;
+  void facing(const Vec& n, double band, Feature& f) const { facing_at(support(n), n, band, f); }
+  void facing_at(const Vec& top, const Vec& n, double band, Feature& f) const;
   double extent() const { return hull.extent; }
   Inertia<double> solid() const;
 
@@ -148,8 +165,7 @@ inline Flat Convex::flat(const Vec& n) const {
 }
 
 // Of the faces at the support point, takes the one with most corners in the band. Ties go to the one that faces n most.
-inline void Convex::facing(const Vec& n, double band, Feature& f) const {
-  const Vec top = support(n);
+inline void Convex::facing_at(const Vec& top, const Vec& n, double band, Feature& f) const {
   const double height = dot(top, n), on = 1e-9 * hull.extent;
   Index best = -1;
   int most = 0;
@@ -162,8 +178,10 @@ inline void Convex::facing(const Vec& n, double band, Feature& f) const {
       within += height - dot(hull.vertex(hull.face_vertices[c]), n) <= band;
     if (within > most || (within == most && slope > turned)) best = k, most = within, turned = slope;
   };
+  const Index vertex = last_;
+  for (Index i = hull.neighbour_start[vertex]; vertex_faces && i < hull.neighbour_start[vertex + 1]; ++i) consider(vertex_faces[i]);
   // four planes at a time: few hold the top
-  for (Index k = 0; k < hull.faces; k += 4) {
+  for (Index k = 0; !vertex_faces && k < hull.faces; k += 4) {
     const auto plane = [&](Index i) { return Double4::load(hull.planes + 4 * std::min(k + i, hull.faces - 1)); };
     Double4 x, y, z, offset;
     transpose4(plane(0), plane(1), plane(2), plane(3), x, y, z, offset);

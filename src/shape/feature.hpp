@@ -13,6 +13,7 @@ namespace dyn::shape {
 struct Feature {
   static constexpr int most = 32;
   static constexpr int rim = 8;               // corners that represent a circle
+  static constexpr double diagonal = 0.70710678118654752;  // cosine between neighbours on the rim
   static constexpr double tilted = 1e-3;      // above this slope one corner is the deepest; below, corners are fixed to the shape
 
   int count = 0;
@@ -23,7 +24,7 @@ struct Feature {
   void add(const Vec3<double>& x, int number) { p[count] = x, id[count++] = std::uint16_t(number); }
   // Circle about z of radius r at height z.
   void add_rim(const Vec3<double>& n, double r, double z, int first) {
-    constexpr double d = 0.70710678118654752;
+    constexpr double d = diagonal;
     static constexpr double c[rim + 2] = {1, d, 0, -d, -1, -d, 0, d, 1, d};
     const double rho = math::hypot(n[0], n[1]);
     const bool turned = rho > tilted * std::abs(n[2]);  // else a coin would roll from corner to corner

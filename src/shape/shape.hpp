@@ -53,6 +53,7 @@ struct Shape {
   const Hull* hull;   // Convex only
   const TriangleTree* triangles = nullptr;  // Triangles only
   const Grid* grid = nullptr;               // HeightField only
+  const Index* vertex_faces = nullptr;      // Convex only: the faces around each vertex (list_vertex_faces); null: not listed
 };
 
 using Vec = Vec3<double>;
@@ -101,6 +102,7 @@ DYN_INLINE Vec lesser(const Vec& a, const Vec& b) {
 DYN_INLINE Vec greater(const Vec& a, const Vec& b) {
   return Vec::make(std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2]));
 }
+DYN_INLINE double smallest(const Vec& a) { return std::min(std::min(a[0], a[1]), a[2]); }
 DYN_INLINE double largest(const Vec& a) { return std::max(std::max(a[0], a[1]), a[2]); }
 // a unit vector perpendicular to n
 DYN_INLINE Vec across(const Vec& n) {
@@ -152,6 +154,8 @@ struct Solid {
     return {Vec::make(extreme(0, -1), extreme(1, -1), extreme(2, -1)), Vec::make(extreme(0, 1), extreme(1, 1), extreme(2, 1))};
   }
   void facing(const Vec& n, double, Feature& f) const { f.add(self().support(n), 0); }
+  // The same where the last support point that was asked for is that of n, at top.
+  void facing_at(const Vec&, const Vec& n, double band, Feature& f) const { self().facing(n, band, f); }
   // Signed distance of the rounded shape.
   Nearest signed_distance(const Vec& p) const {
     const Nearest n = self().nearest(p);

@@ -13,7 +13,7 @@ using dyn::shape::Vec;
 
 struct HullData {
   std::vector<double> x, y, z, planes;
-  std::vector<Index> face_start, face_vertices, neighbour_start, neighbours;
+  std::vector<Index> face_start, face_vertices, neighbour_start, neighbours, vertex_faces;
   Hull hull{};
 
   HullData(const HullData&) = delete;
@@ -60,6 +60,9 @@ struct HullData {
     hull.x = x.data(), hull.y = y.data(), hull.z = z.data(), hull.planes = planes.data();
     hull.face_start = face_start.data(), hull.face_vertices = face_vertices.data();
     hull.neighbour_start = neighbour_start.data(), hull.neighbours = neighbours.data();
+    hull.corners = Index(neighbours.size());
+    vertex_faces.resize(neighbours.size());
+    if (!dyn::shape::list_vertex_faces(hull, vertex_faces.data())) vertex_faces.clear();
   }
 
  private:

@@ -54,6 +54,7 @@ inline Solid make_convex(const std::vector<Vec>& points, double radius = 0) {
   Solid s;
   s.hull = std::make_shared<HullData>(points);
   s.shape = {Type::Convex, radius, Vec::zero(), &s.hull->hull};
+  if (!s.hull->vertex_faces.empty()) s.shape.vertex_faces = s.hull->vertex_faces.data();
   return s;
 }
 inline Solid box(double x, double y, double z) { return make(Type::Box, Vec::make(x / 2, y / 2, z / 2), 0); }

@@ -1,5 +1,6 @@
-// Coal: the functor of a pair, signed distance, its defaults otherwise.
+// Coal: the functors of a pair, signed distance, contacts, its defaults otherwise.
 #include <coal/BVH/BVH_model.h>
+#include <coal/collision.h>
 #include <coal/distance.h>
 #include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
@@ -58,6 +59,7 @@ coal::Transform3s convert(const Pose& X) {
 struct Coal : Engine {
   std::shared_ptr<coal::CollisionGeometry> a, b;
   std::optional<coal::ComputeDistance> distance;
+  std::optional<coal::ComputeCollision> collision;
   std::vector<std::pair<coal::Transform3s, coal::Transform3s>> poses;
   coal::DistanceRequest request;
 
@@ -65,7 +67,7 @@ struct Coal : Engine {
   const char* name() const override { return "Coal"; }
   bool load(const Solid& x, const Solid& y) override {
     a = convert(x), b = convert(y);
-    distance.emplace(a.get(), b.get());
+    distance.emplace(a.get(), b.get()), collision.emplace(a.get(), b.get());
     return true;
   }
   void place(const std::vector<Scene>& scenes) override {
@@ -82,6 +84,21 @@ struct Coal : Engine {
       }
       ++d;
     }
+  }
+  bool contacts(double* d) override {
+    const coal::CollisionRequest asked(coal::CONTACT, 8);
+    for (const auto& X : poses) {
+      coal::CollisionResult result;
+      double least = shape::infinity;
+      try {
+        (*collision)(X.first, X.second, asked, result);
+        for (std::size_t i = 0; i < result.numContacts(); ++i) least = std::min(least, double(result.getContact(i).penetration_depth));
+      } catch (const std::exception&) {
+        least = NAN;
+      }
+      *d++ = least;
+    }
+    return true;
   }
 };
 

@@ -16,6 +16,9 @@ struct Engine {
   virtual void place(const std::vector<Scene>& scenes) = 0;
   // signed distances of all placed scenes: this is what is timed
   virtual void ask(double* distances) = 0;
+  // least distance of the contact points of each scene without margin, infinite where there are none. Returns false if the engine
+  // has no contact points.
+  virtual bool contacts(double*) { return false; }
   // depths alone: what is apart is answered by infinity
   virtual bool depths_only() const { return false; }
 };

@@ -1,6 +1,6 @@
-// Distance queries of libdyn, Coal, MuJoCo and libccd on the same poses, in batches, turn by turn; as JSON, a line for each pair
-// of
-// shapes and class of poses.   usage: collision_bench [--adversarial N] [part of a pair's name]
+// Distance and contact queries of libdyn, Coal, MuJoCo and libccd on the same poses, in batches, turn by turn; as JSON, a line for
+// each pair of shapes and class of poses.   usage: collision_bench [--adversarial N] [--contacts] [part of a pair's name]
+// --contacts: contact queries alone
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -32,6 +32,7 @@ struct Score {
     if (depths_only && truth > 0 && !(found < 0)) return;  // apart, and said so
     if (depths_only && !(found < 0)) found = 0;
     ++asked;
+    if (found == truth) return;  // infinite, too
     if (std::isnan(truth)) return;  // each engine has a depth of meshes of its own
     const double error = std::abs(found - truth) / size;
     if (error <= 1e-3)
@@ -57,17 +58,21 @@ void print(const std::string& pair, const char* poses, const std::vector<std::un
 
 // the least over passes of the mean time; of quick pairs more passes, until a twentieth of a second has gone
 void measure(const PairOfShapes& pair, const std::vector<Scene>& scenes, const std::vector<double>& truths,
-             std::vector<std::unique_ptr<Engine>>& engines, std::vector<Score>& scores) {
+             std::vector<std::unique_ptr<Engine>>& engines, std::vector<Score>& scores, bool contacts = false) {
   std::vector<double> found(scenes.size());
+  const auto ask = [&](Engine& e) {
+    if (contacts) return e.contacts(found.data());
+    return e.ask(found.data()), true;
+  };
   std::vector<bool> loaded;
   for (std::size_t e = 0; e < engines.size(); ++e) {
     loaded.push_back(engines[e]->load(pair.a, pair.b));
     if (!loaded[e]) continue;
     engines[e]->place(scenes);
-    engines[e]->ask(found.data());
-    for (std::size_t i = 0; i < scenes.size(); ++i)
+    loaded[e] = ask(*engines[e]);
+    for (std::size_t i = 0; i < scenes.size() && loaded[e]; ++i)
       scores[e].add(found[i], truths[i], smaller(scenes[i]), engines[e]->depths_only());
-    scores[e].ns = shape::infinity;
+    if (loaded[e]) scores[e].ns = shape::infinity;
   }
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + std::chrono::milliseconds(50);
@@ -75,7 +80,7 @@ void measure(const PairOfShapes& pair, const std::vector<Scene>& scenes, const s
     for (std::size_t e = 0; e < engines.size(); ++e) {
       if (!loaded[e]) continue;
       const auto start = Clock::now();
-      engines[e]->ask(found.data());
+      ask(*engines[e]);
       const std::chrono::duration<double, std::nano> t = Clock::now() - start;
       scores[e].ns = std::min(scores[e].ns, t.count() / double(scenes.size()));
     }
@@ -102,6 +107,22 @@ void adversarial(Type a, Type b, int count, std::vector<std::unique_ptr<Engine>>
         scores[e].add(found, d, smaller(s), engines[e]->depths_only());
       }
     }
+}
+
+// Contact queries of a pair: apart, near, penetrating, and at rest on each other.
+void contact_queries(const std::string& name, const PairOfShapes& pair, std::vector<std::unique_ptr<Engine>>& engines) {
+  static const char* const names[classes + 1] = {"contacts apart", "contacts near", "contacts penetrating", "contacts at rest"};
+  for (int c = 0; c <= classes; ++c) {
+    const std::vector<Scene> scenes = c < classes ? pair.scenes[c] : at_rest(pair);
+    std::vector<double> truths;
+    for (const Scene& s : scenes) {
+      const double d = truth(s);
+      truths.push_back(d > 0 ? shape::infinity : d);
+    }
+    std::vector<Score> scores(engines.size());
+    measure(pair, scenes, truths, engines, scores, true);
+    print(name, names[c], engines, scores);
+  }
 }
 
 // Poses of a mesh's pair by how far its distance is.
@@ -146,9 +167,12 @@ void meshes(const char* part, std::vector<std::unique_ptr<Engine>>& engines, con
 int main(int argc, char** argv) {
   int count = 20;
   const char* part = "";
+  bool contacts_only = false;
   for (int i = 1; i < argc; ++i)
     if (!std::strcmp(argv[i], "--adversarial") && i + 1 < argc)
       count = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--contacts"))
+      contacts_only = true;
     else
       part = argv[i];
   std::vector<std::unique_ptr<Engine>> engines;
@@ -159,6 +183,8 @@ int main(int argc, char** argv) {
       const std::string name = std::string(name_of(Type(a))) + "-" + name_of(Type(b));
       if (name.find(part) == std::string::npos) continue;
       const PairOfShapes pair = make_pair(Type(a), Type(b));
+      contact_queries(name, pair, engines);
+      if (contacts_only) continue;
       for (int c = 0; c < classes; ++c) {
         std::vector<double> truths;
         for (const Scene& s : pair.scenes[c]) truths.push_back(truth(s));
@@ -171,5 +197,5 @@ int main(int argc, char** argv) {
       adversarial(Type(a), Type(b), count, engines, scores);
       print(name, "adversarial", engines, scores);
     }
-  meshes(part, engines, names);
+  if (!contacts_only) meshes(part, engines, names);
 }

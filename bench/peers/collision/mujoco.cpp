@@ -1,4 +1,5 @@
-// MuJoCo: mj_geomDistance of two geoms of a compiled model, its default tolerance.
+// MuJoCo: mj_geomDistance of two geoms of a compiled model, and the function of their types that steps call for contacts. Its
+// default tolerance.
 #include <mujoco/mujoco.h>
 
 #include <cstdio>
@@ -95,12 +96,28 @@ struct MuJoCo : Engine {
       poses.push_back(p);
     }
   }
+  void set(const Placed& p) {
+    for (int k = 0; k < 2; ++k) {
+      for (int i = 0; i < 3; ++i) d->geom_xpos[3 * k + i] = p.position[k][i];
+      for (int i = 0; i < 9; ++i) d->geom_xmat[9 * k + i] = p.rotation[k][i];
+    }
+  }
+  bool contacts(double* out) override {
+    const bool exchanged = m->geom_type[0] > m->geom_type[1];
+    const mjfCollision collide = mjCOLLISIONFUNC[m->geom_type[exchanged]][m->geom_type[!exchanged]];
+    mjPreContact found[mjMAXCONPAIR];
+    for (const Placed& p : poses) {
+      set(p);
+      const int count = collide(m, d, found, exchanged, !exchanged, 0);
+      double least = shape::infinity;
+      for (int i = 0; i < count; ++i) least = std::min(least, double(found[i].dist));
+      *out++ = least;
+    }
+    return true;
+  }
   void ask(double* out) override {
     for (const Placed& p : poses) {
-      for (int k = 0; k < 2; ++k) {
-        for (int i = 0; i < 3; ++i) d->geom_xpos[3 * k + i] = p.position[k][i];
-        for (int i = 0; i < 9; ++i) d->geom_xmat[9 * k + i] = p.rotation[k][i];
-      }
+      set(p);
       double fromto[6];
       *out++ = mj_geomDistance(m, d, 0, 1, p.reach, fromto);
     }

@@ -17,7 +17,8 @@ struct BoxAxis {
 };
 
 // Handles the three entries of a vector at once. Entry i is A's axis i, or B's axis i for the faces of B.
-inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double margin) {
+// reach: larger distances need not be the largest.
+inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double margin, double reach) {
   const Mat R = X.R, Rt = transpose(R), S = {sizes(R.x), sizes(R.y), sizes(R.z)}, St = {sizes(Rt.x), sizes(Rt.y), sizes(Rt.z)};
   const Vec p = X.p, q = Rt * p;
   BoxAxis best = {shape::axis(0), -shape::infinity, 0, -1, true};
@@ -32,7 +33,7 @@ inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double marg
   const Vec faces_a = sizes(p) - ha - S * hb, faces_b = sizes(q) - hb - St * ha;
   for (int i = 0; i < 3; ++i) consider(faces_a[i], i, -1);
   for (int j = 0; j < 3; ++j) consider(faces_b[j], -1, j);
-  for (int j = 0; j < 3; ++j) {
+  for (int j = 0; j < 3 && !(best.distance > reach); ++j) {
     const int k = (j + 1) % 3, l = (j + 2) % 3;
     const Vec r = R[j], along = sizes(cross(r, p)), ry = yzx(r), rz = zxy(r);
     const Vec reach = hadamard(yzx(ha), zxy(S[j])) + hadamard(zxy(ha), yzx(S[j])) + S[l] * hb[k] + S[k] * hb[l];
@@ -88,7 +89,7 @@ inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAx
     const Vec next = X.act(fb.nearest(X.act_inverse(a + shift)));
     const Vec moved = next - b;
     b = next;
-    if (dot(moved, moved) <= 1e-32 * dot(b, b)) break;
+    if (dot(moved, moved) <= 1e-30 * (dot(b, b) + dot(ha, ha))) break;  // rounding moves them by a few bits
   }
 }
 
@@ -99,7 +100,8 @@ inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, E
   // far apart along the line between the centres: the best axis is not needed
   const Vec& p = d.X.p;
   if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && minkowski_pair(d, p, enough, c)) return c;
-  const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding());
+  const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding(), d.reach);
+  if (axis.distance > d.reach) return beyond(axis.n, axis.distance);
   c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
   box_witness(ha, hb, d.X, axis, c.a, c.b);
   c.residual = shape::norm(c.b - c.a - c.normal * c.distance);

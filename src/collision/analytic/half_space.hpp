@@ -7,11 +7,11 @@
 namespace dyn::collision {
 
 template <class B>
-inline Cores half_space_pair(const shape::HalfSpace&, const B& b, const Pose& X) {
+inline Cores half_space_pair(const shape::HalfSpace&, const B& b, const Pose& X, bool says_unique) {
   const Vec n = shape::axis(2), in_b = transpose_times(X.R, -n);
   const Vec deepest = X.act(b.support(in_b));
   const double height = deepest[2];
-  return {n, deepest - n * height, deepest, height, 0, 0, b.flat(in_b).dimension == 0};
+  return {n, deepest - n * height, deepest, height, 0, 0, says_unique && b.flat(in_b).dimension == 0};
 }
 
 }  // namespace dyn::collision

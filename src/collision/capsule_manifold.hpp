@@ -1,0 +1,94 @@
+// Contact points of two capsules: the ends of one axis over the surface of the other, and the nearest points if they are deeper.
+// The same points as clip_lines finds, without projection.
+#pragma once
+
+#include "collision/analytic/capsules.hpp"
+#include "collision/sphere_manifold.hpp"
+
+namespace dyn::collision {
+
+// Returns false where an axis is so short that its ends may be one.
+inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shape::Capsule& b, const Pose& XB, double margin,
+                             Manifold& out) {
+  constexpr double steep = 0.05;  // sine: an axis seen end-on is a point (project)
+  struct Axis {
+    Vec center, z;      // from the origin of A
+    double half, rise;  // rise: z.n
+    double sine;        // of the angle to n
+    bool is_line;
+
+    std::uint32_t part(double at, double same) const {
+      if (!is_line || (half - std::abs(at)) * sine <= same) return at > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
+      return detail::edge_part(0, 1);
+    }
+  };
+  const Vec p = XB.p - XA.p;
+  const Cores c = capsule_pair(a, b, XA.R.z, XB.R.z, p);
+  const double distance = c.distance - a.radius - b.radius, least = std::min(a.half, b.half);
+  const double size = std::min(a.half + a.radius, b.half + b.radius), eps = coincident * size, same = same_point * size;
+  out.count = 0, out.normal = Vec::zero();
+  if (!(distance <= margin)) return true;
+  if (!(steep * least > same)) return false;
+  const Vec& n = c.normal;
+  const auto axis = [&](const Vec& center, const Vec& z, double half) {
+    const double rise = dot(n, z), square = std::max(0.0, 1 - rise * rise);
+    return Axis{center, z, half, rise, std::sqrt(square), square >= steep * steep};
+  };
+  const Axis axes[2] = {axis(Vec::zero(), XA.R.z, a.half), axis(p, XB.R.z, b.half)};
+  struct Point {
+    Vec at;
+    double gap;
+    std::uint64_t feature;
+  };
+  Point points[5];
+  int count = 0;
+  double deepest = shape::infinity;
+  for (int k = 0; axes[0].is_line && axes[1].is_line && k < 2; ++k) {
+    const Axis &own = axes[k], &other = axes[1 - k];
+    const double curvature = k == 0 ? b.radius : a.radius;
+    const Vec along = (other.z - n * other.rise) * (1 / other.sine), across = cross(along, n);
+    const double half = other.half * other.sine;
+    for (const double side : {1.0, -1.0}) {
+      const Vec end = own.center + own.z * (side * own.half), rel = end - other.center;
+      const double t = dot(rel, along), beside = std::abs(dot(rel, across)), over = std::abs(t) - half;
+      if (over > eps || beside > std::max(curvature, eps)) continue;
+      const double falls =
+          curvature > 0 ? (curvature - std::sqrt(std::max(0.0, curvature * curvature - beside * beside))) / other.sine : 0;
+      // from the end to the other axis along n; A lies below
+      const double up = (t / other.sine) * other.rise - dot(n, rel), gap = (k == 0 ? up : -up) - a.radius - b.radius + falls;
+      if (!(gap <= margin)) continue;
+      const std::uint32_t corner = side > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
+      std::uint32_t part = detail::inside_part;
+      if (over * over + beside * beside <= same * same)
+        part = t > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
+      else if (beside <= same && over <= 0)
+        part = detail::edge_part(0, 1);
+      const Vec at = k == 0 ? end + n * (a.radius + gap / 2) : end - n * (b.radius + gap / 2);
+      deepest = std::min(deepest, gap);
+      int place = 0;  // of the point that it is one with; the deeper of the two stays
+      for (; place < count; ++place) {
+        const Vec way = points[place].at - at;
+        const double high = dot(way, n);
+        if (dot(way, way) - high * high <= same * same) break;
+      }
+      if (place == count || gap < points[place].gap)
+        points[place] = {at, gap, k == 0 ? std::uint64_t(corner) << 32 | part : std::uint64_t(part) << 32 | corner};
+      count = std::max(count, place + 1);
+    }
+  }
+  if (deepest > distance + eps) {
+    const auto at = [](const Axis& x, const Vec& q) { return dot(x.z, q - x.center); };
+    const std::uint32_t part_a = axes[0].part(at(axes[0], c.a), same), part_b = axes[1].part(at(axes[1], c.b), same);
+    points[count++] = {c.a + n * (a.radius + distance / 2), distance, std::uint64_t(part_a) << 32 | part_b};
+  }
+  out.normal = n;
+  for (int i = 0; i < count; ++i) {
+    int k = i;
+    for (; k > 0 && out.points[k - 1].feature > points[i].feature; --k) out.points[k] = out.points[k - 1];
+    out.points[k] = {XA.p + points[i].at, points[i].gap, points[i].feature};
+  }
+  out.count = count;
+  return true;
+}
+
+}  // namespace dyn::collision
