@@ -12,13 +12,13 @@ bool Island::sparse() {
 }
 
 bool Island::has_runs() {
-  if (eliminated == Eliminated::Not) eliminated = w.elimination.find_runs(*this) ? Eliminated::Runs : Eliminated::DoesNotFit;
-  return eliminated != Eliminated::DoesNotFit;
+  if (eliminated == Eliminated::Not) eliminated = w.elimination.find_runs(*this) ? Eliminated::Runs : Eliminated::NoRuns;
+  return eliminated != Eliminated::NoRuns;
 }
 
 bool Island::ordered() {
-  if (eliminated == Eliminated::Runs) eliminated = w.elimination.find_order(*this) ? Eliminated::Fits : Eliminated::DoesNotFit;
-  return eliminated == Eliminated::Fits;
+  if (eliminated == Eliminated::Runs) eliminated = w.elimination.find_order(*this) ? Eliminated::Order : Eliminated::NoOrder;
+  return eliminated == Eliminated::Order;
 }
 
 bool Island::newton(dynContactReport& report, bool from_inside) {

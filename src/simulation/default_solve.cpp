@@ -1,18 +1,9 @@
 // The solve of steps without a tolerance: Newton's method near a solution, accelerated sweeps and proximal steps elsewhere.
 // max_iterations bounds their sum.
-#include "simulation/accelerated_sweeps.hpp"
-#include "simulation/newton.hpp"
 #include "simulation/proximal.hpp"
+#include "simulation/sweeps.hpp"
 
 namespace dyn::simulation {
-
-void Island::accelerated_sweeps(dynContactReport& report) {
-  build_rows();
-  AcceleratedSweeps sweeps(*this);
-  sweeps.run(w.max_iterations(), report);
-  report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
-  sweeps.write();
-}
 
 bool Island::relaxation_is_due() const { return std::llround(d.time[0] / h) % tuning::island::relaxed_every == 0; }
 
@@ -38,14 +29,15 @@ bool Island::solve_finely(Index most, double fine, dynContactReport& report) {
 }
 
 // Of large islands. Sweeps remove what is wrong at single contacts, proximal steps what is wrong with the whole.
-void Island::solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report) {
+void Island::solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report) {
   using namespace tuning::default_solve;
   const Index steps = report.residual < no_guess ? proximal_steps : cold_steps;
   if (report.residual <= near_guess) {
     if (solve_finely(near_steps, fine, report)) return;
   } else {
+    sweeps.load();  // segments are numbered anew once ordered
     sweeps.run(far_sweeps, report), sweeps.write();
-    report.residual = fastest > 0 ? sweeps.residual() / fastest : 0;
+    report.residual = sweeps.residual();
   }
   if (report.residual > tolerance && within_budget(report)) Proximal(*this).run(steps, report);
   if (report.residual <= tolerance) solve_finely(end_steps, fine, report);
@@ -56,13 +48,12 @@ void Island::solve_to_default(dynContactReport& report) {
   using namespace tuning::default_solve;
   allowance = w.max_iterations();
   build_rows();
-  AcceleratedSweeps sweeps(*this);
-  const auto residual_of_sweeps = [&] { return fastest > 0 ? sweeps.residual() / fastest : 0; };
+  Sweeps<BySegments> sweeps(*this);
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
-  report.residual = residual_of_sweeps();
+  report.residual = sweeps.residual();
   if (report.residual <= tuning::island::tolerance && relaxation_is_due()) {
     relax(tuning::island::tolerance), sweeps.load();  // the sweeps' sums share its memory
-    report.residual = residual_of_sweeps();
+    report.residual = sweeps.residual();
   }
   const double fine = wanted(report.residual, tuning::island::fine);
   const bool near = report.residual <= (equalities > 0 ? max_guess : near_guess);
@@ -74,9 +65,9 @@ void Island::solve_to_default(dynContactReport& report) {
   w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
   if (report.residual > tolerance && (report.newton_steps == 0 || (!large() && within_budget(report)))) {
     const Index left = std::max<Index>(1, allowance - report.iterations - report.newton_steps);
-    sweeps.run(large() ? left : std::min(left, tuning::acceleration::small_sweeps), report);
+    sweeps.run(large() ? left : std::min(left, tuning::sweeps::small_sweeps), report);
     if (!large()) {
-      report.residual = residual_of_sweeps(), sweeps.write();
+      report.residual = sweeps.residual(), sweeps.write();
       if (unsolved()) {
         if (!sparse()) solve(report);
         else if (!newton(report, true) && rows <= dense_rows) solve(report);
@@ -84,8 +75,7 @@ void Island::solve_to_default(dynContactReport& report) {
       }
     }
   }
-  const double wrong = sweeps.finish();
-  report.residual = fastest > 0 ? wrong / fastest : 0;
+  report.residual = sweeps.finish();
   if (equalities > 0) report.residual = std::max(report.residual, inconsistency);
 }
 

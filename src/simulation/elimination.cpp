@@ -131,8 +131,18 @@ bool Elimination::find_order(const Island& x) {
     }
   }
   for (Index e = 0; e < first[size]; ++e) later[e] = position[later[e]];
-  sort();
+  sort(), renumber(x.constraint_count);
   return true;
+}
+
+// From now on segments are numbered by position.
+void Elimination::renumber(Index constraints) {
+  Index* const old = degree;
+  std::copy_n(segment, size, old);
+  for (Index p = 0; p < size; ++p) segment[p] = old[order[p]];
+  std::copy_n(first_of, size, old);
+  for (Index p = 0; p < size; ++p) first_of[p] = old[order[p]];
+  for (Index r = 0; r < first_run[constraints]; ++r) runs[r].segment = position[runs[r].segment];
 }
 
 // Two transpositions sort the entries of each position.

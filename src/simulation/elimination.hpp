@@ -32,8 +32,8 @@ struct ConstraintRun {
   double* rows;
 };
 
-// Segments and constraints are numbered within the island. An entry is a pair of coupled positions; entries of a position are
-// ascending.
+// Segments and constraints are numbered within the island, segments by position once the order is known. An entry is a pair of
+// coupled positions; entries of a position are ascending.
 struct Elimination {
   Index size = 0;               // segments of the island
   Index *segment, *local;       // the model's segments of the island, and the inverse map
@@ -96,6 +96,7 @@ struct Elimination {
   template <class F>
   void for_each_listed(Index constraints, Index list, F&& f) const;
   void sort();
+  void renumber(Index constraints);
 };
 
 }  // namespace dyn::simulation

@@ -29,7 +29,7 @@ class Interior : public Newton {
   // Moves the iterate inside the cones by `shift`.
   void start_inside(double shift);
   double complementarity() const;
-  void scale_cone(const ActiveConstraint& a, State& s) const;
+  void scale_cone(const Block& b, State& s) const;
   bool factorize_barrier();
   void direction_to(double sigma);
   double max_step_to_boundary() const;

@@ -160,14 +160,14 @@ void Island::keep_all() {
   for (Index k = 0; dropped > 0 && k < constraint_count; ++k) constraint(k).s->dropped = 0;
 }
 
-void Island::clear_supporting_dofs(double* z) const {
+void Island::clear_supporting_dofs() const {
   for (Index k = 0; k < constraint_count; ++k)
-    for (Index n = 0; n < constraint(k).s->support_count; ++n) z[constraint(k).support[n]] = 0;
+    for (Index n = 0; n < constraint(k).s->support_count; ++n) by_dof[constraint(k).support[n]] = 0;
 }
 
 // by_dof += Y^T lambda
-void Island::scatter_all(double* by_dof) const {
-  for (Index k = 0; k < constraint_count; ++k) scatter(constraint(k), lambda + constraint(k).s->first, by_dof);
+void Island::scatter_all() const {
+  for (Index k = 0; k < constraint_count; ++k) scatter(constraint(k), lambda + constraint(k).s->first);
 }
 
 }  // namespace dyn::simulation

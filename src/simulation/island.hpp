@@ -8,7 +8,9 @@ namespace dyn::simulation {
 // Permutation of a contact's rows that puts the normal first, by their number.
 inline constexpr Index order_of[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};
 
-class AcceleratedSweeps;
+template <class Operator>
+class Sweeps;
+struct BySegments;
 
 struct Island {
   const Model& m;
@@ -25,7 +27,7 @@ struct Island {
   double fastest = 0;  // speed() at the beginning
   double slack = 0;  // gap (m) that pressed contacts keep
   double fast = 0;     // largest rate of its rows (m/s), when closed_gap > 0
-  enum class Eliminated { Not, Runs, Fits, DoesNotFit };
+  enum class Eliminated { Not, Runs, NoRuns, Order, NoOrder };
   Eliminated eliminated = Eliminated::Not;
   double tolerance = w.tolerance();  // of the residual that ends the solve
   double enough = tolerance;  // residual with which no other method is tried
@@ -41,7 +43,7 @@ struct Island {
   std::ptrdiff_t stride() const { return padded_rows(rows); }
   bool large() const { return rows > island_rows(m); }
   // small islands with restitution use the dense solver, which guards the energy
-  bool uses_gauss_seidel_only() const { return w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS && (large() || !bounces); }
+  bool uses_sweeps_only() const { return w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS && (large() || !bounces); }
 
   // island.cpp: numbers rows, fills vectors
   void assign_rows();
@@ -63,56 +65,57 @@ struct Island {
   bool has_runs();  // finds the runs of its constraints; returns false if they do not fit
   bool ordered();  // finds the elimination order; returns false if it does not fit
 
-  // blocks and rows by segments (island_rows.cpp). Needs prepare_blocks and has_runs.
-  void build_rows();
-
-  // matrix-free Gauss-Seidel (pgs_matrix_free.cpp)
+  // blocks, and rows by segments (island_rows.cpp)
   void prepare_blocks();
-  void prepare_cones();
+  void prepare_sweeps();
+  void build_rows();  // needs prepare_blocks and has_runs
+
+  // sweeps and what starts from them (exact_solve.cpp, restitution.cpp)
+  template <class F>
+  void with_sweeps(F&& f);
   bool accept_guess(dynContactReport& report);
+  void accelerated_sweeps(dynContactReport& report);  // alone
+  void sweeps_and_newton(dynContactReport& report);
+  void sweep_while_improving(dynContactReport& report);
+  void correct_by_sweeps();
   void scale_restitution(double factor);
   bool adds_energy(const dynContactReport& report) const;
   void solve_restitution(dynContactReport& report);
-  void gauss_seidel(dynContactReport& report);
-  void gauss_seidel_and_newton(dynContactReport& report);
-  void gauss_seidel_while_improving(dynContactReport& report);  // while the residual falls
-  void gauss_seidel_frictionless();
   bool within_budget(const dynContactReport& r) const { return r.iterations + r.newton_steps < allowance && !w.time_is_up(); }
   // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
-  void solve_large(double fine, AcceleratedSweeps& sweeps, dynContactReport& report);
+  void solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report);
   bool solve_finely(Index most, double fine, dynContactReport& report);
   void solve_exactly(dynContactReport& report);
   bool relaxation_is_due() const;  // now and then
   bool relax(double tolerated);
-  void accelerated_sweeps(dynContactReport& report);  // alone
   void solve_fixed_correction(dynContactReport& report);
-  double residual() const;  // also sets by_dof and c for lambda
+  double residual();  // over the speed; also sets by_dof and c for lambda
   double speed() const;  // largest velocity that is to change
 
   // Impulses lambda and c = G lambda + g, then the position correction with bias the error and g = 0 (solve_constraints.cpp).
   void impulses(dynContactReport& report);
-  void scatter_all(double* by_dof) const;
-  // clear: z = 0 at supporting dofs. scatter: z += Y^T by. gather: Y D^-1 z = G lambda, rows in lanes.
-  void clear_supporting_dofs(double* z) const;
-  DYN_INLINE void scatter(const ActiveConstraint& a, const double* by, double* z) const {
+  void scatter_all() const;
+  // clear: by_dof = 0 at supporting dofs. scatter: by_dof += Y^T by. gather: Y D^-1 by_dof = G lambda, rows in lanes.
+  void clear_supporting_dofs() const;
+  DYN_INLINE void scatter(const ActiveConstraint& a, const double* by) const {
     with_row_count(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
       const double* y = a.Y;
       for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) {
         double sum = 0;
 #pragma GCC unroll 6
         for (int r = 0; r < rows; ++r) sum += y[r] * by[r];
-        z[a.support[n]] += sum;
+        by_dof[a.support[n]] += sum;
       }
     });
   }
-  DYN_INLINE Simd<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv, const double* z) const {
+  DYN_INLINE Simd<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv) const {
     using P = Simd<double, row_lanes>;
     P sum = P::zero();
     const double* y = a.Y;
     for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes)
-      sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
+      sum = sum + P::load(y) * (Dinv[a.support[n]] * by_dof[a.support[n]]);
     return sum;
   }
   bool is_angle(const ActiveConstraint& x, Index row) const;

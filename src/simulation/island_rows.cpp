@@ -1,33 +1,123 @@
-// Rows of an island by segments, and Newton's products with G by them.
-#include "simulation/newton.hpp"
+// Blocks of an island in their units, and their rows by segments.
+#include "algorithm/constrained/delassus.hpp"
+#include "simulation/island.hpp"
 
 namespace dyn::simulation {
 
 namespace {
 
+using solver::Block;
+
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
 double unit_of(double diagonal) { return diagonal > 0 ? 1 / std::sqrt(diagonal) : 1; }
 
-// Units of a contact's rows: one for the normal, one for all others.
-void set_cone(const Island& x, const ConstraintBlock& own, Index first, double mu, RowBlock& s) {
-  double across = 0;
-  for (Index i = 1; i < s.rows; ++i) across = std::max(across, own.G[i + row_lanes * i]);
-  const double n = unit_of(own.G[0]), t = unit_of(across);
-  s.speed[0] = n, s.speed[1] = t, s.mu = mu * n / t;
-  for (Index i = 0; i < s.rows; ++i) {
-    s.unit[i] = own.scale[i] * (i ? t : n);
-    s.soft[i] = x.compliance[first + s.order[i]] * s.unit[i] * s.unit[i];
+// Diagonal of a constraint's own block of G.
+void own_diagonal(const ActiveConstraint& a, const double* Dinv, double* diagonal) {
+  using P = Simd<double, row_lanes>;
+  P sum = P::zero();
+  const double* y = a.Y;
+  for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * P::load(y) * Dinv[a.support[n]];
+  sum.store(diagonal);
+}
+
+// The block itself, column by column.
+void own_block(const ActiveConstraint& a, const double* Dinv, double* block) {
+  using P = Simd<double, row_lanes>;
+  P G[max_rows];
+  for (P& column : G) column = P::zero();
+  const double* y = a.Y;
+  for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) {
+    const P e = P::load(y) * Dinv[a.support[n]];
+    for (Index r = 0; r < a.s->rows; ++r) G[r] = G[r] + e * y[r];
   }
-  s.kind = RowBlock::Kind::cone;
-  if (s.rows != 3) return;
-  double G[9];
-  for (Index j = 0; j < 3; ++j)
-    for (Index i = 0; i < 3; ++i) G[i + 3 * j] = own.G[i + row_lanes * j] * (i ? t : n) * (j ? t : n);
-  if (s.point.set(G, 3)) s.kind = RowBlock::Kind::point;
+  for (Index r = 0; r < a.s->rows; ++r) G[r].store(block + row_lanes * r);
+}
+
+void set_rows(Block& s, const double* diagonal, const double* compliance) {
+  s.kind = Block::Kind::rows, s.order = as_they_are;
+  for (Index i = 0; i < s.rows; ++i) {
+    const double own = diagonal[i] + compliance[i];
+    s.unit[i] = unit_of(own), s.per_speed[i] = 1 / s.unit[i], s.response[i] = own > 0;
+    s.soft[i] = compliance[i] * s.unit[i] * s.unit[i];
+  }
+}
+
+// One unit for the normal, one for all other velocities; torsion and rolling are multiples of friction.
+void set_cone(const Island& x, Index contact, const double* diagonal, const double* compliance, Block& s) {
+  const double mu = x.friction[contact];
+  double scale[max_rows], across = 0;
+  s.kind = Block::Kind::cone, s.order = order_of[s.rows];
+  const auto own = [&](Index i) { return diagonal[s.order[i]] + compliance[s.order[i]]; };
+  for (Index i = 0; i < s.rows; ++i) scale[i] = i < 3 ? 1 : (i == s.rows - 1 ? x.torsion[contact] : x.rolling[contact]) / mu;
+  for (Index i = 1; i < s.rows; ++i) across = std::max(across, scale[i] * scale[i] * own(i));
+  const double n = unit_of(own(0)), t = unit_of(across), per_n = 1 / n, per_t = 1 / t;
+  s.mu = mu * n * per_t;
+  for (Index i = 0; i < s.rows; ++i) {
+    s.per_speed[i] = i ? per_t : per_n, s.unit[i] = scale[i] * (i ? t : n);
+    s.soft[i] = compliance[s.order[i]] * s.unit[i] * s.unit[i];
+  }
 }
 
 }  // namespace
+
+void Island::prepare_blocks() {
+  fastest = speed();
+  const double* Dinv = inverse_pivots(m, d);
+  for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
+    Block& s = w.blocks[k];
+    double diagonal[row_lanes];
+    own_diagonal(a, Dinv, diagonal);
+    s.first = a.s->first, s.rows = a.s->rows;
+    const Index contact = a.kind == RowKind::Contact ? in_contacts++ : 0;
+    if (a.kind == RowKind::Contact && s.rows > 1) {
+      set_cone(*this, contact, diagonal, compliance + s.first, s);
+      continue;
+    }
+    set_rows(s, diagonal, compliance + s.first);
+    s.lower = a.kind == RowKind::Contact ? 0 : -HUGE_VAL, s.upper = HUGE_VAL;
+    if (a.kind == RowKind::Box) s.lower = lower[in_boxes] / s.unit[0], s.upper = upper[in_boxes] / s.unit[0], ++in_boxes;
+  }
+}
+
+// The blocks of friction cones, which sweeps solve.
+void Island::prepare_sweeps() {
+  if (has_cones) return;
+  has_cones = true;
+  const double* Dinv = inverse_pivots(m, d);
+  for (Index k = 0; k < constraint_count; ++k) {
+    Block& s = w.blocks[k];
+    if (!s.is_cone()) continue;
+    double own[max_rows * row_lanes], G[max_rows * max_rows];
+    own_block(constraint(k), Dinv, own);
+    for (Index j = 0; j < s.rows; ++j) {
+      for (Index i = 0; i < s.rows; ++i)
+        G[i + s.rows * j] = s.unit[i] * s.unit[j] * own[s.order[i] + row_lanes * s.order[j]];
+      G[j + s.rows * j] += s.soft[j];
+    }
+    if (s.rows == 3 && s.point.set(G, 3)) s.kind = Block::Kind::point;
+    else s.cone = &w.cones[k], s.cone->set(G, s.rows, s.rows);
+  }
+}
+
+// Largest velocity that is to change. Torsion and rolling rows count by their lengths, rows without a coefficient not at all.
+double Island::speed() const {
+  double most = 0;
+  for (Index k = 0, contact = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
+    const bool touches = a.kind == RowKind::Contact;
+    for (Index r = 0; r < a.s->rows; ++r) {
+      const double length = r < 3 || !touches ? 1
+                            : friction[contact] > 0
+                                ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact]
+                                : 0;
+      most = std::max(most, length * std::abs(g[a.s->first + r] + bias[a.s->first + r]));
+    }
+    contact += touches;
+  }
+  return most;
+}
 
 // Y' = unit Y D^-1/2, D the pivots: G = Y'^T Y'.
 void Island::build_rows() {
@@ -36,28 +126,9 @@ void Island::build_rows() {
   const double* Dinv = inverse_pivots(m, d);
   const Elimination& e = w.elimination;
   double* to = w.run_rows;
-  bool turned = false;  // cones that need their eigenvectors
-  for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
+  for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
-    const ConstraintBlock& own = w.blocks[k];
-    RowBlock& s = w.row_blocks[k];
-    const Index rows_ = a.s->rows, first = a.s->first;
-    s.kind = RowBlock::Kind::rows, s.order = as_they_are, s.rows = rows_, s.lower = -HUGE_VAL, s.upper = HUGE_VAL, s.mu = 0;
-    if (a.kind == RowKind::Contact) {
-      const double mu = friction[in_contacts++];
-      s.lower = 0;
-      if (rows_ > 1) s.order = order_of[rows_], set_cone(*this, own, first, mu, s);
-      turned |= s.kind == RowBlock::Kind::cone;
-    }
-    if (!s.is_cone()) {
-      for (Index i = 0; i < s.rows; ++i) {
-        const Index at = s.order[i];
-        s.unit[i] = unit_of(own.diagonal[at] + compliance[first + at]),
-        s.soft[i] = compliance[first + at] * s.unit[i] * s.unit[i];
-      }
-      if (a.kind == RowKind::Box) s.lower = lower[in_boxes] / s.unit[0], s.upper = upper[in_boxes] / s.unit[0], ++in_boxes;
-      s.speed[0] = s.unit[0];
-    }
+    const Block& s = w.blocks[k];
     Index n = 0;
     const double* Y = a.Y;
     for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
@@ -72,44 +143,6 @@ void Island::build_rows() {
       to += segment_lanes * s.rows;
     }
   }
-  if (turned) prepare_cones();
-}
-
-// Copies the blocks and the guess.
-void Newton::load() {
-  std::fill_n(before, x.rows, 0.0);
-  for_each([&](const ActiveConstraint& a, State& s, Index k) {
-    const RowBlock& own = w.row_blocks[k];
-    s.order = own.order, s.rows = own.rows, s.cone = own.is_cone(), s.mu = own.mu, s.lower = own.lower, s.upper = own.upper;
-    std::copy_n(own.unit, s.rows, s.unit), std::copy_n(own.soft, s.rows, s.soft), std::copy_n(own.speed, 2, s.speed);
-    for (Index i = 0; i < s.rows; ++i) {
-      const double l = x.lambda[a.s->first + s.order[i]];
-      before[a.s->first + i] = s.unit[i] > 0 ? l / s.unit[i] : 0;
-    }
-  });
-}
-
-// G y in scaled units, compliance included.
-void Newton::times(const double* of, double* G_of) const {
-  clear();
-  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { scatter<rows>(k, of + a.s->first); });
-  });
-  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
-    double* to = G_of + a.s->first;
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
-      gather<rows>(k, w.by_segment, to);
-      for (int i = 0; i < rows; ++i) to[i] += s.soft[i] * of[a.s->first + i];
-    });
-  });
-}
-
-void Newton::velocities() const {
-  times(y, c);
-  for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    for (Index i = 0; i < s.rows; ++i)
-      c[a.s->first + i] += s.unit[i] * (x.g[a.s->first + s.order[i]] + x.bias[a.s->first + s.order[i]]);
-  });
 }
 
 }  // namespace dyn::simulation

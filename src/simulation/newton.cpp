@@ -38,9 +38,9 @@ DYN_INLINE void add_product(const NewtonConstraint& s, const double* a, const do
 // Residual of Alart and Curnier's function at y + t dy.
 Newton::Error Newton::error(double t) const {
   Error out;
-  for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    const Index first = a.s->first;
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+  for_each([&](const Block& b, const State&, Index) {
+    const Index first = b.first;
+    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
       double yk[rows], ak[rows];
       for (int i = 0; i < rows; ++i)
         yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
@@ -48,14 +48,14 @@ Newton::Error Newton::error(double t) const {
         const double velocity = e * per_unit;
         out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity, out.own += e * e;
       };
-      if (!s.cone) {
-        for (int i = 0; i < rows; ++i) take(yk[i] - std::clamp(ak[i], s.lower, s.upper), 1 / s.unit[i]);
+      if (!b.is_cone()) {
+        for (int i = 0; i < rows; ++i) take(yk[i] - std::clamp(ak[i], b.lower, b.upper), b.per_speed[i]);
         return;
       }
       const double r = std::max(0.0, ak[0]), length = solver::norm(ak + 1, rows - 1),
-                   within = length > s.mu * r ? s.mu * r / length : 1, per_tangent = 1 / s.speed[1];
-      take(yk[0] - r, 1 / s.speed[0]);
-      for (int i = 1; i < rows; ++i) take(yk[i] - within * ak[i], per_tangent);
+                   within = length > b.mu * r ? b.mu * r / length : 1;
+      take(yk[0] - r, b.per_speed[0]);
+      for (int i = 1; i < rows; ++i) take(yk[i] - within * ak[i], b.per_speed[i]);
     });
   });
   return out;
@@ -64,49 +64,49 @@ Newton::Error Newton::error(double t) const {
 // Finds each constraint's state (open, stick, slip, bound) and the known part of dy. Returns its largest component.
 double Newton::classify() {
   double known = 0;
-  for_each([&](const ActiveConstraint& a, State& s, Index) {
-    const double *yk = y + a.s->first, *ck = c + a.s->first;
-    double* to = dy + a.s->first;
-    std::fill_n(to, s.rows, 0.0);
+  for_each([&](const Block& b, State& s, Index) {
+    const double *yk = y + b.first, *ck = c + b.first;
+    double* to = dy + b.first;
+    std::fill_n(to, b.rows, 0.0);
     s.mode = solver::ConeState::stick, s.acts = true;
-    if (!s.cone) {
-      if (s.lower == -HUGE_VAL && s.upper == HUGE_VAL) return;
-      const double aim = yk[0] - ck[0], at = std::clamp(aim, s.lower, s.upper);
+    if (!b.is_cone()) {
+      if (b.lower == -HUGE_VAL && b.upper == HUGE_VAL) return;
+      const double aim = yk[0] - ck[0], at = std::clamp(aim, b.lower, b.upper);
       if (at != aim) s.acts = false, to[0] = at - yk[0];
     } else {
       double* const t = s.direction;
-      const Index size = s.rows - 1;
+      const Index size = b.rows - 1;
       for (Index i = 0; i < size; ++i) t[i] = yk[1 + i] - ck[1 + i];
       const double normal = yk[0] - ck[0], length = solver::norm(t, size);
       if (normal <= 0) {
         s.mode = solver::ConeState::open, s.acts = false;
-        for (Index i = 0; i < s.rows; ++i) to[i] = -yk[i];
-      } else if (length > s.mu * normal) {
+        for (Index i = 0; i < b.rows; ++i) to[i] = -yk[i];
+      } else if (length > b.mu * normal) {
         s.mode = solver::ConeState::slip;
-        s.across = s.mu * normal / length;
-        double excess = s.mu * yk[0];
+        s.across = b.mu * normal / length;
+        double excess = b.mu * yk[0];
         for (Index i = 0; i < size; ++i) t[i] /= length, excess -= yk[1 + i] * t[i];
         for (Index i = 0; i < size; ++i) to[1 + i] = excess * t[i];
       }
     }
-    for (Index i = 0; i < s.rows; ++i) known = std::max(known, std::abs(to[i]));
+    for (Index i = 0; i < b.rows; ++i) known = std::max(known, std::abs(to[i]));
   });
   return known;
 }
 
 // A sticking row has only the regularising compliance. Where a contact slips, friction follows the normal along the slip, and the
 // width of the cone adds to the compliance across it.
-void Newton::set_law(State& s) const {
+void Newton::set_law(const Block& b, State& s) const {
   const bool slips = s.mode == solver::ConeState::slip;
-  for (Index i = 0; i < s.rows; ++i) {
-    for (Index j = 0; j < s.rows; ++j) s.law[i][j] = 0;
-    if (!slips || i == 0) s.law[i][i] = 1 / (compliant + s.soft[i]);
+  for (Index i = 0; i < b.rows; ++i) {
+    for (Index j = 0; j < b.rows; ++j) s.law[i][j] = 0;
+    if (!slips || i == 0) s.law[i][i] = 1 / (compliant + b.soft[i]);
   }
   if (!slips) return;
-  const double K = 1 / (compliant + 1 / s.across - 1 + s.soft[1]);
-  for (Index i = 1; i < s.rows; ++i) {
-    s.law[i][0] = s.mu * s.law[0][0] * s.direction[i - 1];
-    for (Index j = 1; j < s.rows; ++j) s.law[i][j] = K * ((i == j) - s.direction[i - 1] * s.direction[j - 1]);
+  const double K = 1 / (compliant + 1 / s.across - 1 + b.soft[1]);
+  for (Index i = 1; i < b.rows; ++i) {
+    s.law[i][0] = b.mu * s.law[0][0] * s.direction[i - 1];
+    for (Index j = 1; j < b.rows; ++j) s.law[i][j] = K * ((i == j) - s.direction[i - 1] * s.direction[j - 1]);
   }
 }
 
@@ -114,12 +114,12 @@ void Newton::set_law(State& s) const {
 void Newton::fill(Index p, double* D) const {
   std::fill_n(D, BlockFactor::size, 0.0);
   for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = 1;
-  e.for_each_of(e.order[p], [&](const ConstraintRun& a) {
+  e.for_each_of(p, [&](const ConstraintRun& a) {
     const State& s = w.newton[a.constraint];
     if (!s.acts) return;
-    by_rows(s, [&]<int rows>() {
+    G.by_rows(G.block(a.constraint), [&]<int rows>() {
       e.for_each_run(a.constraint, [&](const ConstraintRun& b) {
-        const Index q = e.position[b.segment];
+        const Index q = b.segment;
         if (q == p) add_product<rows>(s, a.rows, a.rows, D);
         if (q <= p) return;
         const Index entry = w.where[q];
@@ -142,8 +142,8 @@ bool Newton::direction() {
   else std::fill_n(dc, x.rows, 0.0);
   std::fill_n(w.newton_acts, e.size, false);
   bool symmetric = true;
-  for_each([&](const ActiveConstraint&, State& s, Index k) {
-    if (s.acts) set_law(s), activate(k), symmetric &= s.mode != solver::ConeState::slip;
+  for_each([&](const Block& b, State& s, Index k) {
+    if (s.acts) set_law(b, s), activate(k), symmetric &= s.mode != solver::ConeState::slip;
   });
   return solve_laws(symmetric);
 }
@@ -153,40 +153,40 @@ bool Newton::solve_laws(bool symmetric) {
   if (!factorize(symmetric)) return false;
   // wanted change of velocity less what the step gives; step; G step
   double *const left = before + room, *const step = left + room;
-  for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    const Index first = a.s->first;
+  for_each([&](const Block& b, const State& s, Index) {
+    const Index first = b.first;
     const double across = s.mode == solver::ConeState::slip ? 1 / s.across : 1;
-    for (Index i = 0; i < s.rows; ++i) left[first + i] = -dc[first + i] - (i > 0 ? across : 1) * c[first + i];
+    for (Index i = 0; i < b.rows; ++i) left[first + i] = -dc[first + i] - (i > 0 ? across : 1) * c[first + i];
   });
   std::fill_n(step, x.rows, 0.0);
   for (int k = 0;; ++k) {
-    clear();
-    for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
+    G.clear();
+    for_each([&](const Block& b, const State& s, Index constraint) {
       if (!s.acts) return;
-      by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+      G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
         double by[rows];
-        apply<rows>(s, left + a.s->first, by), scatter<rows>(constraint, by);
+        apply<rows>(s, left + b.first, by), G.scatter<rows>(constraint, by);
       });
     });
     factor.solve(w.by_segment);
-    for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
+    for_each([&](const Block& b, const State& s, Index constraint) {
       if (!s.acts) return;
-      by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+      G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
         double velocity[rows], by[rows];
-        gather<rows>(constraint, w.by_segment, velocity);
-        for (int i = 0; i < rows; ++i) velocity[i] = left[a.s->first + i] - velocity[i];
+        G.gather<rows>(constraint, velocity);
+        for (int i = 0; i < rows; ++i) velocity[i] = left[b.first + i] - velocity[i];
         apply<rows>(s, velocity, by);
-        for (int i = 0; i < rows; ++i) step[a.s->first + i] += by[i];
+        for (int i = 0; i < rows; ++i) step[b.first + i] += by[i];
       });
     });
     times(step, G_step);
     if (k == refinements || compliant != min_compliance) break;
-    for_each([&](const ActiveConstraint& a, const State& s, Index) {  // with the true compliance
-      const Index first = a.s->first;
+    for_each([&](const Block& b, const State& s, Index) {  // with the true compliance
+      const Index first = b.first;
       const bool slips = s.mode == solver::ConeState::slip;
       double along = 0;
-      for (Index i = 1; slips && i < s.rows; ++i) along += step[first + i] * s.direction[i - 1];
-      for (Index i = 0; i < s.rows; ++i) {
+      for (Index i = 1; slips && i < b.rows; ++i) along += step[first + i] * s.direction[i - 1];
+      for (Index i = 0; i < b.rows; ++i) {
         const double across = slips && i > 0 ? (1 / s.across - 1) * (step[first + i] - along * s.direction[i - 1]) : 0;
         left[first + i] = -dc[first + i] - (slips && i > 0 ? c[first + i] / s.across : c[first + i]) - G_step[first + i] - across;
       }
@@ -198,49 +198,48 @@ bool Newton::solve_laws(bool symmetric) {
 
 // Projects y onto the feasible impulses.
 void Newton::candidate(double* into) const {
-  for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    const Index first = a.s->first;
-    if (s.cone) solver::project_cone(s.mu, s.rows, y + first, into + first);
-    else
-      for (Index i = 0; i < s.rows; ++i) into[first + i] = std::clamp(y[first + i], s.lower, s.upper);
-  });
+  for_each([&](const Block& b, const State&, Index) { b.project(y + b.first, into + b.first); });
 }
 
 // Of impulses in their cones (solver/residuals.hpp), over the speed. Changes dc.
 double Newton::residual(const double* impulses) const {
-  times(impulses, dc);
-  BlockError worst;
-  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
-    const Index first = a.s->first;
-    double u[max_rows];
-    for (Index i = 0; i < s.rows; ++i)
-      u[i] = dc[first + i] + s.unit[i] * (x.g[first + s.order[i]] + x.bias[first + s.order[i]]);
-    worst.take(w.row_blocks[k], impulses + first, u);
-  });
-  return worst.error(x.fastest) / speed;
-}
-
-void Newton::to_impulses(const double* from) const {
-  for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    for (Index i = 0; i < a.s->rows; ++i) x.lambda[a.s->first + s.order[i]] = s.unit[i] * from[a.s->first + i];
-  });
+  velocities(impulses, dc);
+  solver::BlockError worst;
+  for_each([&](const Block& b, const State&, Index) { worst.take(b, impulses + b.first, dc + b.first); });
+  return worst.error(x.fastest) / x.fastest;
 }
 
 Newton::Newton(const Island& island)
     : x(island),
       w(x.w),
       e(w.elimination),
+      G(island),
       factor{e,       w.diagonal,    w.blocks_above, w.blocks_above + BlockFactor::size * std::ptrdiff_t(e.entries()),
              w.where, w.newton_acts, w.newton_filled},
       room(padded_rows(x.rows)),
-      speed(x.speed()),
-      bound(0),
       compliant(min_compliance) {
-  load();
-  std::fill_n(y, x.rows, 0.0), velocities();
-  for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
+  G.g = g;
+  G.load(before, g);
+  for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(g[i]);
   for (Index i = 0; i < x.rows; ++i) bound = std::max(bound, above_guess * std::abs(before[i]));
-  std::copy_n(before, x.rows, y), velocities();
+  std::copy_n(before, x.rows, y), velocities(y, c);
+}
+
+// G y in scaled units, compliance included.
+void Newton::times(const double* of, double* G_of) const {
+  G.start(of);
+  G.for_each([&](const Block& b, Index k) {
+    double* to = G_of + b.first;
+    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
+      G.gather<rows>(k, to);
+      for (int i = 0; i < rows; ++i) to[i] += b.soft[i] * of[b.first + i];
+    });
+  });
+}
+
+void Newton::velocities(const double* of, double* into) const {
+  times(of, into);
+  for (Index i = 0; i < x.rows; ++i) into[i] += g[i];
 }
 
 bool Newton::run(Index most, double enough, dynContactReport& report) {
@@ -262,13 +261,13 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
     compliant = min_compliance;
     for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], largest = std::max(largest, std::abs(y[i]));
     if (!(largest <= bound)) {
-      std::copy_n(before, x.rows, y), velocities();
+      std::copy_n(before, x.rows, y), velocities(y, c);
       break;
     }
     candidate(best), report.residual = residual(best);
     const bool stalls = !(damped && x.is_exact()) && !(report.residual < progress * last);  // a damped step is slow in any case
     if (report.residual <= x.tolerance || (report.residual <= enough && stalls)) {
-      to_impulses(best);
+      G.write(best);
       return true;
     }
     last = report.residual;
@@ -279,19 +278,20 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
 }
 
 bool Newton::least_norm(double tolerance) {
-  for_each([&](const ActiveConstraint& a, State& s, Index) {
-    s.mode = solver::ConeState::stick, s.acts = a.kind != RowKind::Contact || before[a.s->first] > 0;
+  const auto may_pull = [&](Index k) { return x.constraint(k).kind != RowKind::Contact; };
+  for_each([&](const Block& b, State& s, Index k) {
+    s.mode = solver::ConeState::stick, s.acts = may_pull(k) || before[b.first] > 0;
   });
   for (int k = 0; k < relaxations; ++k) {
-    std::fill_n(y, x.rows, 0.0), velocities();
+    std::fill_n(y, x.rows, 0.0), velocities(y, c);
     std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0), std::fill_n(w.newton_acts, e.size, false);
-    for_each([&](const ActiveConstraint&, State& s, Index constraint) {
-      if (s.acts) set_law(s), activate(constraint);
+    for_each([&](const Block& b, State& s, Index constraint) {
+      if (s.acts) set_law(b, s), activate(constraint);
     });
     if (!solve_laws(true)) return false;
     std::copy_n(dy, x.rows, y), candidate(best);
-    if (residual(best) <= tolerance) return to_impulses(best), true;
-    for_each([&](const ActiveConstraint& a, State& s, Index) { s.acts &= a.kind != RowKind::Contact || y[a.s->first] > 0; });
+    if (residual(best) <= tolerance) return G.write(best), true;
+    for_each([&](const Block& b, State& s, Index constraint) { s.acts &= may_pull(constraint) || y[b.first] > 0; });
   }
   return false;
 }
@@ -303,8 +303,8 @@ void Newton::write_best(dynContactReport& report) {
   const double found = residual(best);
   std::copy_n(before, x.rows, y), candidate(before);  // the guess need not lie in its cones
   report.residual = residual(before);
-  if (found < report.residual) to_impulses(best), report.residual = found;
-  else to_impulses(before);
+  if (found < report.residual) G.write(best), report.residual = found;
+  else G.write(before);
 }
 
 }  // namespace dyn::simulation

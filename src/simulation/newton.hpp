@@ -7,7 +7,7 @@
 #pragma once
 
 #include "simulation/block_factor.hpp"
-#include "solver/dense.hpp"
+#include "simulation/delassus_operator.hpp"
 
 namespace dyn::simulation {
 
@@ -25,60 +25,29 @@ class Newton {
   void write_best(dynContactReport& report);
 
  protected:
+  using Block = solver::Block;
   using State = NewtonConstraint;
-  using P = BlockFactor::P;
   static constexpr int W = BlockFactor::W;
 
   const Island& x;
   Workspace& w;
   const Elimination& e;
+  BySegments G;
   BlockFactor factor;
   std::ptrdiff_t room;
-  double speed, bound;  // speed: largest velocity that is to change. bound: of impulses
+  double bound = 0;  // of impulses
   // by rows, normal first, scaled
   double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room,
-         *G_step = before + 3 * room;
+         *G_step = before + 3 * room, *g = G_step + room;
 
   struct Error {
     double most = 0, sum = 0;  // largest error and sum of squares, as velocities
     double own = 0;            // sum of squares, scaled
   };
+  // Calls f(block, state, its number).
   template <class F>
   void for_each(F&& f) const {
-    for (Index k = 0; k < x.constraint_count; ++k) f(x.constraint(k), w.newton[k], k);
-  }
-  void clear() const { std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0); }
-  // Calls f.template operator()<number of rows>().
-  template <class F>
-  static DYN_INLINE void by_rows(const State& s, F&& f) {
-    if (s.rows == 3) f.template operator()<3>();  // most contacts
-    else with_row_count(s.rows, f);
-  }
-  // scatter: w.by_segment += Y by. gather: velocity = Y^T of.
-  template <int rows>
-  DYN_INLINE void scatter(Index constraint, const double* by) const {
-    for (Index r = e.first_run[constraint]; r < e.first_run[constraint + 1]; ++r) {
-      const ConstraintRun& run = e.runs[r];
-      double* const to = w.by_segment + W * e.position[run.segment];
-      P sum = P::load(to);
-#pragma GCC unroll 6
-      for (int i = 0; i < rows; ++i) sum = sum + P::load(run.rows + W * i) * by[i];
-      sum.store(to);
-    }
-  }
-  template <int rows>
-  DYN_INLINE void gather(Index constraint, const double* of, double* velocity) const {
-    P sum[rows];
-#pragma GCC unroll 6
-    for (int i = 0; i < rows; ++i) sum[i] = P::zero();
-    for (Index r = e.first_run[constraint]; r < e.first_run[constraint + 1]; ++r) {
-      const ConstraintRun& run = e.runs[r];
-      const P at = P::load(of + W * e.position[run.segment]);
-#pragma GCC unroll 6
-      for (int i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(run.rows + W * i) * at;
-    }
-#pragma GCC unroll 6
-    for (int i = 0; i < rows; ++i) velocity[i] = dyn::sum(sum[i]);
+    G.for_each([&](const Block& b, Index k) { f(b, w.newton[k], k); });
   }
   // by = law of
   template <int rows>
@@ -91,11 +60,11 @@ class Newton {
     }
   }
   void activate(Index constraint) const {
-    e.for_each_run(constraint, [&](const ConstraintRun& r) { w.newton_acts[e.position[r.segment]] = true; });
+    e.for_each_run(constraint, [&](const ConstraintRun& r) { w.newton_acts[r.segment] = true; });
   }
 
   void times(const double* of, double* G_of) const;
-  void velocities() const;  // c = G y + g
+  void velocities(const double* of, double* into) const;  // into = G of + g
   Error error(double t) const;
   Error error() const {
     std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0);
@@ -104,15 +73,13 @@ class Newton {
   bool factorize(bool symmetric);  // uses the laws of the constraints; symmetric: all of them are
   double compliant;  // compliance of sticking rows, relative to the unit diagonal
 
-  void load();
   void fill(Index position, double* D) const;
   double classify();
-  void set_law(State& s) const;
+  void set_law(const Block& b, State& s) const;
   bool direction();
   bool solve_laws(bool symmetric);
   void candidate(double* into) const;
   double residual(const double* impulses) const;
-  void to_impulses(const double* from) const;
 };
 
 // Interior-point method (interior.cpp).

@@ -6,55 +6,50 @@ using namespace tuning::proximal;
 
 // at = y_k - (c + t dc + correction) / compliance. Rows that are compliant themselves add to eps. Returns the compliance.
 template <int rows>
-DYN_INLINE double Proximal::aim(const State& s, Index first, double t, double* at) const {
+DYN_INLINE double Proximal::aim(const Block& b, const State& s, double t, double* at) const {
   double soft = 0;
-  for (int i = 0; i < rows; ++i) soft = std::max(soft, s.soft[i]);
+  for (int i = 0; i < rows; ++i) soft = std::max(soft, b.soft[i]);
   const double compliance = eps + soft, per = 1 / compliance;
   for (int i = 0; i < rows; ++i) {
-    const Index k = first + i;
-    at[i] = center[k] - per * (c[k] + t * dc[k] + s.soft[i] * center[k]);
+    const Index k = b.first + i;
+    at[i] = center[k] - per * (c[k] + t * dc[k] + b.soft[i] * center[k]);
   }
-  if (s.cone) at[0] -= per * s.correction;
+  if (b.is_cone()) at[0] -= per * s.correction;
   return compliance;
 }
 
-DYN_INLINE void Proximal::project(const State& s, const double* at, double* to) const {
-  if (s.cone) return void(solver::project_cone(s.mu, s.rows, at, to));
-  for (Index i = 0; i < s.rows; ++i) to[i] = std::clamp(at[i], s.lower, s.upper);
-}
-
 // law = P'(at) / compliance
-void Proximal::set_law(State& s, double compliance, const double* at) const {
+void Proximal::set_law(const Block& b, State& s, double compliance, const double* at) const {
   const double K = 1 / compliance;
-  for (Index i = 0; i < s.rows; ++i)
-    for (Index j = 0; j < s.rows; ++j) s.law[i][j] = 0;
+  for (Index i = 0; i < b.rows; ++i)
+    for (Index j = 0; j < b.rows; ++j) s.law[i][j] = 0;
   s.acts = true;
-  if (!s.cone) {
+  if (!b.is_cone()) {
     s.acts = false;
-    for (Index i = 0; i < s.rows; ++i)
-      if (at[i] >= s.lower && at[i] <= s.upper) s.law[i][i] = K, s.acts = true;
+    for (Index i = 0; i < b.rows; ++i)
+      if (at[i] >= b.lower && at[i] <= b.upper) s.law[i][i] = K, s.acts = true;
     return;
   }
-  const double length = solver::norm(at + 1, s.rows - 1);
-  if (length <= s.mu * at[0]) {
-    for (Index i = 0; i < s.rows; ++i) s.law[i][i] = K;
-  } else if (s.mu * length <= -at[0]) {
+  const double length = solver::norm(at + 1, b.rows - 1);
+  if (length <= b.mu * at[0]) {
+    for (Index i = 0; i < b.rows; ++i) s.law[i][i] = K;
+  } else if (b.mu * length <= -at[0]) {
     s.acts = false;
   } else {
-    const double along = K / (1 + s.mu * s.mu), across = along * s.mu * (at[0] + s.mu * length) / length;
+    const double along = K / (1 + b.mu * b.mu), across = along * b.mu * (at[0] + b.mu * length) / length;
     s.law[0][0] = along;
-    for (Index i = 1; i < s.rows; ++i) {
+    for (Index i = 1; i < b.rows; ++i) {
       const double ti = at[i] / length;
-      s.law[0][i] = s.law[i][0] = along * s.mu * ti;
-      for (Index j = 1; j < s.rows; ++j)
-        s.law[i][j] = along * s.mu * s.mu * ti * at[j] / length + across * ((i == j) - ti * at[j] / length);
+      s.law[0][i] = s.law[i][0] = along * b.mu * ti;
+      for (Index j = 1; j < b.rows; ++j)
+        s.law[i][j] = along * b.mu * b.mu * ti * at[j] / length + across * ((i == j) - ti * at[j] / length);
     }
   }
 }
 
 void Proximal::hold_correction() {
-  for_each([&](const ActiveConstraint& k, State& s, Index) {
-    if (s.cone) s.correction = s.mu * solver::norm(c + k.s->first + 1, s.rows - 1);
+  for_each([&](const Block& b, State& s, Index) {
+    if (b.is_cone()) s.correction = b.mu * solver::norm(c + b.first + 1, b.rows - 1);
   });
 }
 
@@ -62,12 +57,12 @@ void Proximal::hold_correction() {
 double Proximal::prepare() {
   double sum = 0;
   std::fill_n(w.newton_acts, e.size, false);
-  for_each([&](const ActiveConstraint& k, State& s, Index n) {
-    const Index first = k.s->first;
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
-      double at[rows], to[rows];
-      const double compliance = aim<rows>(s, first, 0, at);
-      project(s, at, to), set_law(s, compliance, at);
+  for_each([&](const Block& b, State& s, Index n) {
+    const Index first = b.first;
+    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
+      double at[rows], to[rows] = {};
+      const double compliance = aim<rows>(b, s, 0, at);
+      b.project(at, to), set_law(b, s, compliance, at);
       for (int i = 0; i < rows; ++i) left[first + i] = to[i] - a[first + i], sum += left[first + i] * left[first + i];
     });
     if (s.acts) activate(n);
@@ -78,11 +73,11 @@ double Proximal::prepare() {
 // Derivative of the function along dz, at z + t dz.
 double Proximal::slope(double t) const {
   double sum = 0;
-  for_each([&](const ActiveConstraint& k, const State& s, Index) {
-    const Index first = k.s->first;
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
-      double at[rows], to[rows];
-      aim<rows>(s, first, t, at), project(s, at, to);
+  for_each([&](const Block& b, const State& s, Index) {
+    const Index first = b.first;
+    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
+      double at[rows], to[rows] = {};
+      aim<rows>(b, s, t, at), b.project(at, to);
       for (int i = 0; i < rows; ++i) sum += dc[first + i] * (a[first + i] + t * da[first + i] - to[i]);
     });
   });
@@ -106,17 +101,17 @@ double Proximal::line_search(double first) const {
 // One Newton step. Returns the share of it that was taken; 0 if the matrix is singular.
 double Proximal::step() {
   if (!factorize(true)) return 0;
-  clear();
-  for_each([&](const ActiveConstraint& k, const State& s, Index n) {
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { scatter<rows>(n, left + k.s->first); });
+  G.clear();
+  for_each([&](const Block& b, const State&, Index n) {
+    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA { G.scatter<rows>(n, left + b.first); });
   });
   factor.solve(w.by_segment);
   double first_slope = 0;
-  for_each([&](const ActiveConstraint& k, const State& s, Index n) {
-    const Index first = k.s->first;
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+  for_each([&](const Block& b, const State& s, Index n) {
+    const Index first = b.first;
+    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
       double by[rows] = {};
-      gather<rows>(n, w.by_segment, dc + first);
+      G.gather<rows>(n, dc + first);
       if (s.acts) apply<rows>(s, dc + first, by);
       for (int i = 0; i < rows; ++i) da[first + i] = left[first + i] - by[i], first_slope -= dc[first + i] * left[first + i];
     });
@@ -129,22 +124,22 @@ double Proximal::step() {
 
 // y = P(...) at z
 void Proximal::end_step() {
-  for_each([&](const ActiveConstraint& k, const State& s, Index) {
-    by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+  for_each([&](const Block& b, const State& s, Index) {
+    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
       double at[rows];
-      aim<rows>(s, k.s->first, 0, at), project(s, at, y + k.s->first);
+      aim<rows>(b, s, 0, at), b.project(at, y + b.first);
     });
   });
 }
 
 void Proximal::run(Index max_steps, dynContactReport& report) {
   w.limit.expect(solver::TimeLimit::Unit::Segments, x.rows);
-  std::copy_n(before, x.rows, y), candidate(y), velocities();
+  std::copy_n(before, x.rows, y), candidate(y), velocities(y, c);
   std::copy_n(y, x.rows, best), std::copy_n(y, x.rows, a);
   report.residual = residual(best);
   hold_correction();
-  for_each([&](const ActiveConstraint& k, const State& s, Index) {
-    for (Index i = 0; i < s.rows; ++i) c[k.s->first + i] -= s.soft[i] * y[k.s->first + i];
+  for_each([&](const Block& b, const State&, Index) {
+    for (Index i = 0; i < b.rows; ++i) c[b.first + i] -= b.soft[i] * y[b.first + i];
   });
   std::fill_n(dc, x.rows, 0.0);
   for (Index steps = 0; steps < max_steps && report.residual > x.tolerance && x.within_budget(report);) {
@@ -155,7 +150,7 @@ void Proximal::run(Index max_steps, dynContactReport& report) {
     do {
       ++taken, ++steps, ++report.newton_steps;
       const double t = step();
-      if (t == 0) return to_impulses(best);
+      if (t == 0) return G.write(best);
       shortest = std::min(shortest, t);
     } while (taken < inner_steps && steps < max_steps && prepare() > solved * far);
     end_step();
@@ -168,7 +163,7 @@ void Proximal::run(Index max_steps, dynContactReport& report) {
     if (taken == 1 && shortest == 1) eps = std::max(least_compliance, eps * less);
     else if (taken == inner_steps || shortest < short_step) eps = std::min(most_compliance, eps * more);
   }
-  to_impulses(best);
+  G.write(best);
 }
 
 }  // namespace dyn::simulation

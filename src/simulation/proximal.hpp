@@ -19,13 +19,12 @@ class Proximal : Newton {
   void run(Index max_steps, dynContactReport& report);
 
  private:
-  double *const center = G_step + room, *const a = center + room, *const left = a + room, *const da = left + room;
+  double *const center = g + room, *const a = center + room, *const left = a + room, *const da = left + room;
   double eps = tuning::proximal::first_compliance;
 
   template <int rows>
-  double aim(const State& s, Index first, double t, double* at) const;
-  void project(const State& s, const double* at, double* to) const;
-  void set_law(State& s, double compliance, const double* at) const;
+  double aim(const Block& b, const State& s, double t, double* at) const;
+  void set_law(const Block& b, State& s, double compliance, const double* at) const;
   void hold_correction();
   double prepare();
   double step();

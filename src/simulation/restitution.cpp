@@ -1,5 +1,5 @@
 // Restitution in islands too large for a dense matrix: as much of it as gains no energy.
-#include "simulation/accelerated_sweeps.hpp"
+#include "simulation/island.hpp"
 
 namespace dyn::simulation {
 
@@ -12,6 +12,7 @@ void Island::scale_restitution(double factor) {
     if (restitution[contact] > 0 && v_minus[n] < 0) bias[n] = factor * restitution[contact] * v_minus[n];
     ++contact;
   }
+  fastest = speed();
 }
 
 // Returns whether the impulses gain energy beyond the tolerance, or nothing near a solution was found (as in solver/solve.cpp).
@@ -28,9 +29,8 @@ void Island::solve_restitution(dynContactReport& report) {
   const auto refused = [&](double factor) {
     report.iterations = report.newton_steps = 0;
     scale_restitution(factor);
-    if (uses_gauss_seidel_only()) gauss_seidel(report);
-    else if (!is_exact() && has_runs()) accelerated_sweeps(report);
-    else gauss_seidel_and_newton(report);
+    if (uses_sweeps_only() || !is_exact()) accelerated_sweeps(report);
+    else sweeps_and_newton(report);
     residual();  // sets c for the best impulses
     iterations += report.iterations, newton_steps += report.newton_steps;
     return adds_energy(report);

@@ -125,30 +125,14 @@ bool shorten(const Model& m, const Data<double>& d, double* dq) {
 
 }  // namespace
 
-// What Newton's method from the guess does not solve: sweeps, the dense matrix, fixed corrections.
-void Island::solve_exactly(dynContactReport& report) {
-  const auto is_above = [&](double wanted) { return report.residual > wanted && !w.time_is_up(); };
-  const bool by_sweeps = large() || (!bounces && sparse());
-  w.limit.expect(by_sweeps ? solver::TimeLimit::Unit::Sweep : solver::TimeLimit::Unit::Matrix,
-                 by_sweeps ? rows : double(rows) * rows);
-  if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
-  else if (by_sweeps) gauss_seidel_and_newton(report);
-  if (!large() && is_above(tolerance)) {
-    if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
-    solve(report);
-  }
-  if (!bounces && is_above(enough) && report.residual < tuning::island::tolerance) gauss_seidel_while_improving(report);
-  if (!bounces && is_above(enough)) solve_fixed_correction(report);
-}
-
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   const double asked = tolerance;
   if (bounces && large()) {
     solve_restitution(report);
-  } else if (uses_gauss_seidel_only()) {
-    gauss_seidel(report);
+  } else if (uses_sweeps_only()) {
+    accelerated_sweeps(report);
   } else if (!bounces && !is_exact() && has_runs()) {
     solve_to_default(report);
   } else if (accept_guess(report)) {
@@ -210,7 +194,7 @@ bool Island::correct() {
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
         wrong = one_sided(s.error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box) {
-        lower[in_boxes] = upper[in_boxes] = 0;
+        lower[in_boxes] = upper[in_boxes] = w.blocks[k].lower = w.blocks[k].upper = 0;
       } else if (x.kind == RowKind::Contact && r == normal_row(s.rows)) {
         const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed_gap + moved * std::max(0.0, -s.rate[r]);
         wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most * w.length) : one_sided(gap, w.length);
@@ -221,8 +205,8 @@ bool Island::correct() {
   }
   if (!(largest > tuning::slop)) return false;
   if (dropped > 0) share_errors(m, d, bias);
-  if (large() || equalities == 0) gauss_seidel_frictionless();
-  else solve_displacement(), scatter_all(by_dof);
+  if (large() || equalities == 0) correct_by_sweeps();
+  else solve_displacement(), scatter_all();
   return true;
 }
 

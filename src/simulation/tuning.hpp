@@ -67,24 +67,17 @@ inline constexpr double slack = 0.05;           // of g h^2, what gravity closes
 inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations
 }  // namespace island
 
-// Progress of sweeps (pgs_matrix_free.cpp, accelerated_sweeps.cpp).
-inline constexpr double progress = 0.8;         // of the residual or the change, from check to check: more is no progress
-
-// Matrix-free Gauss-Seidel (pgs_matrix_free.cpp).
-namespace gauss_seidel {
-inline constexpr int guess_sweeps = 4;          // over a nearly good guess: cheaper than a matrix
-inline constexpr Index first_sweeps = 5, max_small = 10;  // before Newton; small islands have a matrix after max_small
-inline constexpr int max_stalls = 3;            // batches in a row without progress
-inline constexpr int correction_sweeps = 20;    // bound for position corrections
-inline constexpr double correction_change = 0.02;  // of the first sweep's change: the next steps correct the rest
-}  // namespace gauss_seidel
-
-// Anderson's acceleration of sweeps (accelerated_sweeps.cpp).
-namespace acceleration {
-inline constexpr int depth = 5;                 // sweeps that are combined
+// Sweeps (sweeps.cpp, exact_solve.cpp).
+namespace sweeps {
+inline constexpr double progress = 0.8;         // of the change, from check to check: more is no progress
+inline constexpr int depth = 5;                 // sweeps that Anderson's acceleration combines
 inline constexpr double growth = 2;             // of a sweep's change over the last: above it the combination starts anew
 inline constexpr Index small_sweeps = 50;       // where other methods follow
-}  // namespace acceleration
+inline constexpr int guess_sweeps = 4;          // over a nearly good guess: cheaper than a matrix
+inline constexpr Index first_sweeps = 5, max_small = 10;  // before Newton; small islands have a matrix after max_small
+inline constexpr int correction_sweeps = 20;    // bound for position corrections
+inline constexpr double correction_change = 0.02;  // of the first sweep's change: the next steps correct the rest
+}  // namespace sweeps
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {

@@ -49,7 +49,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.limit_forces, m.n.limits), f(w.previous_limit_forces, m.n.limits), f(w.saved_limit_forces, m.n.limits);
   f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
-  f(w.blocks, slots), f(w.row_blocks, slots), f(w.by_dof, m.n.nv), f(w.tree_speeds, 2 * m.n.bodies);
+  f(w.blocks, slots), f(w.cones, slots), f(w.by_dof, m.n.nv), f(w.tree_speeds, 2 * m.n.bodies);
   f(w.advancement_cache.q, m.n.nq), f(w.advancement_cache.lever, m.n.nv);
   const std::ptrdiff_t segments = segment_capacity(m), entries = Elimination::entry_capacity(segment_capacity(m));
   f(w.segments.of, m.n.nv), f(w.segments.first, segments + 1);

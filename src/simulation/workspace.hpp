@@ -9,8 +9,7 @@
 #include "simulation/free_bodies.hpp"
 #include "simulation/sleep.hpp"
 #include "simulation/tuning.hpp"
-#include "solver/point_contact.hpp"
-#include "solver/residuals.hpp"
+#include "solver/block.hpp"
 #include "solver/time_limit.hpp"
 #include "solver/workspace.hpp"
 
@@ -47,55 +46,13 @@ inline bool is_soft(const dynMaterial& x) { return x.stiffness > 0 || x.damping 
 // Index of the normal among a contact's rows.
 inline Index normal_row(Index rows) { return rows == 1 ? 0 : 2; }
 
-// A constraint's own block of G for matrix-free Gauss-Seidel. The normal comes first; rows are scaled so that the friction cone
-// is round.
-struct ConstraintBlock {
-  alignas(64) double G[max_rows * row_lanes];
-  double diagonal[max_rows], scale[max_rows];
-  solver::LocalCone local;
-};
-
-// Rows of a constraint in units that make diagonals 1 and friction cones round (island_rows.cpp). The normal comes first.
-struct RowBlock {
-  const Index* order;   // permutation of its rows
-  Index rows;
-  enum class Kind { rows, point, cone } kind;  // point: friction cone of three rows; cone: others
-  double mu, lower, upper;
-  double unit[max_rows], speed[2];  // unit: of impulses; speed: of the normal and the tangential velocities
-  double soft[max_rows];            // compliance
-  solver::PointContact point;
-  bool is_cone() const { return kind != Kind::rows; }
-};
-
-// Natural map |y - P_K(y - u)| of blocks (solver/residuals.hpp), as velocities.
-struct BlockError {
-  double worst = 0, most = 0;  // most: largest impulse, as a velocity
-
-  void take(const RowBlock& s, const double* y, const double* u) {
-    double wrong[max_rows];
-    if (s.is_cone()) solver::natural_map({0, s.rows, s.mu}, y, u, wrong);
-    else
-      for (Index i = 0; i < s.rows; ++i) wrong[i] = y[i] - std::clamp(y[i] - u[i], s.lower, s.upper);
-    for (Index i = 0; i < s.rows; ++i) {
-      const double speed = s.is_cone() ? s.speed[i > 0] : s.unit[i], error = std::abs(wrong[i]) / speed;
-      most = std::max(most, std::abs(y[i]) / speed);
-      if (!(error <= worst)) worst = error >= 0 ? error : HUGE_VAL;  // NaN counts as infinite
-    }
-  }
-  double error(double fastest) const { return solver::is_lost_to_round_off(most, fastest) ? HUGE_VAL : worst; }
-};
-
-// A constraint in a Newton step. The normal comes first; units make diagonals 1 and friction cones round.
+// A constraint in a Newton step.
 struct NewtonConstraint {
-  const Index* order;   // permutation of its rows
-  Index rows;
-  bool cone, acts;       // acts: neither at a bound nor open
+  bool acts;                        // neither at a bound nor open
   decltype(solver::ConeState::mode) mode;
-  double mu, across, lower, upper;
+  double across;
   // de Saxce's correction while it is fixed (fixed_correction.cpp): its value, its last change, the over-relaxation factor
   double correction, corrected, relaxed;
-  double unit[max_rows], speed[2];  // unit: of impulses; speed: of the normal and the tangential velocities
-  double soft[max_rows];            // compliance
   double direction[5];              // of y_t - c_t: along it friction acts where the contact slips
   double law[max_rows][max_rows];   // impulse (first index) by velocity
 };
@@ -201,8 +158,8 @@ struct Workspace {
   ContactLaw* laws;
   double *vectors, *matrix;     // of one island
   Index* contact_rows;
-  ConstraintBlock* blocks;            // of an island's constraints
-  RowBlock* row_blocks;
+  solver::Block* blocks;        // of an island's constraints
+  solver::LocalCone* cones;     // of those whose friction cone has more than three rows, or a singular block
   double* by_dof;
   double* tree_speeds;          // of an island: fastest point of a tree, and of the trees that it touches
   Segments segments;            // of Newton's method

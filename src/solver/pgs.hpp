@@ -1,25 +1,35 @@
-// Projected block Gauss-Seidel: each block is solved exactly for the current impulses of the others.
-// One cone, b its velocity without its own impulse (Preclik, Eibl and Ruede 2018; Hwangbo, Lee and Hutter 2018 by bisection):
-//   b_n >= 0            open: 0
-//   -G_kk^-1 b in K     stick
-//   otherwise slip:     c_n = 0 and c_t = -a lambda_t for an a > 0, so lambda_t(a) = -(S + a I)^-1 b~,
-//                       S = G_tt - G_tn G_nt / G_nn, b~ = b_t - G_tn b_n / G_nn;
-//                       with S = Q E Q' one scalar equation mu lambda_n(a) = |lambda_t(a)|
+// Projected block Gauss-Seidel (sweep.hpp) with the dense matrix.
 #pragma once
 
 #include "solver/budget.hpp"
+#include "solver/sweep.hpp"
 
 namespace dyn::solver {
 
-// Eigenvectors of the cone's own block of p.G. Its rows are consecutive, the normal first.
-LocalCone local_cone(const Problem& p, const Cone& cone);
-// The cone's impulse for the velocity b without it. Gnn: diagonal of the normal.
-void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y);
+// G of a workspace, by c = G y + g.
+struct Dense {
+  const Workspace& w;
+  double* c;
+  Index size() const { return w.problem.boxes + w.problem.cones; }
+  Block& block(Index k) const { return w.blocks[k]; }
+  template <int rows>
+  void velocity(Index k, const double*, double* of) const {
+    std::copy_n(c + block(k).first, rows, of);
+  }
+  template <int rows>
+  void change(Index k, const double* by) const {
+    const double* column[rows];
+    for (int j = 0; j < rows; ++j) column[j] = w.problem.G.column(block(k).first + j);
+    for (Index i = 0; i < w.problem.n; ++i) {
+      double sum = c[i];
+      for (int j = 0; j < rows; ++j) sum += column[j][i] * by[j];
+      c[i] = sum;
+    }
+  }
+};
 
-// Prepares w.local.
+// Prepares w.blocks.
 void prepare_sweeps(Workspace& w);
-// One sweep over y; c = G y + g is updated.
-void sweep(const Workspace& w, double relaxation, double* y, double* c);
 
 // Starts from w.y and leaves the result there.
 void pgs(Workspace& w, Budget& b);

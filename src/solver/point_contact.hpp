@@ -2,7 +2,7 @@
 //   open   b_n >= 0:               y = 0
 //   stick  y = -G^-1 b in the cone
 //   slip   c_n = 0, c_t = -a y_t for an a > 0; with the eigenvectors of S = G_tt - G_tn G_nt / G_nn one scalar equation
-//   (solver/pgs.hpp)
+//   (local_cone.hpp)
 #pragma once
 
 #include "solver/cone.hpp"
@@ -17,7 +17,7 @@ struct PointContact {
   double resistance;   // a of the last slip; 0 before the first
 
   // Returns false if the block is too nearly singular for its inverse.
-  bool set(const double* block, int stride) {
+  bool set(const double* block, std::ptrdiff_t stride) {
     const auto at = [&](int i, int j) { return block[i + stride * j]; };
     G[0] = at(0, 0), G[1] = at(0, 1), G[2] = at(0, 2), G[3] = at(1, 1), G[4] = at(1, 2), G[5] = at(2, 2);
     const double a = G[3] * G[5] - G[4] * G[4], b = G[2] * G[4] - G[1] * G[5], c = G[1] * G[4] - G[2] * G[3];
@@ -31,6 +31,14 @@ struct PointContact {
     return true;
   }
 
+  // c -= G y
+  template <int rows>
+  void leave_out(const double* y, double* c) const {
+    static_assert(rows == 3);
+    c[0] -= G[0] * y[0] + G[1] * y[1] + G[2] * y[2];
+    c[1] -= G[1] * y[0] + G[3] * y[1] + G[4] * y[2];
+    c[2] -= G[2] * y[0] + G[4] * y[1] + G[5] * y[2];
+  }
   void solve(double mu, const double* b, double* y) {
     y[0] = y[1] = y[2] = 0;
     if (b[0] >= 0) return;

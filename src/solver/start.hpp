@@ -40,7 +40,7 @@ inline bool start(Workspace& w, Budget& b) {
   double error = HUGE_VAL;
   bool going = true;
   for (Index k = 1; going && !b.spent(); ++k) {
-    sweep(w, 1, w.x, w.v);
+    sweep(Dense{w, w.v}, 1, w.x);
     const double before = error;
     error = residual(p, w.x, w.v).residual;
     ++b.iterations;

@@ -1,7 +1,7 @@
 // Buffers of the solvers in one block of memory, for a number of rows.
 #pragma once
 
-#include "solver/problem.hpp"
+#include "solver/block.hpp"
 
 namespace dyn::solver {
 
@@ -10,12 +10,6 @@ struct ConeState {
   enum { open, stick, slip } mode;
   double direction[5][5];  // orthonormal; slip direction first
   double normal, across;   // r and k of alart_curnier.hpp
-};
-
-// A cone in projected Gauss-Seidel: eigenvectors q and eigenvalues e of its tangential block without the normal.
-struct LocalCone {
-  double q[5][5], e[5], coupling[5];  // coupling: with the normal, by eigenvectors
-  double resistance;                // a of the last sweep in which it slipped
 };
 
 struct Workspace {
@@ -31,6 +25,7 @@ struct Workspace {
   Matrix factor, active;
   Index *pivots = nullptr, *rows = nullptr;
   ConeState* state = nullptr;
+  Block* blocks = nullptr;  // of the sweeps: boxes, then cones
   LocalCone* local = nullptr;
 
   // Calls f(array, numbers) for each array of the workspace.
@@ -42,7 +37,7 @@ struct Workspace {
     for (double** a : {&p.g, &p.lower, &p.upper, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g,  &y,    &c,      &x, &z,
                        &s,   &r,       &v,       &u,   &newton, &newton_c,   &trial,      &trial_c, &step, &step_c, &t, &exact})
       f(*a, n);
-    f(p.cone, n), f(p.source, n), f(pivots, n), f(rows, n), f(state, n / 2), f(local, n / 2);
+    f(p.cone, n), f(p.source, n), f(pivots, n), f(rows, n), f(state, n / 2), f(blocks, n), f(local, n / 2);
   }
 };
 

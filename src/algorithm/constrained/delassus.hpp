@@ -10,6 +10,7 @@
 #include "algorithm/articulated_solve.hpp"
 #include "algorithm/cholesky.hpp"
 #include "algorithm/constrained/rows.hpp"
+#include "base/row_count.hpp"
 
 namespace dyn {
 
@@ -155,19 +156,6 @@ void propagate_rows(const Model& m, Data<T>& d) {
     else propagate(m, d, s, supporting_dofs_of(m, d, k), y);
     if (s.dropped) clear_dropped(s, y);
   });
-}
-
-// Calls f.template operator()<rows>().
-template <class F>
-DYN_INLINE void with_row_count(Index rows, F&& f) {
-  switch (rows) {
-    case 1: return f.template operator()<1>();
-    case 2: return f.template operator()<2>();
-    case 3: return f.template operator()<3>();
-    case 4: return f.template operator()<4>();
-    case 5: return f.template operator()<5>();
-    default: return f.template operator()<6>();
-  }
 }
 
 // Sum of y_s y_t^T / D over common degrees of freedom. Columns are the rows of s; the rows of t are in lanes.
