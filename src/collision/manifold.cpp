@@ -195,7 +195,11 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
     const Vec sum = sizes(X_WB.p - X_WA.p) + sizes(r.point_a - X_WA.p) + sizes(r.point_b - X_WB.p);
     if (r.distance - margin > 1e-12 * (sum[0] + sum[1] + sum[2])) return;
   }
-  if (closed_form(a, X_WA, b, X_WB, margin, out)) return;
+  // boxes on planes and on boxes: the work of steps is stated for the rounding of the general case
+  using shape::Type;
+  const auto flat = [](Type t) { return t == Type::HalfSpace || t == Type::Box; };
+  const bool general = flat(a.type) && flat(b.type) && (a.type == Type::Box || b.type == Type::Box);
+  if (!general && closed_form(a, X_WA, b, X_WB, margin, out)) return;
   clear(out);
   if (r.distance <= margin) clipped(a, X_WA, b, X_WB, r, margin, out);
 }
