@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compare distance queries with Coal, MuJoCo and libccd on the same poses in one run, and write the table (pages.py).
+"""Compare distance and contact queries with Coal, MuJoCo and libccd in one run, and write the tables (pages.py).
 
 Usage:  collision.py [--python PY] [--library FILE] [--out DIR] [--adversarial N] [--json FILE] [--pair PART]
 
@@ -31,6 +31,7 @@ PROJECT = Path(__file__).resolve().parent.parent
 SOURCES = sorted((PROJECT / "bench/peers/collision").glob("*.cpp"))
 PEERS = ["Coal", "MuJoCo"]
 CLASSES = ["apart", "near", "penetrating"]
+CONTACTS = [*CLASSES, "at rest"]
 
 
 def die(text):
@@ -68,6 +69,23 @@ def build(args, mujoco, library, coal):
 
 def bold(ratio):
     return f"**{ratio:.2f}**" if ratio > 0.8 else f"{ratio:.2f}"
+
+
+def contact_table(rows):
+    at = {(r["pair"], r["poses"]): r for r in rows if r["poses"].startswith("contacts ")}
+    lines, ratios = [], []
+    for pair in dict.fromkeys(p for p, _ in at):
+        cells = [pair.replace("_", " ")]
+        for c in CONTACTS:
+            r = at[pair, "contacts " + c]
+            ratios.append(r["libdyn"]["ns"] / min(r[p]["ns"] for p in PEERS if p in r))
+            cells += [f"{r['libdyn']['ns']:.0f}", *(f"{r[p]['ns']:.0f}" if p in r else "" for p in PEERS), bold(ratios[-1])]
+        lines.append(cells)
+    return compare.table(["pair"] + [f"{c}: {n}" for c in CONTACTS for n in ["libdyn", *PEERS, "ratio"]], lines), ratios
+
+
+def mean_of(ratios):
+    return math.exp(statistics.fmean(map(math.log, ratios))) if ratios else math.nan
 
 
 def mesh_table(rows):
@@ -130,14 +148,17 @@ def main():
     rows = [json.loads(line) for line in run([program, "--adversarial", args.adversarial, *([args.pair] if args.pair else [])],
                                              "collision_bench").splitlines()]
     times, errors, ratios = tables(rows)
-    mean = math.exp(statistics.fmean(map(math.log, ratios))) if ratios else math.nan
+    contacts, contact_ratios = contact_table(rows)
     text = (f"Nanoseconds of a distance query, beside Coal {coal_version} and MuJoCo {mujoco_version} (`mj_geomDistance`). "
             "Batches have 1,000 poses. The least of nine and more interleaved passes counts. Shapes of about 1 m are apart, "
             "have a gap of 1 mm, or overlap by 5 cm. The peers have their default tolerances of 1e-6, libdyn 1e-10. The "
             f"machine is an {compare.cpu_name()}, the date {datetime.date.today()}. The ratio is to the faster of the two "
             f"peers; above 0.8 it is bold ({sum(r > 0.8 for r in ratios)} of {len(ratios)}). Geometric mean "
-            f"**{mean:.2f}**.\n\n{times}\n\n`error` is the largest on these poses, relative to the size of the smaller shape. "
-            "(MuJoCo keeps the vertices of meshes in single precision.) `wrong` counts results off by more than 1e-3 of that "
+            f"**{mean_of(ratios):.2f}**.\n\n{times}\n\nNanoseconds of a query of contact points without margin, on the same poses "
+            "and on shapes at rest on each other. Coal: `ComputeCollision`, up to 8 contacts; MuJoCo: the function of the pair that its "
+            f"steps call. Above 0.8: {sum(r > 0.8 for r in contact_ratios)} of {len(contact_ratios)}. Geometric mean "
+            f"**{mean_of(contact_ratios):.2f}**.\n\n{contacts}\n\n`error` is the largest on these poses, relative to the size of the smaller "
+            "shape. (MuJoCo keeps the vertices of meshes in single precision.) `wrong` counts results off by more than 1e-3 of that "
             "size on adversarial poses: touching, nearly touching, aligned, coincident, sizes 10^3 to 10^6 apart, 1e-4 thin, 1 "
             "km away, deep. The truth is libdyn at 1e-15, its depths checked by brute force over all directions. libccd (MPR) "
             "has depths alone, and not the least ones.\n\n"

@@ -70,8 +70,8 @@ struct FacingFace {
 };
 
 // own: the box of the face, whose normal is side times its axis i; other: at X in its frame. distance: of the shapes, along that
-// normal; apart: it is the distance only if a point of the face is as near. Returns false if no point is as deep, or where parts are
-// not certain.
+// normal; apart: it is the distance only if a point of the face is as near. Returns false if no point is as deep, or where parts
+// are not certain.
 inline bool face_contacts(const shape::Box& own, const Pose& XO, int i, double side, const shape::Box& other, const Pose& X,
                           double distance, bool apart, double margin, bool own_is_a, double size, Manifold& out) {
   const double eps = coincident * size, same = same_point * size;
@@ -79,7 +79,8 @@ inline bool face_contacts(const shape::Box& own, const Pose& XO, int i, double s
   const Vec facing = Vec::make(X.R.x[i], X.R.y[i], X.R.z[i]) * -side, s = sizes(facing);
   const int f = s[0] >= s[1] && s[0] >= s[2] ? 0 : s[1] >= s[2] ? 1 : 2, g = f == 2 ? 0 : f + 1, h = f == 0 ? 2 : f - 1;
   const bool upper = facing[f] > 0;
-  const Vec middle = X.p + X.R[f] * (upper ? other.half[f] : -other.half[f]), u = X.R[g] * other.half[g], v = X.R[h] * other.half[h];
+  const Vec u = X.R[g] * other.half[g], v = X.R[h] * other.half[h];
+  const Vec middle = X.p + X.R[f] * (upper ? other.half[f] : -other.half[f]);
   const double below = own.half[i] + own.radius + other.radius;
   const auto over = [&](const Vec& p) { return OverFace{p[j], p[k], side * p[i] - below}; };
   const std::uint32_t first = std::uint32_t(upper) << f, ug = 1u << g, uh = 1u << h;
@@ -112,7 +113,8 @@ inline bool face_contacts(const shape::Box& own, const Pose& XO, int i, double s
   bool is_nearest = !apart;
   const double rounding = 1e-14 * size;
   for (int c = 0; c < kept && !is_nearest; ++c)
-    is_nearest = points[c].gap <= distance + rounding && std::abs(points[c].x) <= hx + rounding && std::abs(points[c].y) <= hy + rounding;
+    is_nearest = points[c].gap <= distance + rounding && std::abs(points[c].x) <= hx + rounding &&
+                 std::abs(points[c].y) <= hy + rounding;
   if (!is_nearest) return false;
   const std::uint32_t base = std::uint32_t(side > 0) << i, uj = 1u << j, uk = 1u << k;
   std::uint64_t feature[Manifold::most];
@@ -150,11 +152,15 @@ inline bool face_contacts(const shape::Box& own, const Pose& XO, int i, double s
 
 // Returns false where two edges meet, or where parts are not certain.
 inline bool box_contacts(const shape::Box& a, const Pose& XA, const shape::Box& b, const Pose& XB, double margin, Manifold& out) {
+  clear(out);
+  // along the line between the centres
+  const Vec p = XB.p - XA.p;
+  const double square = dot(p, p), gap = square - dot(sizes(transpose_times(XA.R, p)), a.half) -
+                                         dot(sizes(transpose_times(XB.R, p)), b.half);
+  const double away = std::max(0.0, margin + a.radius + b.radius);
+  if (gap > 0 && gap * gap > square * (away * away * (1 + 1e-12) + 1e-24 * square)) return true;
   Difference<shape::Box, shape::Box> d(a, b, relative(XA, XB));
   d.limit(margin);
-  out.count = 0, out.normal = Vec::zero();
-  Cores c;
-  if (apart_along_centers(d, c)) return true;
   const BoxAxis axis = box_axis(a.half, b.half, d.X, d.rounding(), d.reach);
   if (axis.distance > d.reach) return true;
   const double distance = axis.distance - a.radius - b.radius, size = d.small;

@@ -14,11 +14,12 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
   struct Axis {
     Vec center, z;      // from the origin of A
     double half, rise;  // rise: z.n
-    double sine;        // of the angle to n
+    double square;      // of the sine of the angle to n
     bool is_line;
 
-    std::uint32_t part(double at, double same) const {
-      if (!is_line || (half - std::abs(at)) * sine <= same) return at > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
+    std::uint32_t part(const Vec& p, double same) const {
+      const double at = dot(z, p - center), room = half - std::abs(at);
+      if (!is_line || room * room * square <= same * same) return at > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
       return detail::edge_part(0, 1);
     }
   };
@@ -26,13 +27,13 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
   const Cores c = capsule_pair(a, b, XA.R.z, XB.R.z, p);
   const double distance = c.distance - a.radius - b.radius, least = std::min(a.half, b.half);
   const double size = std::min(a.half + a.radius, b.half + b.radius), eps = coincident * size, same = same_point * size;
-  out.count = 0, out.normal = Vec::zero();
+  clear(out);
   if (!(distance <= margin)) return true;
   if (!(steep * least > same)) return false;
   const Vec& n = c.normal;
   const auto axis = [&](const Vec& center, const Vec& z, double half) {
     const double rise = dot(n, z), square = std::max(0.0, 1 - rise * rise);
-    return Axis{center, z, half, rise, std::sqrt(square), square >= steep * steep};
+    return Axis{center, z, half, rise, square, square >= steep * steep};
   };
   const Axis axes[2] = {axis(Vec::zero(), XA.R.z, a.half), axis(p, XB.R.z, b.half)};
   struct Point {
@@ -45,17 +46,22 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
   double deepest = shape::infinity;
   for (int k = 0; axes[0].is_line && axes[1].is_line && k < 2; ++k) {
     const Axis &own = axes[k], &other = axes[1 - k];
-    const double curvature = k == 0 ? b.radius : a.radius;
-    const Vec along = (other.z - n * other.rise) * (1 / other.sine), across = cross(along, n);
-    const double half = other.half * other.sine;
+    const double curvature = k == 0 ? b.radius : a.radius, wide = std::max(curvature, eps);
+    const Vec across = cross(other.z, n);
     for (const double side : {1.0, -1.0}) {
       const Vec end = own.center + own.z * (side * own.half), rel = end - other.center;
-      const double t = dot(rel, along), beside = std::abs(dot(rel, across)), over = std::abs(t) - half;
-      if (over > eps || beside > std::max(curvature, eps)) continue;
+      // times the sine; most ends are not over the other capsule
+      const double up_rel = dot(n, rel), t_sine = dot(rel, other.z) - other.rise * up_rel, beside_sine = dot(rel, across);
+      if (beside_sine * beside_sine > wide * wide * other.square ||
+          std::abs(t_sine) > other.half * other.square + eps)
+        continue;
+      const double sine = std::sqrt(other.square), t = t_sine / sine, beside = std::abs(beside_sine) / sine;
+      const double over = std::abs(t) - other.half * sine;
+      if (over > eps) continue;
       const double falls =
-          curvature > 0 ? (curvature - std::sqrt(std::max(0.0, curvature * curvature - beside * beside))) / other.sine : 0;
+          curvature > 0 ? (curvature - std::sqrt(std::max(0.0, curvature * curvature - beside * beside))) / sine : 0;
       // from the end to the other axis along n; A lies below
-      const double up = (t / other.sine) * other.rise - dot(n, rel), gap = (k == 0 ? up : -up) - a.radius - b.radius + falls;
+      const double up = (t / sine) * other.rise - up_rel, gap = (k == 0 ? up : -up) - a.radius - b.radius + falls;
       if (!(gap <= margin)) continue;
       const std::uint32_t corner = side > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
       std::uint32_t part = detail::inside_part;
@@ -77,8 +83,7 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
     }
   }
   if (deepest > distance + eps) {
-    const auto at = [](const Axis& x, const Vec& q) { return dot(x.z, q - x.center); };
-    const std::uint32_t part_a = axes[0].part(at(axes[0], c.a), same), part_b = axes[1].part(at(axes[1], c.b), same);
+    const std::uint32_t part_a = axes[0].part(c.a, same), part_b = axes[1].part(c.b, same);
     points[count++] = {c.a + n * (a.radius + distance / 2), distance, std::uint64_t(part_a) << 32 | part_b};
   }
   out.normal = n;

@@ -3,8 +3,11 @@
 // above that face bounds it from above. Face distances are signed, so touching shapes need no special case.
 #pragma once
 
+#include <bit>
+
 #include "collision/descent.hpp"
 #include "collision/epa_start.hpp"
+#include "shape/argmax.hpp"
 
 namespace dyn::collision {
 
@@ -108,6 +111,9 @@ class Epa {
   EpaResult r_;
   Refined refined_{};
   double refined_upper_ = shape::infinity;
+  using Block = shape::ArgmaxBlock;
+  static constexpr Index lanes = shape::argmax_lanes;
+  static_assert(EpaWorkspace::max_faces % lanes == 0);
   static constexpr int max_minima = 8;
   static constexpr double same = 0.999;  // cosine between directions that lead to the same minimum
   Vec minimum_[max_minima];  // directions of the minima found
@@ -119,11 +125,23 @@ class Epa {
 
   bool refined() const { return refined_upper_ <= r_.upper + tie_; }
 
+  // The first of the nearest. Offsets are infinite from faces_ to the end of its block.
   Index nearest_face() const {
-    Index nearest = 0;
-    for (Index f = 1; f < faces_; ++f)
-      if (w_.offset[f] < w_.offset[nearest]) nearest = f;
-    return nearest;
+    const auto block = [&](Index f) { return Block::load(w_.offset + f); };
+    Block least = block(0);
+    for (Index f = lanes; f < faces_; f += lanes) least = min(least, block(f));
+    const Double4 l = min(slice4<0>(least), slice4<4>(least));
+    const double offset = std::min(std::min(l[0], l[1]), std::min(l[2], l[3]));
+    for (Index f = 0; f < faces_; f += Double4::lanes)
+      if (const unsigned at = bits_of(Double4::load(w_.offset + f) <= offset)) return f + Index(std::countr_zero(at));
+    return 0;
+  }
+  // Number of a new face; -1: there is no room.
+  Index new_face() {
+    if (free_ > 0) return w_.free[--free_];
+    if (faces_ == EpaWorkspace::max_faces) return -1;
+    if (faces_ % lanes == 0) std::fill_n(w_.offset + faces_, lanes, shape::infinity);
+    return faces_++;
   }
 
   double lower_bound() const {
@@ -169,10 +187,10 @@ class Epa {
     static constexpr Index corners[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
     static constexpr Index beyond[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
     for (Index f = 0; f < 4; ++f) {
+      new_face();
       for (int i = 0; i < 3; ++i) w_.face[f].at[i] = corners[f][i], w_.face[f].across[i] = beyond[f][i];
       plane(f, -1);
     }
-    faces_ = 4;
     return true;
   }
 
@@ -213,14 +231,15 @@ class Epa {
           continue;
         }
         // an edge of the horizon: add a face from it to p
-        const Index a = w_.face[f].at[i], b = w_.face[f].at[(i + 1) % 3];
-        const Index n = free_ > 0 ? w_.free[--free_] : faces_ < EpaWorkspace::max_faces ? faces_++ : -1;
+        const Index a = w_.face[f].at[i], b = w_.face[f].at[i == 2 ? 0 : i + 1];
+        const Index n = new_face();
         if (n < 0 || w_.from[a] >= 0) return false;
         EpaFace& F = w_.face[n];
         F.at[0] = a, F.at[1] = b, F.at[2] = top;
         F.across[0] = g;
-        for (int j = 0; j < 3; ++j)
-          if (w_.face[g].across[j] == f && w_.face[g].at[j] == b) w_.face[g].across[j] = n;
+        EpaFace& G = w_.face[g];
+        const int j = G.at[0] == b ? 0 : G.at[1] == b ? 1 : 2;  // its edge back from b to a
+        if (G.across[j] == f && G.at[j] == b) G.across[j] = n;
         w_.from[a] = n;
         plane(n, g);
         last = n, ++horizon;

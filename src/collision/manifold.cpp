@@ -18,8 +18,6 @@ double size_of(const shape::Shape& s) {
   return size;
 }
 
-void clear(Manifold& out) { out.count = 0, out.normal = Vec::zero(); }
-
 // Returns whether a tangent plane of an ellipsoid proves that the point p is farther from it than reach.
 bool is_clear(const shape::Ellipsoid& s, const Vec& p, double reach) {
   const double away = std::max(0.0, reach + s.radius) + 1e-12 * (shape::norm(p) + s.extent());
@@ -32,56 +30,80 @@ bool is_clear(const shape::Ellipsoid& s, const Vec& p, double reach) {
   return dot(n, n) > 0 && (clear(n) || clear(p - s.support(n)));
 }
 
-bool spheres(const Vec& a, double ra, const Vec& b, double rb, double margin, Manifold& out) {
-  const Vec way = b - a;
-  const double between = shape::norm(way), distance = between - ra - rb;
-  out.count = 0, out.normal = Vec::zero();
+// Contact points without a distance query. Returns false where there is no closed form.
+using ClosedForm = bool (*)(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin,
+                            Manifold& out);
+
+bool spheres(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
+  const Vec way = XB.p - XA.p;
+  const double between = shape::norm(way), distance = between - a.radius - b.radius;
+  clear(out);
   if (!(distance <= margin)) return true;
   out.normal = between > 0 ? way * (1 / between) : shape::axis(2);
-  out.points[out.count++] = {a + out.normal * (ra + distance / 2), distance, 0};
+  out.points[out.count++] = {XA.p + out.normal * (a.radius + distance / 2), distance, 0};
   return true;
 }
+bool capsules(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
+  return capsule_contacts(shape::Capsule(a), XA, shape::Capsule(b), XB, margin, out);
+}
+bool boxes(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
+  return box_contacts(shape::Box(a), XA, shape::Box(b), XB, margin, out);
+}
+bool half_spaces(const shape::Shape&, const Pose&, const shape::Shape&, const Pose&, double, Manifold& out) {
+  return clear(out), true;
+}
+template <class S, bool plane_is_a>
+bool plane(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
+  const bool found = plane_is_a ? plane_contacts(shape::HalfSpace(a), XA, S(b), XB, true, margin, out)
+                                : plane_contacts(shape::HalfSpace(b), XB, S(a), XA, false, margin, out);
+  if (found && out.count == 0) out.normal = Vec::zero();
+  return found;
+}
+template <class S, bool sphere_is_a>
+bool sphere(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
+  return sphere_is_a ? sphere_contact(S(b), XB, XA.p, a.radius, true, margin, out)
+                     : sphere_contact(S(a), XA, XB.p, b.radius, false, margin, out);
+}
+// Says alone that there is no contact.
+template <bool sphere_is_a>
+bool ellipsoid_sphere(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
+  const shape::Shape &s = sphere_is_a ? b : a, &ball = sphere_is_a ? a : b;
+  const Vec p = sphere_is_a ? XB.act_inverse(XA.p) : XA.act_inverse(XB.p);
+  if (!is_clear(shape::Ellipsoid(s), p, ball.radius + margin)) return false;
+  return clear(out), true;
+}
 
-// Contact points without a distance query. Returns false where there is no closed form.
-bool closed_form(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
-  using namespace shape;
-  const bool plane_a = a.type == Type::HalfSpace, plane_b = b.type == Type::HalfSpace;
-  if (plane_a || plane_b) {
-    const Shape& s = plane_a ? b : a;
-    const Pose &P = plane_a ? XA : XB, &X = plane_a ? XB : XA;
-    const HalfSpace plane(plane_a ? a : b);
-    bool found = false;
-    switch (s.type) {
-      case Type::Sphere: found = plane_contacts(plane, P, Sphere(s), X, plane_a, margin, out); break;
-      case Type::Box: found = plane_contacts(plane, P, Box(s), X, plane_a, margin, out); break;
-      case Type::Capsule: found = plane_contacts(plane, P, Capsule(s), X, plane_a, margin, out); break;
-      case Type::Cylinder: found = plane_contacts(plane, P, Cylinder(s), X, plane_a, margin, out); break;
-      case Type::Cone: found = plane_contacts(plane, P, Cone(s), X, plane_a, margin, out); break;
-      case Type::Ellipsoid: found = plane_contacts(plane, P, Ellipsoid(s), X, plane_a, margin, out); break;
-      case Type::Convex: found = plane_contacts(plane, P, Convex(s), X, plane_a, margin, out); break;
-      case Type::HalfSpace: out.count = 0, found = true; break;
-      default: break;
-    }
-    if (found && out.count == 0) out.normal = Vec::zero();
-    return found;
-  }
-  if (a.type == Type::Capsule && b.type == Type::Capsule)
-    return capsule_contacts(Capsule(a), XA, Capsule(b), XB, margin, out);
-  if (a.type == Type::Box && b.type == Type::Box) return box_contacts(Box(a), XA, Box(b), XB, margin, out);
-  const bool round_a = a.type == Type::Sphere;
-  if (!round_a && b.type != Type::Sphere) return false;
-  const Shape& s = round_a ? b : a;
-  const Pose& X = round_a ? XB : XA;
-  const Vec& center = round_a ? XA.p : XB.p;
-  const double radius = round_a ? a.radius : b.radius;
-  switch (s.type) {
-    case Type::Sphere: return spheres(XA.p, a.radius, XB.p, b.radius, margin, out);
-    case Type::Box: return sphere_contact(Box(s), X, center, radius, round_a, margin, out);
-    case Type::Capsule: return sphere_contact(Capsule(s), X, center, radius, round_a, margin, out);
-    case Type::Cylinder: return sphere_contact(Cylinder(s), X, center, radius, round_a, margin, out);
-    case Type::Ellipsoid: return is_clear(Ellipsoid(s), X.act_inverse(center), radius + margin) && (clear(out), true);
-    default: return false;
-  }
+template <class A, class B>
+constexpr ClosedForm closed_form_of() {
+  using shape::Type;
+  constexpr auto simple = [](Type t) { return t == Type::Box || t == Type::Capsule || t == Type::Cylinder; };
+  if constexpr (A::type == Type::HalfSpace && B::type == Type::HalfSpace) return half_spaces;
+  else if constexpr (A::type == Type::HalfSpace) return plane<B, true>;
+  else if constexpr (B::type == Type::HalfSpace) return plane<A, false>;
+  else if constexpr (A::type == Type::Sphere && B::type == Type::Sphere) return spheres;
+  else if constexpr (A::type == Type::Sphere && simple(B::type)) return sphere<B, true>;
+  else if constexpr (B::type == Type::Sphere && simple(A::type)) return sphere<A, false>;
+  else if constexpr (A::type == Type::Sphere && B::type == Type::Ellipsoid) return ellipsoid_sphere<true>;
+  else if constexpr (B::type == Type::Sphere && A::type == Type::Ellipsoid) return ellipsoid_sphere<false>;
+  else if constexpr (A::type == Type::Capsule && B::type == Type::Capsule) return capsules;
+  else if constexpr (A::type == Type::Box && B::type == Type::Box) return boxes;
+  else return nullptr;
+}
+struct ClosedForms {
+  static constexpr int types = int(shape::Type::HeightField) + 1;
+  ClosedForm at[types][types] = {};
+};
+constexpr ClosedForms closed_forms = [] {
+  ClosedForms t;
+  shape::each_shape([&]<class A>() {
+    shape::each_shape([&]<class B>() { t.at[Index(A::type)][Index(B::type)] = closed_form_of<A, B>(); });
+  });
+  return t;
+}();
+inline bool closed_form(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin,
+                        Manifold& out) {
+  const ClosedForm f = closed_forms.at[Index(a.type)][Index(b.type)];
+  return f && f(a, XA, b, XB, margin, out);
 }
 
 // Contact points of a sphere: its nearest point alone.
@@ -95,8 +117,8 @@ void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const 
 }
 
 // General case, of shapes that are no farther apart than the margin.
-void clipped(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& r, double margin,
-             Manifold& out) {
+[[gnu::noinline]] void clipped(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& r,
+                               double margin, Manifold& out) {
   const bool plane_a = a.type == shape::Type::HalfSpace, plane_b = b.type == shape::Type::HalfSpace;
   const bool surface = is_surface(a.type) || is_surface(b.type);
   out.normal = r.normal;
@@ -149,22 +171,36 @@ void clipped(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, con
   }
 }
 
+[[gnu::noinline]] void search(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin,
+                              Workspace& workspace, Manifold& out, const Options& options) {
+  Options limited = options;
+  limited.says_unique = false, limited.max_distance = margin;
+  const Result r = distance(a, X_WA, b, X_WB, workspace, limited);
+  clear(out);
+  if (r.distance <= margin) clipped(a, X_WA, b, X_WB, r, margin, out);
+}
+
 }  // namespace
 
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin,
               Workspace& workspace, Manifold& out, const Options& options) {
-  if (closed_form(a, X_WA, b, X_WB, margin, out)) return;
-  Options as_far = options;
-  as_far.says_unique = false, as_far.max_distance = margin;
-  const Result r = distance(a, X_WA, b, X_WB, workspace, as_far);
-  out.count = 0, out.normal = Vec::zero();
-  if (r.distance <= margin) clipped(a, X_WA, b, X_WB, r, margin, out);
+  if (!closed_form(a, X_WA, b, X_WB, margin, out)) search(a, X_WA, b, X_WB, margin, workspace, out, options);
 }
 
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& r, double margin,
               Manifold& out) {
-  if (closed_form(a, X_WA, b, X_WB, margin, out)) return;
-  out.count = 0, out.normal = Vec::zero();
+  clear(out);
+  // what rounding may decide is decided as without a known distance
+  if (r.distance > margin) {
+    const Vec sum = sizes(X_WB.p - X_WA.p) + sizes(r.point_a - X_WA.p) + sizes(r.point_b - X_WB.p);
+    if (r.distance - margin > 1e-12 * (sum[0] + sum[1] + sum[2])) return;
+  }
+  // boxes on planes and on boxes: the work of steps is stated for the rounding of the general case
+  using shape::Type;
+  const auto flat = [](Type t) { return t == Type::HalfSpace || t == Type::Box; };
+  const bool general = flat(a.type) && flat(b.type) && (a.type == Type::Box || b.type == Type::Box);
+  if (!general && closed_form(a, X_WA, b, X_WB, margin, out)) return;
+  clear(out);
   if (r.distance <= margin) clipped(a, X_WA, b, X_WB, r, margin, out);
 }
 

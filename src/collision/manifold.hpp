@@ -21,10 +21,13 @@ struct Manifold {
   Contact points[most];  // ascending by feature, so order and identity persist while the features do
 };
 
+inline void clear(Manifold& out) { out.count = 0, out.normal = Vec::zero(); }
+inline constexpr Options default_options{};
+
 // Points at a distance of at most margin (m). Of more than eight, keeps the deepest and those that span the largest area. Two
 // half-spaces have none. Never allocates.
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin,
-              Workspace& workspace, Manifold& out, const Options& options = Options());
+              Workspace& workspace, Manifold& out, const Options& options = default_options);
 // The same with a known distance.
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& distance,
               double margin, Manifold& out);

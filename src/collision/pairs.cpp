@@ -9,9 +9,9 @@ namespace dyn::collision {
 
 namespace {
 
-Result pair_distance(const Model& m, Data<double>& d, Index pair) {
+Result pair_distance(const Model& m, Data<double>& d, Index pair, const Options& options = {}) {
   const Index a = m.pairs()[pair].a, b = m.pairs()[pair].b;
-  return distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace);
+  return distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace, options);
 }
 
 }  // namespace
@@ -38,11 +38,13 @@ void distances(const Model& m, Data<double>& d) {
 Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Index capacity) {
   place_geoms(m, d);
   Index count = 0;
+  Options limited;
+  limited.says_unique = false, limited.max_distance = margin;
   for (Index k = 0; k < m.n.pairs; ++k) {
     if (d.pair_states[k] != DYN_PAIR_REASON_TESTED) continue;
     const PairRecord& p = m.pairs()[k];
     if (distance_lower_bound(d.geoms[p.a], d.geom_poses[p.a], d.geoms[p.b], d.geom_poses[p.b]) > margin) continue;
-    if (!(pair_distance(m, d, k).distance <= margin)) continue;
+    if (!(pair_distance(m, d, k, limited).distance <= margin)) continue;
     if (count < capacity) pairs[count] = int(k);
     ++count;
   }

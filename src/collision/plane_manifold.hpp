@@ -19,7 +19,8 @@ struct PlaneContacts {
   void add(const Vec& p, double distance, std::uint32_t id) {
     if (!(distance <= margin)) return;
     const std::uint64_t corner = id << 16 | id, inside = 0xffffffff;
-    out.points[out.count++] = {p - n * (radius + distance / 2), distance, plane_is_a ? inside << 32 | corner : corner << 32 | inside};
+    const std::uint64_t feature = plane_is_a ? inside << 32 | corner : corner << 32 | inside;
+    out.points[out.count++] = {p - n * (radius + distance / 2), distance, feature};
   }
 };
 
@@ -46,7 +47,8 @@ bool facing_contacts(const S& s, const Pose& X, const Vec& m, double height, dou
   for (int k = 0; k < f.count; ++k) {
     const Vec e = f.p[k + 1 < f.count ? k + 1 : 0] - f.p[k];
     const double along = dot(e, m), length2 = dot(e, e);
-    if (f.count > 1 && length2 - along * along <= std::max(4 * same * same, f.count == 2 ? steep * steep * length2 : 0)) return false;
+    const double least = std::max(4 * same * same, f.count == 2 ? steep * steep * length2 : 0);
+    if (f.count > 1 && length2 - along * along <= least) return false;
     if (f.count > 2) normal += cross(f.p[k] - f.p[0], e);
   }
   if (f.count > 2 && !(std::abs(dot(normal, m)) > 2 * steep * shape::norm(normal))) return false;
@@ -64,14 +66,27 @@ bool facing_contacts(const S& s, const Pose& X, const Vec& m, double height, dou
 
 }  // namespace detail
 
+// Lower bound of the height of a shape whose origin lies at a height above a plane with the normal m in the shape's axes.
+template <class S>
+double lowest_corner(const S& s, const Vec& m, double height) {
+  if constexpr (S::type == shape::Type::Sphere) return height;
+  if constexpr (S::type == shape::Type::Box) return height - dot(sizes(m), s.half);
+  if constexpr (S::type == shape::Type::Capsule) return height - std::abs(m[2]) * s.half;
+  if constexpr (S::type == shape::Type::Cylinder)
+    return height - std::abs(m[2]) * s.half - std::sqrt(m[0] * m[0] + m[1] * m[1]) * s.r;
+  if constexpr (S::type == shape::Type::Ellipsoid) return height - shape::norm(hadamard(s.semi, m));
+  return height - s.extent();
+}
+
 // Returns false, with nothing written, if corners lie so close that they are one, or are all less deep than the shape.
 template <class S>
 bool plane_contacts(const shape::HalfSpace& plane, const Pose& P, const S& s, const Pose& X, bool plane_is_a, double margin,
                     Manifold& out) {
   constexpr double steep = 0.05;  // sine: a line seen end-on is a point (project)
-  const double size = s.extent() + s.radius, same = same_point * size, eps = coincident * size;
   const Vec &n = P.R.z, m = transpose_times(X.R, n);  // m: in the shape
   const double height = dot(n, X.p - P.p) - plane.radius - s.radius;
+  if (lowest_corner(s, m, height) > margin) return clear(out), true;
+  const double size = s.extent() + s.radius, same = same_point * size, eps = coincident * size;
   detail::PlaneContacts contacts = {n, s.radius, margin, plane_is_a, out};
   const auto start = [&] { out.count = 0, out.normal = plane_is_a ? n : -n; };
   if constexpr (S::type == shape::Type::Sphere) {
@@ -83,7 +98,6 @@ bool plane_contacts(const shape::HalfSpace& plane, const Pose& P, const S& s, co
     if (s.half[j] < same || s.half[k] < same) return false;
     start();
     const double face = height - std::abs(tilt[i]), dj = tilt[j], dk = tilt[k];
-    if (face - std::abs(dj) - std::abs(dk) > margin) return true;
     const bool upper = m[i] < 0;
     const Vec u = X.R[j] * s.half[j], v = X.R[k] * s.half[k], middle = X.p + X.R[i] * (upper ? s.half[i] : -s.half[i]);
     const std::uint32_t first = std::uint32_t(upper) << i, uj = 1u << j, uk = 1u << k;
@@ -102,7 +116,6 @@ bool plane_contacts(const shape::HalfSpace& plane, const Pose& P, const S& s, co
     const Vec deepest = s.support(-m);
     contacts.add(X.act(deepest), height + dot(m, deepest), 0);
   } else if constexpr (S::type != shape::Type::Cylinder) {
-    if (height - s.extent() > margin) return start(), true;  // by its bounding sphere
     out.normal = plane_is_a ? n : -n;
     return detail::facing_contacts(s, X, m, height, steep, same, eps, contacts);
   } else {

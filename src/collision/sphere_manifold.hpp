@@ -58,18 +58,25 @@ inline bool nearest_part(const shape::Cylinder& s, const shape::Nearest& near, d
 // The sphere has its centre at p. Returns false, with nothing written, where the part is not certain.
 template <class S>
 bool sphere_contact(const S& s, const Pose& X, const Vec& p, double radius, bool sphere_is_a, double margin, Manifold& out) {
-  const shape::Nearest near = s.nearest(X.act_inverse(p));
+  const Vec center = X.act_inverse(p);
+  if constexpr (S::type == shape::Type::Box) {
+    const Vec over = shape::greater(sizes(center) - s.half, Vec::zero());
+    const double away = std::max(0.0, margin + s.radius + radius) * (1 + 1e-12);
+    if (dot(over, over) > away * away + 1e-24 * dot(center, center)) return clear(out), true;
+  }
+  const shape::Nearest near = s.nearest(center);
   const double distance = near.distance - s.radius - radius;
   std::uint32_t part = 0;
   if (distance <= margin) {
     const double size = std::min(s.extent() + s.radius, radius);
     if (!detail::nearest_part(s, near, same_point * size, part)) return false;
   }
-  out.count = 0, out.normal = Vec::zero();
+  clear(out);
   if (!(distance <= margin)) return true;
   const Vec n = X.R * near.normal;
   out.normal = sphere_is_a ? -n : n;
-  out.points[out.count++] = {p - n * (radius + distance / 2), distance, sphere_is_a ? std::uint64_t(part) : std::uint64_t(part) << 32};
+  const std::uint64_t feature = sphere_is_a ? std::uint64_t(part) : std::uint64_t(part) << 32;
+  out.points[out.count++] = {p - n * (radius + distance / 2), distance, feature};
   return true;
 }
 

@@ -170,16 +170,17 @@ inline void Convex::facing_at(const Vec& top, const Vec& n, double band, Feature
   Index best = -1;
   int most = 0;
   double turned = 0;
+  const auto is_within = [&](Index v) { return height - (hull.x[v] * n[0] + hull.y[v] * n[1] + hull.z[v] * n[2]) <= band; };
   const auto consider = [&](Index k) {
     const double slope = dot(hull.normal(k), n);
     if (slope <= 0) return;
     int within = 0;
-    for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c)
-      within += height - dot(hull.vertex(hull.face_vertices[c]), n) <= band;
+    for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c) within += is_within(hull.face_vertices[c]);
     if (within > most || (within == most && slope > turned)) best = k, most = within, turned = slope;
   };
   const Index vertex = last_;
-  for (Index i = hull.neighbour_start[vertex]; vertex_faces && i < hull.neighbour_start[vertex + 1]; ++i) consider(vertex_faces[i]);
+  for (Index i = hull.neighbour_start[vertex]; vertex_faces && i < hull.neighbour_start[vertex + 1]; ++i)
+    consider(vertex_faces[i]);
   // four planes at a time: few hold the top
   for (Index k = 0; !vertex_faces && k < hull.faces; k += 4) {
     const auto plane = [&](Index i) { return Double4::load(hull.planes + 4 * std::min(k + i, hull.faces - 1)); };

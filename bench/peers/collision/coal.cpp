@@ -92,7 +92,8 @@ struct Coal : Engine {
       double least = shape::infinity;
       try {
         (*collision)(X.first, X.second, asked, result);
-        for (std::size_t i = 0; i < result.numContacts(); ++i) least = std::min(least, double(result.getContact(i).penetration_depth));
+        for (std::size_t i = 0; i < result.numContacts(); ++i)
+          least = std::min(least, double(result.getContact(i).penetration_depth));
       } catch (const std::exception&) {
         least = NAN;
       }

@@ -1,5 +1,5 @@
-// Distance and contact queries of libdyn, Coal, MuJoCo and libccd on the same poses, in batches, turn by turn; as JSON, a line for
-// each pair of shapes and class of poses.   usage: collision_bench [--adversarial N] [--contacts] [part of a pair's name]
+// Distance and contact queries of libdyn, Coal, MuJoCo and libccd on the same poses, in batches, turn by turn; as JSON, a line
+// for each pair of shapes and class of poses.   usage: collision_bench [--adversarial N] [--contacts] [part of a pair's name]
 // --contacts: contact queries alone
 #include <cmath>
 #include <cstdio>

@@ -1,0 +1,112 @@
+// What a contact query costs, in instructions: of shapes apart, near without contact, overlapping, and at rest on each other. The
+// bounds are half as much again as SSE2 takes; wider registers take less.
+#include <gtest/gtest.h>
+
+#include "collision/manifold.hpp"
+#include "collision/poses.hpp"
+#include "count.hpp"
+
+namespace dyn_test {
+namespace {
+
+using collision::Manifold;
+
+// Builds for debugging and sanitizers have instructions of their own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
+constexpr bool counts_apply = false;
+#else
+constexpr bool counts_apply = true;
+#endif
+
+enum Class { Apart = dyn_bench::Apart, Near = dyn_bench::Near, Penetrating = dyn_bench::Penetrating, AtRest };
+
+// Instructions of a query, the mean of the first poses of a class; -1: they cannot be counted.
+long cost(Type a, Type b, Class c) {
+  constexpr std::size_t count = 40;
+  const dyn_bench::PairOfShapes pair = dyn_bench::make_pair(a, b);
+  const std::vector<Scene> scenes = c == AtRest ? dyn_bench::at_rest(pair) : pair.scenes[c];
+  const long n = bench::instructions([&] {
+    Manifold m;
+    for (std::size_t i = 0; i < count; ++i)
+      collision::contacts(scenes[i].a.shape, scenes[i].A, scenes[i].b.shape, scenes[i].B, 0, workspace(), m);
+  });
+  return n < 0 ? n : n / long(count);
+}
+
+// Without a contact, a direction that separates the shapes ends the query.
+TEST(QueryCost, SeparatedShapesEndEarly) {
+  if (!counts_apply) GTEST_SKIP() << "of a build without optimisation";
+  struct {
+    Type a, b;
+    long apart, near;
+  } const most[] = {{Type::HalfSpace, Type::Convex, 230, 1000}, {Type::Sphere, Type::Box, 320, 320},
+                    {Type::Capsule, Type::Capsule, 460, 460},   {Type::Box, Type::Box, 400, 1200},
+                    {Type::Cylinder, Type::Cylinder, 1100, 11000}, {Type::Convex, Type::Convex, 2400, 12500}};
+  for (const auto& x : most) {
+    const long apart = cost(x.a, x.b, Apart), near = cost(x.a, x.b, Near);
+    if (apart < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+    EXPECT_LE(apart, x.apart) << name_of(x.a) << " " << name_of(x.b);
+    EXPECT_LE(near, x.near) << name_of(x.a) << " " << name_of(x.b);
+  }
+}
+
+TEST(QueryCost, SimpleContactsNeedNoSearch) {
+  if (!counts_apply) GTEST_SKIP() << "of a build without optimisation";
+  struct {
+    Type a, b;
+    long deep, at_rest;
+  } const most[] = {{Type::HalfSpace, Type::Sphere, 210, 210},    {Type::HalfSpace, Type::Box, 480, 600},
+                    {Type::HalfSpace, Type::Cylinder, 420, 570},  {Type::HalfSpace, Type::Convex, 2800, 2700},
+                    {Type::Sphere, Type::Box, 600, 600},          {Type::Capsule, Type::Capsule, 1500, 1350},
+                    {Type::Box, Type::Box, 8400, 4600}};
+  for (const auto& x : most) {
+    const long deep = cost(x.a, x.b, Penetrating), at_rest = cost(x.a, x.b, AtRest);
+    if (deep < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+    EXPECT_LE(deep, x.deep) << name_of(x.a) << " " << name_of(x.b);
+    EXPECT_LE(at_rest, x.at_rest) << name_of(x.a) << " " << name_of(x.b);
+  }
+}
+
+// Faces around a vertex: the list names the face that a search of all planes finds.
+TEST(HullFaces, ListChangesNoFeature) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Chance g(seed);
+    const Solid s = g.shape(Type::Convex, 1);
+    ASSERT_NE(nullptr, s.shape.vertex_faces);
+    shape::Shape plain = s.shape;
+    plain.vertex_faces = nullptr;
+    const shape::Convex listed(s.shape), searched(plain);
+    for (int k = 0; k < 50; ++k) {
+      const bool along_face = k % 2;
+      const Vec n = along_face ? s.hull->hull.normal(Index(g.pick(int(s.hull->hull.faces)))) : g.direction();
+      shape::Feature a, b;
+      const double band = std::pow(10.0, -g.uniform(0, 9));
+      listed.facing(n, band, a), searched.facing(n, band, b);
+      ASSERT_EQ(a.count, b.count);
+      for (int i = 0; i < a.count; ++i) ASSERT_EQ(a.id[i], b.id[i]);
+    }
+  }
+}
+
+// A limited query finds the same distance within the limit, and a lower bound beyond it.
+TEST(QueryCost, LimitedDistanceIsALowerBound) {
+  for (int a = 1; a < shape::type_count; ++a)
+    for (int b = a; b < shape::type_count; ++b)
+      for (std::uint64_t i = 0; i < 60; ++i) {
+        const Scene s = scene(Type(a), Type(b), Case(i % std::uint64_t(Case::count)), i);
+        const double size = std::min(size_of(s.a), size_of(s.b));
+        for (const double k : {0.0, 0.01, 0.3}) {
+          collision::Options limited;
+          limited.max_distance = k * size;
+          const Result exact = query(s), r = query(s, limited);
+          if (r.distance <= limited.max_distance)
+            EXPECT_EQ(exact.distance, r.distance);
+          else
+            EXPECT_LE(r.distance, exact.distance + exact.residual + 1e-9 * size);
+          EXPECT_EQ(exact.distance <= limited.max_distance, r.distance <= limited.max_distance);
+        }
+      }
+}
+
+}  // namespace
+}  // namespace dyn_test
