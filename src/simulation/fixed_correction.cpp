@@ -6,7 +6,7 @@ namespace dyn::simulation {
 
 // The next correction of each contact. A correction that keeps its direction is over-relaxed, twice as far each time.
 void Interior::update_correction() {
-  for_each([&](const Block& b, State& s, Index) {
+  Newton::for_each([&](const Block& b, State& s, Index) {
     const double step = solver::norm(c + b.first + 1, b.rows - 1) - s.correction;
     s.relaxed = step * s.corrected > 0 ? 2 * s.relaxed : 1;
     s.corrected = step;
@@ -15,14 +15,13 @@ void Interior::update_correction() {
 }
 
 bool Interior::run_fixed_correction(dynContactReport& report) {
-  using namespace tuning::interior;
-  fixed_correction = true;
-  for_each([&](const Block&, State& s, Index) { s.correction = s.corrected = 0, s.relaxed = 1; });
+  using namespace solver::tuning::interior;
+  path.fixed_correction = true;
+  Newton::for_each([&](const Block&, State& s, Index) { s.correction = s.corrected = 0, s.relaxed = 1; });
   while (x.within_budget(report)) {
     update_correction();
-    start_inside(inside * std::sqrt(error().own / x.rows)), velocities(y, c);
-    short_steps = 0;
-    for (Index i = 0; i < max_steps && x.within_budget(report) && step(report); ++i) {}
+    start();
+    for (Index i = 0; i < guess_steps && x.within_budget(report) && step(report); ++i) {}
     if (newton_refine(newton_steps, report)) return true;
   }
   return false;

@@ -2,6 +2,7 @@
 
 
 #include "algorithm/constrained/delassus.hpp"
+#include "solver/residuals.hpp"
 
 namespace dyn::simulation {
 
@@ -35,61 +36,30 @@ DYN_INLINE void add_product(const NewtonConstraint& s, const double* a, const do
 
 }  // namespace
 
-// Residual of Alart and Curnier's function at y + t dy.
+// Alart and Curnier's function at y + t dy.
 Newton::Error Newton::error(double t) const {
   Error out;
   for_each([&](const Block& b, const State&, Index) {
     const Index first = b.first;
     G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
-      double yk[rows], ak[rows];
-      for (int i = 0; i < rows; ++i)
-        yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
-      auto take = [&](double e, double per_unit) {
-        const double velocity = e * per_unit;
-        out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity, out.own += e * e;
-      };
-      if (!b.is_cone()) {
-        for (int i = 0; i < rows; ++i) take(yk[i] - std::clamp(ak[i], b.lower, b.upper), b.per_speed[i]);
-        return;
+      double yk[rows], ck[rows], wrong[rows] = {};
+      for (int i = 0; i < rows; ++i) yk[i] = y[first + i] + t * dy[first + i], ck[i] = c[first + i] + t * dc[first + i];
+      b.alart_curnier(yk, ck, wrong);
+      for (int i = 0; i < rows; ++i) {
+        const double velocity = wrong[i] * b.per_speed[i];
+        out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity, out.own += wrong[i] * wrong[i];
       }
-      const double r = std::max(0.0, ak[0]), length = solver::norm(ak + 1, rows - 1),
-                   within = length > b.mu * r ? b.mu * r / length : 1;
-      take(yk[0] - r, b.per_speed[0]);
-      for (int i = 1; i < rows; ++i) take(yk[i] - within * ak[i], b.per_speed[i]);
     });
   });
   return out;
 }
 
-// Finds each constraint's state (open, stick, slip, bound) and the known part of dy. Returns its largest component.
+// Finds the states and the known part of dy. Returns its largest component.
 double Newton::classify() {
   double known = 0;
   for_each([&](const Block& b, State& s, Index) {
-    const double *yk = y + b.first, *ck = c + b.first;
-    double* to = dy + b.first;
-    std::fill_n(to, b.rows, 0.0);
-    s.mode = solver::ConeState::stick, s.acts = true;
-    if (!b.is_cone()) {
-      if (b.lower == -HUGE_VAL && b.upper == HUGE_VAL) return;
-      const double aim = yk[0] - ck[0], at = std::clamp(aim, b.lower, b.upper);
-      if (at != aim) s.acts = false, to[0] = at - yk[0];
-    } else {
-      double* const t = s.direction;
-      const Index size = b.rows - 1;
-      for (Index i = 0; i < size; ++i) t[i] = yk[1 + i] - ck[1 + i];
-      const double normal = yk[0] - ck[0], length = solver::norm(t, size);
-      if (normal <= 0) {
-        s.mode = solver::ConeState::open, s.acts = false;
-        for (Index i = 0; i < b.rows; ++i) to[i] = -yk[i];
-      } else if (length > b.mu * normal) {
-        s.mode = solver::ConeState::slip;
-        s.across = b.mu * normal / length;
-        double excess = b.mu * yk[0];
-        for (Index i = 0; i < size; ++i) t[i] /= length, excess -= yk[1 + i] * t[i];
-        for (Index i = 0; i < size; ++i) to[1 + i] = excess * t[i];
-      }
-    }
-    for (Index i = 0; i < b.rows; ++i) known = std::max(known, std::abs(to[i]));
+    s.find(b, y + b.first, c + b.first, dy + b.first);
+    for (Index i = 0; i < b.rows; ++i) known = std::max(known, std::abs(dy[b.first + i]));
   });
   return known;
 }
@@ -97,7 +67,7 @@ double Newton::classify() {
 // A sticking row has only the regularising compliance. Where a contact slips, friction follows the normal along the slip, and the
 // width of the cone adds to the compliance across it.
 void Newton::set_law(const Block& b, State& s) const {
-  const bool slips = s.mode == solver::ConeState::slip;
+  const bool slips = s.mode == State::slip;
   for (Index i = 0; i < b.rows; ++i) {
     for (Index j = 0; j < b.rows; ++j) s.law[i][j] = 0;
     if (!slips || i == 0) s.law[i][i] = 1 / (compliant + b.soft[i]);
@@ -143,7 +113,7 @@ bool Newton::direction() {
   std::fill_n(w.newton_acts, e.size, false);
   bool symmetric = true;
   for_each([&](const Block& b, State& s, Index k) {
-    if (s.acts) set_law(b, s), activate(k), symmetric &= s.mode != solver::ConeState::slip;
+    if (s.acts) set_law(b, s), activate(k), symmetric &= s.mode != State::slip;
   });
   return solve_laws(symmetric);
 }
@@ -155,7 +125,7 @@ bool Newton::solve_laws(bool symmetric) {
   double *const left = before + room, *const step = left + room;
   for_each([&](const Block& b, const State& s, Index) {
     const Index first = b.first;
-    const double across = s.mode == solver::ConeState::slip ? 1 / s.across : 1;
+    const double across = s.mode == State::slip ? 1 / s.across : 1;
     for (Index i = 0; i < b.rows; ++i) left[first + i] = -dc[first + i] - (i > 0 ? across : 1) * c[first + i];
   });
   std::fill_n(step, x.rows, 0.0);
@@ -183,7 +153,7 @@ bool Newton::solve_laws(bool symmetric) {
     if (k == refinements || compliant != min_compliance) break;
     for_each([&](const Block& b, const State& s, Index) {  // with the true compliance
       const Index first = b.first;
-      const bool slips = s.mode == solver::ConeState::slip;
+      const bool slips = s.mode == State::slip;
       double along = 0;
       for (Index i = 1; slips && i < b.rows; ++i) along += step[first + i] * s.direction[i - 1];
       for (Index i = 0; i < b.rows; ++i) {
@@ -280,7 +250,7 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
 bool Newton::least_norm(double tolerance) {
   const auto may_pull = [&](Index k) { return x.constraint(k).kind != RowKind::Contact; };
   for_each([&](const Block& b, State& s, Index k) {
-    s.mode = solver::ConeState::stick, s.acts = may_pull(k) || before[b.first] > 0;
+    s.mode = State::stick, s.acts = may_pull(k) || before[b.first] > 0;
   });
   for (int k = 0; k < relaxations; ++k) {
     std::fill_n(y, x.rows, 0.0), velocities(y, c);

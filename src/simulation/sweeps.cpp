@@ -1,5 +1,7 @@
 #include "simulation/sweeps.hpp"
 
+#include "solver/dense.hpp"
+#include "solver/residuals.hpp"
 #include "solver/sweep.hpp"
 
 namespace dyn::simulation {
@@ -7,16 +9,7 @@ namespace dyn::simulation {
 namespace {
 
 using namespace tuning::sweeps;
-
-double dot(const double* a, const double* b, Index n) {
-  using P = Simd<double, 8>;
-  P sum = P::zero();
-  Index k = 0;
-  for (; k + 8 <= n; k += 8) sum = sum + P::load(a + k) * P::load(b + k);
-  double rest = 0;
-  for (; k < n; ++k) rest += a[k] * b[k];
-  return dyn::sum(sum) + rest;
-}
+using solver::dot;
 
 // Solves A x = b, positive definite, by Cholesky. Rounding is added to the diagonal. Returns false if it is singular.
 bool solve_gram(const double (*A)[depth], int n, double* b) {

@@ -120,12 +120,6 @@ inline constexpr int searches = 10;             // bound of the line search
 inline constexpr double creep = 0.05;           // of the bracket: regula falsi nearer to its ends is replaced by bisection
 }  // namespace proximal
 
-// Interior point method on segments (interior.cpp). Other constants are those of solver/interior.cpp.
-namespace interior {
-inline constexpr double inside = 10;            // of the guess's error: distance of the start from the boundary
-inline constexpr Index max_steps = 30, newton_steps = 10;  // of one path; of each Newton attempt
-}  // namespace interior
-
 // Springs (semi_implicit_euler.hpp).
 inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half a radian a step; explicit steps need less than 4
 

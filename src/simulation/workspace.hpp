@@ -9,7 +9,6 @@
 #include "simulation/free_bodies.hpp"
 #include "simulation/sleep.hpp"
 #include "simulation/tuning.hpp"
-#include "solver/block.hpp"
 #include "solver/time_limit.hpp"
 #include "solver/workspace.hpp"
 
@@ -47,14 +46,10 @@ inline bool is_soft(const dynMaterial& x) { return x.stiffness > 0 || x.damping 
 inline Index normal_row(Index rows) { return rows == 1 ? 0 : 2; }
 
 // A constraint in a Newton step.
-struct NewtonConstraint {
-  bool acts;                        // neither at a bound nor open
-  decltype(solver::ConeState::mode) mode;
-  double across;
+struct NewtonConstraint : solver::BlockState {
   // de Saxce's correction while it is fixed (fixed_correction.cpp): its value, its last change, the over-relaxation factor
   double correction, corrected, relaxed;
-  double direction[5];              // of y_t - c_t: along it friction acts where the contact slips
-  double law[max_rows][max_rows];   // impulse (first index) by velocity
+  solver::LawMatrix law;
 };
 inline constexpr int island_vectors = 13, newton_vectors = 17;
 

@@ -28,14 +28,14 @@ class Newton {
   template <class F>
   void each_active_cone(F&& f) const {  // f(cone, state, its first active row, its first unknown)
     Index row = free_boxes, unknown = free_boxes;
-    for (Index k = 0; k < p.cones; ++k) {
-      const Cone& cone = p.cone[k];
-      if (w.state[k].mode == ConeState::open) continue;
-      f(cone, w.state[k], row, unknown);
-      row += cone.size, unknown += cone.size - (w.state[k].mode == ConeState::slip);
+    for (Index k = 0; k < p.blocks; ++k) {
+      const Block& s = p.block[k];
+      if (!s.is_cone() || !w.state[k].acts) continue;
+      f(s, w.state[k], row, unknown);
+      row += s.rows, unknown += s.rows - (w.state[k].mode == BlockState::slip);
     }
   }
-  void rotate(const Cone& cone, const ConeState& s, Index row);
+  void rotate(const Block& s, const BlockState& state, Index row);
   void compress();
   void matrix();
   bool direction();
@@ -44,62 +44,39 @@ class Newton {
 // Length of the function, as a velocity.
 double Newton::error(const double* y, const double* c) const {
   double sum = 0;
-  const auto take = [&](Index i, double e) { sum += e * p.per_unit[i] * (e * p.per_unit[i]); };
-  for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
-  for (Index k = 0; k < p.cones; ++k) {
-    const Cone& cone = p.cone[k];
-    const double *yk = y + cone.row, *ck = c + cone.row, r = std::max(0.0, yk[0] - ck[0]);
-    double a[5];
-    for (Index i = 1; i < cone.size; ++i) a[i - 1] = yk[i] - ck[i];
-    const double length = norm(a, cone.size - 1), scale = length > cone.mu * r ? cone.mu * r / length : 1;
-    take(cone.row, yk[0] - r);
-    for (Index i = 1; i < cone.size; ++i) take(cone.row + i, yk[i] - scale * a[i - 1]);
-  }
+  p.for_each([&](const Block& s) {
+    double e[Block::max_rows];
+    s.alart_curnier(y + s.first, c + s.first, e);
+    for (Index i = 0; i < s.rows; ++i) sum += e[i] * s.per_speed[i] * (e[i] * s.per_speed[i]);
+  });
   return std::sqrt(sum);
 }
 
 // Finds the states of all blocks, the known part of the step, and the active rows.
 void Newton::states() {
-  const double *y = w.newton, *c = w.newton_c;
-  active = m = 0, symmetric = true;
-  for (Index i = 0; i < p.boxes; ++i) {
-    const double a = y[i] - c[i], at = project_box(p, i, a);
-    w.step[i] = at == a ? 0 : at - y[i];
-    if (at == a) w.rows[active++] = i;
-  }
-  free_boxes = m = active;
-  for (Index k = 0; k < p.cones; ++k) {
-    const Cone& cone = p.cone[k];
-    const Index t = cone.row + 1, size = cone.size - 1;
-    ConeState& s = w.state[k];
-    double a[5], *step = w.step + cone.row;
-    for (Index i = 0; i < size; ++i) a[i] = y[t + i] - c[t + i];
-    const double length = norm(a, size);
-    s.normal = y[cone.row] - c[cone.row];
-    s.mode = s.normal <= 0 ? ConeState::open : length <= cone.mu * s.normal ? ConeState::stick : ConeState::slip;
-    for (Index i = 0; i < cone.size; ++i) step[i] = s.mode == ConeState::open ? -y[cone.row + i] : 0.0;
-    if (s.mode == ConeState::open) continue;
-    for (Index i = 0; i < cone.size; ++i) w.rows[active++] = cone.row + i;
-    m += cone.size - (s.mode == ConeState::slip);
-    if (s.mode == ConeState::stick) continue;
-    symmetric = false;
-    s.across = cone.mu * s.normal / length;
-    basis(a, size, s.direction);
-    double excess = cone.mu * y[cone.row];  // mu y_n - y_d
-    for (Index i = 0; i < size; ++i) excess -= y[t + i] * s.direction[0][i];
-    for (Index i = 0; i < size; ++i) step[1 + i] = excess * s.direction[0][i];
+  active = free_boxes = m = 0, symmetric = true;
+  for (Index k = 0; k < p.blocks; ++k) {
+    const Block& s = p.block[k];
+    BlockState& state = w.state[k];
+    state.find(s, w.newton + s.first, w.newton_c + s.first, w.step + s.first);
+    if (!state.acts) continue;
+    const bool slips = state.mode == BlockState::slip;
+    for (Index i = 0; i < s.rows; ++i) w.rows[active++] = s.first + i;
+    free_boxes += !s.is_cone(), m += s.rows - slips, symmetric &= !slips;
   }
 }
 
 // Rotates rows and columns of a slipping cone into its own directions.
-void Newton::rotate(const Cone& cone, const ConeState& s, Index row) {
+void Newton::rotate(const Block& s, const BlockState& state, Index row) {
   const Matrix& B = w.active;
-  const Index t = row + 1, size = cone.size - 1;
+  const Index t = row + 1, size = s.rows - 1;
+  double own[5][5];
+  basis(state.direction, size, own);
   const auto turn = [&](double* x, std::ptrdiff_t stride) {
     double turned[5];
     for (Index k = 0; k < size; ++k) {
       turned[k] = 0;
-      for (Index l = 0; l < size; ++l) turned[k] += s.direction[k][l] * x[l * stride];
+      for (Index l = 0; l < size; ++l) turned[k] += own[k][l] * x[l * stride];
     }
     for (Index k = 0; k < size; ++k) x[k * stride] = turned[k];
   };
@@ -112,12 +89,12 @@ void Newton::compress() {
   Matrix& B = w.active;
   Index kept = free_boxes, *keep = w.pivots;
   for (Index i = 0; i < free_boxes; ++i) keep[i] = i;
-  each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
-    for (Index i = 0; i < cone.size; ++i)
-      if (i != 1 || s.mode == ConeState::stick) keep[kept++] = row + i;
-    if (s.mode == ConeState::stick) return;
+  each_active_cone([&](const Block& cone, const BlockState& s, Index row, Index) {
+    for (Index i = 0; i < cone.rows; ++i)
+      if (i != 1 || s.mode == BlockState::stick) keep[kept++] = row + i;
+    if (s.mode == BlockState::stick) return;
     axpy(cone.mu, B.column(row + 1), B.column(row), active);
-    for (Index i = 2; i < cone.size; ++i) B(row + i, row + i) += 1 / s.across - 1;
+    for (Index i = 2; i < cone.rows; ++i) B(row + i, row + i) += 1 / s.across - 1;
   });
   const Matrix from = B;
   B.ld = padded(m);
@@ -137,8 +114,8 @@ void Newton::matrix() {
     B(j, j) += std::max(tuning::proximal, damping);
   }
   if (symmetric) return;
-  each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
-    if (s.mode == ConeState::slip) rotate(cone, s, row);
+  each_active_cone([&](const Block& cone, const BlockState& s, Index row, Index) {
+    if (s.mode == BlockState::slip) rotate(cone, s, row);
   });
   compress();
 }
@@ -150,17 +127,20 @@ bool Newton::direction() {
   double *e = w.step_c, *x = w.t;
   times(p.G, w.step, w.newton_c, e, p.n);
   for (Index i = 0; i < free_boxes; ++i) x[i] = -e[w.rows[i]];
-  each_active_cone([&](const Cone& cone, const ConeState& s, Index, Index u) {
-    const Index row = cone.row, size = cone.size - 1;
+  each_active_cone([&](const Block& cone, const BlockState& s, Index, Index u) {
+    const Index row = cone.first, size = cone.rows - 1;
     x[u] = -e[row];
-    if (s.mode == ConeState::stick)
+    if (s.mode == BlockState::stick) {
       for (Index i = 1; i <= size; ++i) x[u + i] = -e[row + i];
-    else
-      for (Index k = 1; k < size; ++k) {
-        x[u + k] = 0;
-        for (Index l = 0; l < size; ++l)
-          x[u + k] -= s.direction[k][l] * (e[row + 1 + l] + (1 / s.across - 1) * w.newton_c[row + 1 + l]);
-      }
+      return;
+    }
+    double own[5][5];
+    basis(s.direction, size, own);
+    for (Index k = 1; k < size; ++k) {
+      x[u + k] = 0;
+      for (Index l = 0; l < size; ++l)
+        x[u + k] -= own[k][l] * (e[row + 1 + l] + (1 / s.across - 1) * w.newton_c[row + 1 + l]);
+    }
   });
   ++b.factorizations;
   if (symmetric) {
@@ -171,16 +151,16 @@ bool Newton::direction() {
     lu_solve(w.active, m, w.pivots, x);
   }
   for (Index i = 0; i < free_boxes; ++i) w.step[w.rows[i]] = x[i];
-  each_active_cone([&](const Cone& cone, const ConeState& s, Index, Index u) {
-    double* step = w.step + cone.row;
+  each_active_cone([&](const Block& cone, const BlockState& s, Index, Index u) {
+    double* step = w.step + cone.first;
+    if (s.mode == BlockState::stick) return void(std::copy_n(x + u, cone.rows, step));
+    const Index size = cone.rows - 1;
+    double own[5][5];
+    basis(s.direction, size, own);
     step[0] = x[u];
-    for (Index l = 0; l < cone.size - 1; ++l) {
-      if (s.mode == ConeState::stick) {
-        step[1 + l] = x[u + 1 + l];
-        continue;
-      }
-      step[1 + l] += cone.mu * x[u] * s.direction[0][l];
-      for (Index k = 1; k < cone.size - 1; ++k) step[1 + l] += x[u + k] * s.direction[k][l];
+    for (Index l = 0; l < size; ++l) {
+      step[1 + l] += cone.mu * x[u] * own[0][l];
+      for (Index k = 1; k < size; ++k) step[1 + l] += x[u + k] * own[k][l];
     }
   });
   times(p.G, w.step, nullptr, w.step_c, p.n);

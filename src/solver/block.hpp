@@ -3,7 +3,6 @@
 
 #include "solver/local_cone.hpp"
 #include "solver/point_contact.hpp"
-#include "solver/residuals.hpp"
 
 namespace dyn::solver {
 
@@ -28,25 +27,56 @@ struct Block {
     if (is_cone()) return void(project_cone(mu, rows, w, y));
     for (Index i = 0; i < rows; ++i) y[i] = std::clamp(w[i], lower, upper);
   }
+  // e = y - P_K(y - u), with de Saxce's correction u of the velocity c
+  void natural_map(const double* y, const double* c, double* e) const {
+    if (is_cone()) return solver::natural_map(mu, rows, y, c, e);
+    for (Index i = 0; i < rows; ++i) e[i] = y[i] - std::clamp(y[i] - c[i], lower, upper);
+  }
+  // e: Alart and Curnier's function, zero at solutions (alart_curnier.hpp)
+  DYN_INLINE void alart_curnier(const double* y, const double* c, double* e) const {
+    if (!is_cone()) {
+      for (Index i = 0; i < rows; ++i) e[i] = y[i] - std::clamp(y[i] - c[i], lower, upper);
+      return;
+    }
+    const double r = std::max(0.0, y[0] - c[0]);
+    e[0] = y[0] - r;
+    for (Index i = 1; i < rows; ++i) e[i] = y[i] - c[i];
+    const double length = norm(e + 1, rows - 1), within = length > mu * r ? mu * r / length : 1;
+    for (Index i = 1; i < rows; ++i) e[i] = y[i] - within * e[i];
+  }
 };
 
-// Natural map |y - P_K(y - u)| of blocks (residuals.hpp), as velocities.
-struct BlockError {
-  double worst = 0, most = 0;  // most: largest impulse, as a velocity
+using LawMatrix = double[Block::max_rows][Block::max_rows];  // a block's impulses (first index) by its velocities
 
-  void take(const Block& s, const double* y, const double* u) {
-    double wrong[Block::max_rows];
-    if (s.is_cone()) natural_map({0, s.rows, s.mu}, y, u, wrong);
-    else
-      for (Index i = 0; i < s.rows; ++i)
-        wrong[i] = s.response[i] > 0 ? y[i] - std::clamp(y[i] - u[i], s.lower, s.upper) : 0;
-    for (Index i = 0; i < s.rows; ++i) {
-      const double error = std::abs(wrong[i]) * s.per_speed[i];
-      most = std::max(most, std::abs(y[i]) * s.per_speed[i]);
-      if (!(error <= worst)) worst = error >= 0 ? error : HUGE_VAL;  // NaN counts as infinite
+// State of a block in a Newton step on that function.
+struct BlockState {
+  enum Mode { open, stick, slip } mode;  // bounded rows count as sticking
+  bool acts;                             // neither open nor at a bound
+  double across, direction[5];           // of slip: k and d
+
+  // Finds the state at y and c, and the known part of the step.
+  DYN_INLINE void find(const Block& s, const double* y, const double* c, double* step) {
+    std::fill_n(step, s.rows, 0.0);
+    mode = stick, acts = true;
+    if (!s.is_cone()) {
+      if (s.lower == -HUGE_VAL && s.upper == HUGE_VAL) return;
+      const double aim = y[0] - c[0], at = std::clamp(aim, s.lower, s.upper);
+      if (at != aim) acts = false, step[0] = at - y[0];
+      return;
+    }
+    const Index size = s.rows - 1;
+    for (Index i = 0; i < size; ++i) direction[i] = y[1 + i] - c[1 + i];
+    const double normal = y[0] - c[0], length = norm(direction, size);
+    if (normal <= 0) {
+      mode = open, acts = false;
+      for (Index i = 0; i < s.rows; ++i) step[i] = -y[i];
+    } else if (length > s.mu * normal) {
+      mode = slip, across = s.mu * normal / length;
+      double excess = s.mu * y[0];  // mu y_n - y_d
+      for (Index i = 0; i < size; ++i) direction[i] /= length, excess -= y[1 + i] * direction[i];
+      for (Index i = 0; i < size; ++i) step[1 + i] = excess * direction[i];
     }
   }
-  double error(double fastest) const { return is_lost_to_round_off(most, fastest) ? HUGE_VAL : worst; }
 };
 
 }  // namespace dyn::solver

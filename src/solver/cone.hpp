@@ -64,4 +64,13 @@ inline void basis(const double* a, Index m, double (*out)[5]) {
 // Gamma(c) = (mu |c_t|, 0): K lambda _|_ c + Gamma(c) in K* is Signorini's condition and Coulomb's law (de Saxce and Feng 1998).
 inline double de_saxce(double mu, Index d, const double* c) { return mu * norm(c + 1, d - 1); }
 
+
+// e = y - P_K(y - u), u = c + Gamma(c): zero at solutions
+inline void natural_map(double mu, Index d, const double* y, const double* c, double* e) {
+  double w[6] = {y[0] - c[0] - de_saxce(mu, d, c)};
+  for (Index i = 1; i < d; ++i) w[i] = y[i] - c[i];
+  project_cone(mu, d, w, e);
+  for (Index i = 0; i < d; ++i) e[i] = y[i] - e[i];
+}
+
 }  // namespace dyn::solver

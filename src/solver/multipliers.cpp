@@ -7,10 +7,10 @@ namespace {
 using namespace tuning::multipliers;
 
 // H += rho (I - P_K'(r)) of one cone: on its surface P' = a (1, mu u)(1, mu u)' + across (I - u u')
-void add_curvature(const Cone& cone, const double* r, double rho, const Matrix& H) {
-  const Index n = cone.row, m = cone.size - 1;
+void add_curvature(const Block& s, const double* r, double rho, const Matrix& H) {
+  const Index n = s.first, m = s.rows - 1;
   double u[5];
-  const double t = norm(r + n + 1, m), mu = cone.mu;
+  const double t = norm(r + n + 1, m), mu = s.mu;
   if (t <= mu * r[n]) return;
   if (r[n] <= -mu * t) {
     for (Index i = 0; i <= m; ++i) H(n + i, n + i) += rho;
@@ -41,7 +41,9 @@ Multipliers::Multipliers(Workspace& w_, Budget& b_)
 
 void Multipliers::correct() {
   std::fill_n(s, p.n, 0.0);
-  for (Index k = 0; k < p.cones; ++k) s[p.cone[k].row] = de_saxce(p.cone[k].mu, p.cone[k].size, z + p.cone[k].row);
+  p.for_each([&](const Block& b) {
+    if (b.is_cone()) s[b.first] = de_saxce(b.mu, b.rows, z + b.first);
+  });
 }
 
 bool Multipliers::admm_step() {
@@ -101,9 +103,10 @@ bool Multipliers::hessian(double damping) {
   w.factor.ld = p.G.ld, factor_rho = 0;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, w.factor.x);
   for (Index i = 0; i < p.n; ++i) w.factor(i, i) += damping;
-  for (Index i = 0; i < p.boxes; ++i)
-    if (y[i] != r[i]) w.factor(i, i) += joint_rho;
-  for (Index i = 0; i < p.cones; ++i) add_curvature(p.cone[i], r, joint_rho, w.factor);
+  p.for_each([&](const Block& s) {
+    if (s.is_cone()) add_curvature(s, r, joint_rho, w.factor);
+    else if (y[s.first] != r[s.first]) w.factor(s.first, s.first) += joint_rho;
+  });
   ++b.factorizations;
   return cholesky(w.factor, p.n);
 }

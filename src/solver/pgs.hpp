@@ -6,12 +6,12 @@
 
 namespace dyn::solver {
 
-// G of a workspace, by c = G y + g.
+// G of a problem, by c = G y + g.
 struct Dense {
-  const Workspace& w;
+  const Problem& p;
   double* c;
-  Index size() const { return w.problem.boxes + w.problem.cones; }
-  Block& block(Index k) const { return w.blocks[k]; }
+  Index size() const { return p.blocks; }
+  Block& block(Index k) const { return p.block[k]; }
   template <int rows>
   void velocity(Index k, const double*, double* of) const {
     std::copy_n(c + block(k).first, rows, of);
@@ -19,17 +19,14 @@ struct Dense {
   template <int rows>
   void change(Index k, const double* by) const {
     const double* column[rows];
-    for (int j = 0; j < rows; ++j) column[j] = w.problem.G.column(block(k).first + j);
-    for (Index i = 0; i < w.problem.n; ++i) {
+    for (int j = 0; j < rows; ++j) column[j] = p.G.column(block(k).first + j);
+    for (Index i = 0; i < p.n; ++i) {
       double sum = c[i];
       for (int j = 0; j < rows; ++j) sum += column[j][i] * by[j];
       c[i] = sum;
     }
   }
 };
-
-// Prepares w.blocks.
-void prepare_sweeps(Workspace& w);
 
 // Starts from w.y and leaves the result there.
 void pgs(Workspace& w, Budget& b);

@@ -27,37 +27,45 @@ struct Scaler {
   double root(double diagonal, double least_one = 0) const {
     return diagonal > least_one ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback;
   }
-  void add(Index row, double d, double unit, double lower, double upper) {
+  void add(Index row, double d, double unit) {
     const Index i = p.n++;
-    p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.per_unit[i] = 1 / unit, p.lower[i] = lower / d, p.upper[i] = upper / d,
-    p.approach[i] = 0;
+    p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.per_unit[i] = 1 / unit, p.approach[i] = 0;
+  }
+  // The block of the rows from `first` on.
+  Block& block(Index first, Block::Kind kind) {
+    Block& s = p.block[p.blocks++];
+    s.kind = kind, s.first = first, s.rows = p.n - first;
+    std::copy_n(p.per_unit + first, s.rows, s.per_speed), std::fill_n(s.soft, s.rows, 0.0);
+    return s;
+  }
+  void box(Index row, double d, double lower, double upper) {
+    add(row, d, d);
+    Block& s = block(p.n - 1, Block::Kind::rows);
+    s.lower = lower / d, s.upper = upper / d;
   }
   void rebound(Index k, Index row) {
     const double e = at(x.restitution, k), v = (x.v_minus ? x.v_minus : x.g)[row];
     if (e > 0 && v < 0) p.approach[p.n - 1] = p.d[p.n - 1] * e * v, p.bounces = true;
   }
-  void contact(Index k, Index first, Index rows);
+  void contact(Index k, Index first, Index rows, bool cones);
 };
 
-// Adds a contact with the rows that have a coefficient. Without any, the normal is a bounded row.
-void Scaler::contact(Index k, Index first, Index rows) {
+// Adds a contact with the rows that have a coefficient, if it is a cone. Without any, the normal is a box.
+void Scaler::contact(Index k, Index first, Index rows, bool cones) {
   double largest = 0, mu = 0;
   for (Index j = 1; j < rows; ++j)
     if (const double m = coefficient(x, k, rows, j); m > 0) {
       if (mu == 0) mu = m;
       largest = std::max(largest, m / mu * m / mu * diagonal(first + order[rows][j]));
     }
-  const bool cone = mu > 0;
-  if (cone != (p.n >= p.boxes)) return;  // bounded rows come first
-  const Index normal = first + order[rows][0];
+  if (cones != (mu > 0)) return;
+  const Index normal = first + order[rows][0], row = p.n;
   const double d = root(diagonal(normal)), dt = largest > 0 ? root(largest) : d;
-  const Index row = p.n;
-  add(normal, d, d, 0, HUGE_VAL);
-  rebound(k, normal);
-  if (!cone) return;
+  if (!cones) return box(normal, d, 0, HUGE_VAL), rebound(k, normal);
+  add(normal, d, d), rebound(k, normal);
   for (Index j = 1; j < rows; ++j)
-    if (const double m = coefficient(x, k, rows, j); m > 0) add(first + order[rows][j], dt * m / mu, dt, -HUGE_VAL, HUGE_VAL);
-  p.cone[p.cones++] = {row, p.n - row, mu * d / dt};
+    if (const double m = coefficient(x, k, rows, j); m > 0) add(first + order[rows][j], dt * m / mu, dt);
+  block(row, Block::Kind::cone).mu = mu * d / dt;
 }
 
 }  // namespace
@@ -69,17 +77,15 @@ void scale(const dynContactProblem& x, Problem& p) {
   double largest = 0;
   for (Index i = 0; i < rows; ++i) largest = std::max(largest, s.diagonal(i));
   if (largest > 0) s.fallback = 1 / std::sqrt(largest), s.least = tuning::accept::immovable * largest;
-  p.n = p.cones = 0;
+  p.n = p.blocks = 0;
   p.bounces = false;
   for (Index i = 0; i < first; ++i) {
-    const bool box = i >= x.equalities;
-    const double d = s.root(s.diagonal(i), s.least);
-    s.add(i, d, d, box ? x.lower[i - x.equalities] : -HUGE_VAL, box ? x.upper[i - x.equalities] : HUGE_VAL);
+    const bool bounded = i >= x.equalities;
+    s.box(i, s.root(s.diagonal(i), s.least), bounded ? x.lower[i - x.equalities] : -HUGE_VAL,
+          bounded ? x.upper[i - x.equalities] : HUGE_VAL);
   }
-  for (const bool cones : {false, true}) {
-    p.boxes = cones ? p.n : INT32_MAX;
-    for (Index k = 0, row = first; k < x.contacts; row += rows_of(x, k), ++k) s.contact(k, row, rows_of(x, k));
-  }
+  for (const bool cones : {false, true})
+    for (Index k = 0, row = first; k < x.contacts; row += rows_of(x, k), ++k) s.contact(k, row, rows_of(x, k), cones);
   p.G.ld = padded(p.n);
   for (Index j = 0; j < p.n; ++j) {
     const double *column = x.G + p.source[j] * s.stride, dj = p.d[j];
@@ -89,6 +95,12 @@ void scale(const dynContactProblem& x, Problem& p) {
     out[j] += dj * dj * at(x.compliance, p.source[j]);
     p.g[j] = dj * (x.g[p.source[j]] + at(x.bias, p.source[j]));
   }
+  LocalCone* next = p.local;
+  p.for_each([&](Block& b) {
+    const double own = p.G(b.first, b.first);
+    if (b.is_cone()) b.cone = next++, b.cone->set(&p.G(b.first, b.first), p.G.ld, b.rows);
+    else b.response[0] = own > tuning::pgs::tiny ? 1 / own : 0;
+  });
 }
 
 void velocity(const dynContactProblem& x, const double* lambda, double* c) {

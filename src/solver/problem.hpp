@@ -5,39 +5,34 @@
 #pragma once
 
 #include "dyn.h"
-#include "solver/cone.hpp"
+#include "solver/block.hpp"
 #include "solver/dense.hpp"
 
 namespace dyn::solver {
 
-struct Cone {
-  Index row, size;
-  double mu;
-};
-
 struct Problem {
-  Index n = 0, boxes = 0, cones = 0;  // rows 0 .. boxes-1 are boxes
+  Index n = 0, blocks = 0;
   Matrix G;
-  double *g = nullptr, *lower = nullptr, *upper = nullptr, *d = nullptr;
+  double *g = nullptr, *d = nullptr;
   double* unit = nullptr;      // d without the lengths of torsion and rolling: c' / unit is a velocity in the caller's unit
   double* per_unit = nullptr;  // 1 / unit
   double* approach = nullptr;  // part of g due to full restitution
-  Cone* cone = nullptr;
-  Index* source = nullptr;  // the caller's row
-  double speed = 0;         // largest velocity without impulses, in the caller's unit
-  bool bounces = false;     // some approach is not zero
-};
+  Block* block = nullptr;      // boxes of one row each, then cones
+  LocalCone* local = nullptr;  // memory of the cones
+  Index* source = nullptr;     // the caller's row
+  double speed = 0;            // largest velocity without impulses, in the caller's unit
+  bool bounces = false;        // some approach is not zero
 
-// P_K of row i of the boxes.
-inline double project_box(const Problem& p, Index i, double w) { return std::min(std::max(w, p.lower[i]), p.upper[i]); }
+  // Calls f(block).
+  template <class F>
+  void for_each(F&& f) const {
+    for (Index k = 0; k < blocks; ++k) f(block[k]);
+  }
+};
 
 // y = P_K(w)
 inline void project(const Problem& p, const double* w, double* y) {
-  for (Index i = 0; i < p.boxes; ++i) y[i] = project_box(p, i, w[i]);
-  for (Index k = 0; k < p.cones; ++k) {
-    const Cone& cone = p.cone[k];
-    project_cone(cone.mu, cone.size, w + cone.row, y + cone.row);
-  }
+  p.for_each([&](const Block& s) { s.project(w + s.first, y + s.first); });
 }
 
 // c = G y + g in extended precision, needed when impulses are large relative to the speeds they cause.

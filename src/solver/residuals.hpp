@@ -15,14 +15,22 @@ inline bool is_lost_to_round_off(const Problem& p, const double* y) {
   return is_lost_to_round_off(most, p.speed);
 }
 
-// e = y - P_K(y - u) of one cone, u = c + (mu |c_t|, 0).
-inline void natural_map(const Cone& cone, const double* y, const double* c, double* e) {
-  double w[6];
-  w[0] = y[0] - c[0] - de_saxce(cone.mu, cone.size, c);
-  for (Index i = 1; i < cone.size; ++i) w[i] = y[i] - c[i];
-  project_cone(cone.mu, cone.size, w, e);
-  for (Index i = 0; i < cone.size; ++i) e[i] = y[i] - e[i];
-}
+// The natural map of blocks, as velocities.
+struct BlockError {
+  double worst = 0, most = 0;  // most: largest impulse, as a velocity
+
+  void take(const Block& s, const double* y, const double* c) {
+    double wrong[Block::max_rows];
+    s.natural_map(y, c, wrong);
+    for (Index i = 0; i < s.rows; ++i) {
+      const bool moves = s.is_cone() || s.response[i] > 0;
+      const double error = moves ? std::abs(wrong[i]) * s.per_speed[i] : 0;
+      most = std::max(most, std::abs(y[i]) * s.per_speed[i]);
+      if (!(error <= worst)) worst = error >= 0 ? error : HUGE_VAL;  // NaN counts as infinite
+    }
+  }
+  double error(double fastest) const { return is_lost_to_round_off(most, fastest) ? HUGE_VAL : worst; }
+};
 
 struct Worst {
   double residual = 0;  // a velocity, in the caller's unit
@@ -36,13 +44,11 @@ inline Worst residual(const Problem& p, const double* y, const double* c) {
     const double r = e == e ? std::fabs(e) * p.per_unit[i] : HUGE_VAL;
     if (r > worst.residual || worst.row < 0) worst = {r, i};
   };
-  for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
-  for (Index k = 0; k < p.cones; ++k) {
-    const Cone& cone = p.cone[k];
-    double e[6];
-    natural_map(cone, y + cone.row, c + cone.row, e);
-    for (Index i = 0; i < cone.size; ++i) take(cone.row + i, e[i]);
-  }
+  p.for_each([&](const Block& s) {
+    double e[Block::max_rows];
+    s.natural_map(y + s.first, c + s.first, e);
+    for (Index i = 0; i < s.rows; ++i) take(s.first + i, e[i]);
+  });
   return worst;
 }
 

@@ -11,15 +11,14 @@ namespace dyn::solver {
 // Returns whether all contacts of the best iterate stick. They should stay so: redundant normal forces may also be shared out
 // so that contacts slip, and sweeps may lead there (a box in a gripper).
 inline bool all_contacts_stick(const Workspace& w) {
-  const Problem& p = w.problem;
-  for (Index k = 0; k < p.cones; ++k) {
-    const Cone& cone = p.cone[k];
-    const double *y = w.y + cone.row, *c = w.c + cone.row, normal = cone.mu * (y[0] - c[0]);
+  bool stick = true;
+  w.problem.for_each([&](const Block& s) {
+    const double *y = w.y + s.first, *c = w.c + s.first, normal = s.mu * (y[0] - c[0]);
     double square = 0;
-    for (Index i = 1; i < cone.size; ++i) square += (y[i] - c[i]) * (y[i] - c[i]);
-    if (normal > 0 && square > normal * normal) return false;
-  }
-  return true;
+    for (Index i = 1; i < s.rows; ++i) square += (y[i] - c[i]) * (y[i] - c[i]);
+    stick &= !(s.is_cone() && normal > 0 && square > normal * normal);
+  });
+  return stick;
 }
 
 // A good guess is a few Newton steps from the solution; one sweep saves a step if it is less close.
@@ -30,7 +29,6 @@ inline bool start(Workspace& w, Budget& b) {
   if (!b.newton || !b.sweeps) return false;
   if (b.warm && (b.best < tuning::start::close_guess * p.speed || all_contacts_stick(w)) && alart_curnier(w, b, w.y, w.c, true))
     return true;
-  prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   const auto refine = [&] {
     times(p.G, w.x, p.g, w.v, p.n);  // without accumulated round-off
@@ -40,7 +38,7 @@ inline bool start(Workspace& w, Budget& b) {
   double error = HUGE_VAL;
   bool going = true;
   for (Index k = 1; going && !b.spent(); ++k) {
-    sweep(Dense{w, w.v}, 1, w.x);
+    sweep(Dense{p, w.v}, 1, w.x);
     const double before = error;
     error = residual(p, w.x, w.v).residual;
     ++b.iterations;

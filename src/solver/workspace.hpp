@@ -1,16 +1,9 @@
 // Buffers of the solvers in one block of memory, for a number of rows.
 #pragma once
 
-#include "solver/block.hpp"
+#include "solver/problem.hpp"
 
 namespace dyn::solver {
-
-// State of a cone in a Newton step.
-struct ConeState {
-  enum { open, stick, slip } mode;
-  double direction[5][5];  // orthonormal; slip direction first
-  double normal, across;   // r and k of alart_curnier.hpp
-};
 
 struct Workspace {
   Index max_rows = 0;
@@ -24,9 +17,8 @@ struct Workspace {
   double *step = nullptr, *step_c = nullptr, *t = nullptr, *exact = nullptr;
   Matrix factor, active;
   Index *pivots = nullptr, *rows = nullptr;
-  ConeState* state = nullptr;
-  Block* blocks = nullptr;  // of the sweeps: boxes, then cones
-  LocalCone* local = nullptr;
+  BlockState* state = nullptr;
+  LawMatrix* laws = nullptr;
 
   // Calls f(array, numbers) for each array of the workspace.
   template <class F>
@@ -34,10 +26,10 @@ struct Workspace {
     const std::ptrdiff_t n = padded(max_rows), square = n * n;
     Problem& p = problem;
     for (double** a : {&p.G.x, &factor.x, &active.x}) f(*a, square);
-    for (double** a : {&p.g, &p.lower, &p.upper, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g,  &y,    &c,      &x, &z,
+    for (double** a : {&p.g, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g,  &y,    &c,      &x, &z,
                        &s,   &r,       &v,       &u,   &newton, &newton_c,   &trial,      &trial_c, &step, &step_c, &t, &exact})
       f(*a, n);
-    f(p.cone, n), f(p.source, n), f(pivots, n), f(rows, n), f(state, n / 2), f(blocks, n), f(local, n / 2);
+    f(p.block, n), f(p.local, n / 2), f(p.source, n), f(pivots, n), f(rows, n), f(state, n), f(laws, n);
   }
 };
 
