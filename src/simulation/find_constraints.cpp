@@ -155,9 +155,8 @@ Index find_constraints(const Model& m, Data<double>& d, const double* v_free, do
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.any_asleep;  // the advancement cache does not know sleeping bodies
   if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h)) {
-    std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
-    update_advancement_cache(m, d, v, h, shape::infinity);
-    return 0;
+    if (d.step->limits > 0) std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
+    return update_advancement_cache(m, d, v, h, shape::infinity), 0;
   }
   if (!m.has_mimic) with_unbatched_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);

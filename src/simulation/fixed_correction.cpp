@@ -21,7 +21,7 @@ bool Interior::run_fixed_correction(dynContactReport& report) {
   while (x.within_budget(report)) {
     update_correction();
     start();
-    for (Index i = 0; i < guess_steps && x.within_budget(report) && step(report); ++i) {}
+    for (Index i = 0; i < max_steps && x.within_budget(report) && step(report); ++i) {}
     if (newton_refine(newton_steps, report)) return true;
   }
   return false;

@@ -52,7 +52,7 @@ bool Interior::newton_refine(Index most, dynContactReport& report) {
 bool Interior::run(dynContactReport& report) {
   start();
   double tried = HUGE_VAL;
-  for (Index k = 0; k < guess_steps && x.within_budget(report) && step(report); ++k) {
+  for (Index k = 0; k < solver::tuning::interior::max_steps && x.within_budget(report) && step(report); ++k) {
     const Error now = error();
     if (!(now.most < newton_error * x.fastest && now.most < newton_reduction * tried)) continue;
     tried = now.most;

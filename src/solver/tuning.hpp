@@ -79,9 +79,9 @@ inline constexpr Index first_steps = 1, growth = 2;  // subproblems before inter
 
 // Interior point method (interior_point.hpp, interior.cpp, simulation/interior.cpp).
 namespace interior {
-inline constexpr double edge = 0.1;               // of sigma / Y_0, from a guess: the correction is rounded off below
+inline constexpr double edge = 0.03;              // of sigma / Y_0, from a guess: the correction is rounded off below
 inline constexpr double inside = 10;              // of a guess's error: distance of the start from the boundary
-inline constexpr Index guess_steps = 30, newton_steps = 10;  // bounds of a path from a guess, and of its Newton attempts
+inline constexpr Index newton_steps = 10;         // of each Newton attempt from a guess
 inline constexpr double box_proximal = 1e-14;     // of the unit diagonal: redundant boxes stay regular
 inline constexpr double to_boundary = 0.99;       // of the step length to the boundary (Mehrotra 1992)
 inline constexpr Index max_steps = 40;            // bound of one attempt
