@@ -15,6 +15,19 @@ namespace {
 
 using tuning::guard::motion;
 
+// Whether no size of x[0 .. n-1] is more than `most`, or not a number.
+bool all_within(const double* x, Index n, double most) {
+  Index k = 0;
+  bool within = true;
+  if (n >= Double4::lanes) {
+    auto all_of_them = abs(Double4::load(x + n - Double4::lanes)) <= Double4(most);
+    for (; k + Double4::lanes < n; k += Double4::lanes) all_of_them &= abs(Double4::load(x + k)) <= Double4(most);
+    return all(all_of_them);
+  }
+  for (; k < n; ++k) within &= std::abs(x[k]) <= most;
+  return within;
+}
+
 bool flies_alone(const Model& m, Index i) {
   return m.bodies()[i].type == BodyType::FreeFlyer && m.bodies()[i].parent == 0 && m.subtree_end()[i] == i + 1;
 }
@@ -61,9 +74,7 @@ bool may_gain_energy(const Model& m, const Data<double>& d, double h) {
   bool slow = true;
   const double most = motion / h;
   with_active_trees(d, [&](const auto& part) {
-    part.for_each_group(m, [&](const Trees& t) {
-      for (Index k = t.v; k < t.v_end; ++k) slow &= std::abs(d.v[k]) <= most;
-    });
+    part.for_each_group(m, [&](const Trees& t) { slow &= all_within(d.v + t.v, t.v_end - t.v, most); });
   });
   return !slow && moves_far(m, d, h);
 }

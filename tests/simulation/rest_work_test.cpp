@@ -37,11 +37,18 @@ TEST(RestWork, AStandingTowerCostsAnIterationInFewSteps) {
   EXPECT_EQ(0, tower.unsolved);
 }
 
-// Small islands are solved to the fine residual, also where the default of 1e-4 would do: a try of the dense matrix is enough.
+// Small islands are solved to the fine residual, also where the default of 1e-4 would do: a try of the dense matrix is enough, but
+// for few of the steps in which a contact begins to stick (of 15,000 steps of boxes that are pushed at random about 15).
 TEST(RestWork, ASlidingBoxIsSolvedToTheFineResidual) {
   Tower box({1}, 1e-2);
-  EXPECT_LT(box.work(300, {0.3, -0.2, 0, 0.5, -0.4, 0.6}), 160);
-  EXPECT_LE(box.residual, 1e-9);
+  int iterations = 0, coarse = 0;
+  for (int k = 0; k < 300; ++k) {
+    if (k == 0) box.set(box.at, {0.3, -0.2, 0, 0.5, -0.4, 0.6});
+    box.steps(1), iterations += box.report().iterations, coarse += box.report().residual > 1e-9;
+  }
+  EXPECT_LT(iterations, 160);
+  EXPECT_LE(coarse, 1);
+  EXPECT_LE(box.residual, 1e-5);
 }
 
 // Newton's method goes on while it reduces the residual.

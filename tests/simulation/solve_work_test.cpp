@@ -173,7 +173,7 @@ TEST(SolveWork, IsAsStated) {
       }
     }
     EXPECT_NEAR(cost.iterations, iterations, cost.share * cost.iterations) << cost.kind << ", tolerance " << cost.tolerance;
-    EXPECT_NEAR(cost.unsolved, unsolved, 2 + cost.share * cost.unsolved) << cost.kind << ", tolerance " << cost.tolerance;
+    EXPECT_LE(unsolved, cost.unsolved + 2 + cost.share * cost.unsolved) << cost.kind << ", tolerance " << cost.tolerance;
   }
 }
 
