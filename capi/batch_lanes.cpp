@@ -30,7 +30,8 @@ struct Lanes::State {
   void load(const double* from, std::ptrdiff_t stride, const int* of, Index n, Lane* to) const {
     if (n == 0) return;
     if (!from || stride == 0) return void(std::fill_n(to, n, Lane(0.0)));
-    if (of[lanes - 1] == lanes - 1) return transpose(from, stride, n, lanes, 1.0, reinterpret_cast<double*>(to), lanes);
+    if (of[0] == 0 && of[lanes - 1] == lanes - 1)
+      return transpose(from, stride, n, lanes, 1.0, reinterpret_cast<double*>(to), lanes);
     for (Index i = 0; i < n; ++i)
       for (int l = 0; l < lanes; ++l) to[i].x.set(l, from[stride * of[l] + i]);
   }
