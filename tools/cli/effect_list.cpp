@@ -152,7 +152,8 @@ json effects(const Robot& robot, std::uint32_t on) {
       falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" +
                   off(has_gravity)
             : "gravity is zero");
-  for (std::uint32_t bit = 1; bit & DYN_EFFECT_ALL; bit <<= 1) {
+  for (std::uint32_t bit = 1; bit <= DYN_EFFECT_ALL; bit <<= 1) {
+    if (!(bit & DYN_EFFECT_ALL)) continue;  // AS_STATED
     if (const dynEffectTypeInfo info = type(bit); info.array >= 0) {
       const int n = count(static_cast<dynModelArray>(info.array), robot.nv, nonzero);
       effect(bit, n, std::to_string(n) + " of " + std::to_string(robot.nv) + " degrees of freedom have " + info.quantity);
