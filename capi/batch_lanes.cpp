@@ -1,4 +1,6 @@
+#if !defined(__clang__)
 #pragma GCC diagnostic ignored "-Waggressive-loop-optimizations"  // counts that no memory holds
+#endif
 #include "batch_lanes.hpp"
 
 #include <new>
