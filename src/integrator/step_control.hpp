@@ -68,35 +68,40 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
 
 // Retry near a singular configuration of a mechanism, where stage accelerations are inaccurate or projection changes v much.
 // The step is tried in several lengths, up to those of earlier steps; a step across the singularity is smooth. The best one
-// counts.
+// counts. If none is good shorter steps follow, and if they lead into the singularity the best one counts after all.
 template <class T>
 struct SingularityRetry {
   static constexpr int most = sizeof tuning::retry_lengths / sizeof *tuning::retry_lengths;
   T max_noise, usual;  // noise: of errors per second; usual: length of ordinary steps
-  T first = T(0), best = T(0), least = T(0);
+  T first = T(0), best = T(0), least = T(0), over = T(0);  // over: error of the best, of its limit
   int tries = 0;  // beside the first
-  bool spent = false;  // no length was better: shorter steps follow
+  bool spent = false, forced = false;  // no length was good: shorter steps follow, then the best
 
   T limit(T allowed, T h) const { return std::max(T(tuning::retry_error) * allowed, max_noise * h); }
-  T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
+  T allowed(T error, T h) const { return tries > 0 ? limit(error, h) * (forced ? T(tuning::retry_forced) : T(1)) : error; }
   // Returns whether to try again with h. error, raw, moved: of this try (finish_step). usual_move: ordinary change of v by the
   // projection.
   bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
-    if (spent || tries > most) return spent = true, false;
+    if (tries > most || forced) return spent = true, false;
     const bool near = T(tuning::projection_error) * raw > allowed || moved > usual_move;
-    if (tries == 0 && !(near && moved > T(tuning::retry_move) * error)) return false;
-    const T off = std::max(error, T(tuning::projection_error) * moved);
+    if (tries == 0 && !spent && !(near && moved > T(tuning::retry_move) * error)) return false;
     if (error <= T(tuning::retry_error) * allowed && !near) return false;
-    if (tries == 0) first = std::max(h, usual), least = std::numeric_limits<T>::infinity();
-    if (error <= limit(allowed, h) && off < least) least = off, best = h;
+    if (tries == 0 && !spent) first = std::max(h, usual), least = over = std::numeric_limits<T>::infinity();
+    const T off = std::max(error, T(tuning::projection_error) * moved), part = std::max(T(1), error / limit(allowed, h));
+    if (part < over || (part == over && off < least)) least = off, best = h, over = part;
+    if (spent) {
+      forced = h < usual * T(tuning::retry_shrunk) && over <= T(tuning::retry_forced);
+      if (forced) h = best, tries = most + 1;
+      return forced;
+    }
     if (tries < most) h = first * T(tuning::retry_lengths[tries]);
-    else if (least < std::numeric_limits<T>::infinity()) h = best;
+    else if (over <= T(1)) h = best;
     else return spent = true, false;
     return ++tries, true;
   }
   void accept(T h) {
     if (tries == 0) usual = h;
-    tries = 0, spent = false;
+    tries = 0, spent = forced = false;
   }
 };
 

@@ -46,8 +46,11 @@ struct Params {
 
 constexpr double no_bound = std::numeric_limits<double>::infinity();
 
-// A result of arithmetic in single precision.
-double single(double x) { return double(float(x)); }
+// A result of arithmetic in single precision. Volatile, as GCC 12 without AVX leaves out a rounding where it vectorises.
+double single(double x) {
+  volatile const float rounded = float(x);
+  return rounded;
+}
 Vec rounded(const Vec& v) { return Vec::make(single(v[0]), single(v[1]), single(v[2])); }
 
 Vec unit(const Vec& a) { return a * (1 / std::sqrt(dot(a, a))); }

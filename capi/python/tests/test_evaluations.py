@@ -64,6 +64,14 @@ def test_evaluations_beside_dop853(golden):
     assert mine <= 1.2 * theirs, f"{mine:.0f} evaluations for {level:g} m, DOP853 {theirs:.0f}"
 
 
+def test_singular_configurations_refuse_no_accuracy():
+    """Rods that lie flat are passed at every accuracy, also where a step ends right before: one of some 700 runs did not."""
+    golden = next(g for g in GOLDEN if g["name"] == "four-bars, 5 s")
+    for accuracy in 10.0 ** -np.concatenate([np.arange(9.28, 9.3, 0.0005), np.arange(11.75, 11.79, 0.0005)]):
+        report, _ = Problem(golden).run(accuracy)
+        assert report.error_estimate < 1e-2
+
+
 # Errors that grow by themselves: by chaos, where rods lie flat and accelerations are hardly known.
 GROWING = ("double-pendulum, 20 s", "four-bars, 5 s")
 
