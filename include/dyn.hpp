@@ -1210,7 +1210,7 @@ inline bool is_physically_consistent(const Parameters& pi) {
 // A joint for Builder::add_joint.
 struct JointSpec {
   std::string name, parent, mimic;                                     // "": the world; none
-  dynJointSpec value;                                                  // its names are set from those above
+  dynJointSpec value;                                                  // all else; its names are set from those above
   Vector lower, upper, velocity, effort;                               // empty: infinite
   Vector armature, damping, friction, stiffness, spring_reference;     // empty: zero, or neutral
   std::vector<JointSpec> parts;

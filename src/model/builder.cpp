@@ -180,7 +180,7 @@ void append_elements(const std::string& where, const JointPart& s, std::vector<P
   const Axis axis = check_axis(where + ": axis", s.axis);
   const Axis axis2 = needs_axis2 ? check_axis(where + ": axis2", s.axis2) : Axis{1, 0, 0};
   if (needs_axis2 && std::abs(axis[0] * axis2[0] + axis[1] * axis2[1] + axis[2] * axis2[2]) > 1 - 1e-12)
-    refuse(DYN_ERROR_INVALID, where + ": axis and axis2 are parallel: a universal joint needs two directions");
+    refuse(DYN_ERROR_INVALID, where + ": axis and axis2 are parallel: give two directions");
   if (!std::isfinite(s.pitch)) refuse(DYN_ERROR_NONFINITE, where + ": pitch is " + number(s.pitch) + ": give metres per radian");
   const Mat3<double> Z = z_to(axis);
   const JointGeometry geometry = {axis, axis2, column(Z, 0), column(Z, 1), s.pitch};

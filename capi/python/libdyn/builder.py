@@ -86,7 +86,7 @@ class Builder:
         """Adds a joint.
 
         placement         joint frame in the parent's frame; default identity
-        axis, axis2       any length but zero; default z, and x (universal only)
+        axis, axis2       any length but zero; default z, and x (only types that turn about two axes)
         pitch             helical: metres per radian
         mimic             leader's name: q = mimic_ratio * q_leader + mimic_offset
         parts             composite: its joints in order, dicts with type, placement, axis, axis2, pitch

@@ -87,7 +87,7 @@ class ShapeInfo(NamedTuple):
     placement: Placement
     """In that frame."""
     size: Numbers
-    """(3,), m: box: full lengths; sphere: radius; cylinder, capsule, cone: radius, length; ellipsoid: semi-axes; mesh: scale."""
+    """(3,), m; what they are for each type: the table of shapes in the page of lists."""
     mesh: str
     """Resolved path; "" for others."""
     radius: float
