@@ -186,7 +186,7 @@ struct Simd<T, N> {
 // passes, and compiling would take eight times as long. Four doubles are aligned as with AVX: records are alike everywhere.
 template <class T, int N>
   requires detail::is_halved<T, N>
-struct alignas(sizeof(T) * N == 32 ? 32 : 8 * register_lanes) Simd<T, N> {
+struct alignas(sizeof(T) * N >= 32 && register_lanes < 4 ? 32 : 8 * register_lanes) Simd<T, N> {
   static constexpr int lanes = N, half = N / 2;
   using Half = Simd<T, half>;
   using Mask = Simd<detail::LaneBits<T>, N>;

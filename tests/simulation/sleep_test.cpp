@@ -3,6 +3,9 @@
 
 #include "count.hpp"
 
+#include <fstream>
+#include <iterator>
+
 namespace dyn_test {
 namespace {
 
@@ -312,6 +315,44 @@ TEST(Sleep, SleepingBodiesCostNothing) {
   if (alone < 0) GTEST_SKIP() << "this system does not let a process trace its child";
   const long beside = count(10000);
   EXPECT_LE(double(beside), 1.01 * double(alone)) << alone << " " << beside;
+}
+
+// The quadruped of models/scenes on its feet, beside boxes that sleep and boxes of the world that are far away.
+Model standing_beside(int sleepers, int far) {
+  std::ifstream file(std::string(DYN_MODELS_DIR) + "/scenes/go2_stands.xml");
+  std::string text{std::istreambuf_iterator<char>(file), {}}, boxes, places;
+  const auto grid = [](int k) { return std::to_string(3 + 0.3 * (k % 40)) + " " + std::to_string(3 + 0.3 * (k / 40)); };
+  for (int k = 0; k < sleepers; ++k) {
+    boxes += "<body pos='" + grid(k) + " 0.05'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='0.002 0.002 0.002'/>"
+             "<geom type='box' size='0.05 0.05 0.05'/></body>";
+    places += " " + grid(k) + " 0.05 1 0 0 0";
+  }
+  for (int k = 0; k < far; ++k) boxes += "<geom type='box' size='0.05 0.05 0.05' pos='" + grid(k) + " 5'/>";
+  text.insert(text.find("</worldbody>"), boxes);
+  text.insert(text.find('"', text.find("qpos=\"") + 6), places);
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_model_load_string(text.c_str(), nullptr, &m)) << dyn_last_error();
+  return Model(m);
+}
+
+// More than 1,000 pairs are found by boxes around shapes, not from a list: that is all that many bodies beside a robot cost.
+TEST(Sleep, WhatSleepsOrIsFarBesideARobotInContact) {
+  const auto count = [](int sleepers, int far) -> long {
+    Simulation run(standing_beside(sleepers, far), 1e-3);
+    may_sleep(run, false);
+    EXPECT_EQ(DYN_OK, dyn_data_reset(run.m, run.d, "standing")) << dyn_last_error();
+    run.steps(550);
+    EXPECT_EQ(sleepers, run.report().sleeping);
+    EXPECT_EQ(4, run.report().contacts);
+    return bench::instructions([&] {
+      for (int k = 0; k < 20; ++k) dyn_step(run.m, run.d);
+    });
+  };
+  const long alone = count(0, 0);
+  if (alone < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+  const long asleep = count(1000, 0), far = count(0, 900);
+  EXPECT_LE(double(asleep), 1.3 * double(alone)) << alone << " " << asleep;  // plain 1.24
+  EXPECT_LE(double(far), 1.22 * double(alone)) << alone << " " << far;       // plain 1.17
 }
 
 // Sleeping robots cost nearly nothing.
