@@ -155,7 +155,7 @@ bool BlockChecker::shape(Index k) {
 }
 
 bool BlockChecker::shapes() {
-  Index geoms = 0, moving = 0;
+  Index geoms = 0;
   if (!each(n.materials, [&](Index k) { return require(!shape::bad_number(m.materials()[k]).name, "a material"); }) ||
       !each(n.shapes,
             [&](Index k) {
@@ -163,13 +163,12 @@ bool BlockChecker::shapes() {
               if (m.shapes()[k].role != DYN_SHAPE_ROLE_COLLISION) return true;
               if (!index(geoms, n.geoms, "a collision shape") || !require(m.geoms()[geoms++].shape == k, "a collision shape"))
                 return false;
-              moving += m.frames()[m.shapes()[k].frame].joint > 0;
               return true;
             }) ||
       !require(geoms == n.geoms, "collision shapes"))
     return false;
   return require(m.contact_capacity >= 0 && m.contact_capacity <= max_contacts &&
-      n.contacts == default_contact_capacity(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
+      n.contacts == contact_capacity_of(m), "room for contacts") && each(n.pairs, [&](Index k) {
     const PairRecord& p = m.pairs()[k];
     if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") ||
         !index(p.material(), n.materials + 1, "material of a pair")) return false;

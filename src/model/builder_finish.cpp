@@ -40,10 +40,7 @@ ModelPtr Compiler::compile() {
 
   massless = check_dynamics(*model, order, in.joints, in.frames, in.allow_massless);
   check_constraints(*model);
-  const auto moving = std::count_if(a.geoms.begin(), a.geoms.end(), [&](const GeomRecord& g) {
-    return a.frames[std::size_t(a.shapes[std::size_t(g.shape)].frame)].joint > 0;
-  });
-  model->n.contacts = Index(default_contact_capacity(*model, moving));
+  model->n.contacts = Index(contact_capacity_of(*model));
   return std::move(model);
 }
 

@@ -1,14 +1,19 @@
 // For how many contact points a step has room by default. A body that flies freely may lie in a heap, where a convex shape
-// touches up to twelve others: six pairs a shape, each with as many points as its faces make. Shapes of robots have eight.
+// touches up to twelve others: six pairs a shape, each with as many points as its faces make. A shape of a robot may lie flat on
+// one other.
 #pragma once
+
+#include <algorithm>
+#include <vector>
 
 #include "model/model.hpp"
 
 namespace dyn {
 
-inline constexpr std::int64_t pairs_in_heap = 6, max_default_contacts = 50000;  // the latter: 250 MB
+inline constexpr std::int64_t any_contacts = 16, most_of_pair = 8, pairs_in_heap = 6, least_in_heap = 8;
+inline constexpr std::int64_t max_default_contacts = 50000;  // 250 MB
 
-// Most contact points of a shape with another.
+// Most contact points of a shape with a plane.
 inline std::int64_t points_of_shape(dynShapeType type) {
   switch (type) {
     case DYN_SHAPE_TYPE_SPHERE:
@@ -18,19 +23,22 @@ inline std::int64_t points_of_shape(dynShapeType type) {
   }
 }
 
-inline std::int64_t default_contact_capacity(const Model& m, std::int64_t moving) {
-  const std::int64_t least = contact_capacity_of(m, moving);  // what was asked for, or 8 a shape
-  if (m.contact_capacity > 0) return least;
-  std::int64_t in_heap = 16;
+inline std::int64_t contact_capacity_of(const Model& m) {
+  std::vector<bool> carries(std::size_t(m.n.joints));  // other joints
+  for (Index j = 1; j < m.n.joints; ++j) carries[std::size_t(m.joints()[j].parent)] = true;
+  std::int64_t room = any_contacts, moving = 0;
   for (Index k = 0; k < m.n.geoms; ++k) {
     const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
     const Index joint = m.frames()[s.frame].joint;
-    const bool flies = joint > 0 && m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER;
-    const std::int64_t own = flies ? pairs_in_heap * points_of_shape(dynShapeType(s.type)) : 0;
-    if (lists_pairs(m) || joint > 0) in_heap += std::max<std::int64_t>(8, own);
+    if (joint == 0) continue;
+    const bool flies = m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER && m.joints()[joint].parent == 0;
+    const std::int64_t points = points_of_shape(dynShapeType(s.type));
+    room += flies && !carries[std::size_t(joint)] ? std::max(least_in_heap, pairs_in_heap * points) : points;
+    ++moving;
   }
-  if (lists_pairs(m)) in_heap = std::min(in_heap, 8 * std::int64_t(m.n.pairs));
-  return std::max(least, std::min(in_heap, max_default_contacts));
+  if (moving == 0) return 0;
+  const std::int64_t wanted = m.contact_capacity > 0 ? m.contact_capacity : std::min(room, max_default_contacts);
+  return lists_pairs(m) ? std::min(wanted, most_of_pair * m.n.pairs) : wanted;
 }
 
 }  // namespace dyn

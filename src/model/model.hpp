@@ -233,12 +233,6 @@ inline shape::ShapeMaterial material_of(const Model& m, const ShapeRecord& s) {
 
 inline bool lists_pairs(const Model& m) { return m.n.geoms <= max_geoms; }
 
-// For how many contact points a step has room. moving: shapes that can move.
-inline constexpr Index max_contacts = 1000000;
-inline std::int64_t contact_capacity_of(const Model& m, std::int64_t moving) {
-  const std::int64_t all = 8 * std::int64_t(m.n.pairs), some = 16 + 8 * (lists_pairs(m) ? std::int64_t(m.n.geoms) : moving);
-  if (lists_pairs(m)) return std::min(all, m.contact_capacity > 0 ? m.contact_capacity : some);
-  return moving == 0 ? 0 : m.contact_capacity > 0 ? m.contact_capacity : some;
-}
+inline constexpr Index max_contacts = 1000000;  // that a step may have room for
 
 }  // namespace dyn

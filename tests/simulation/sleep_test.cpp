@@ -335,7 +335,7 @@ Model standing_beside(int sleepers, int far) {
   return Model(m);
 }
 
-// More than 1,000 pairs are found by boxes around shapes, not from a list: that is all that many bodies beside a robot cost.
+// More than 16 pairs a shape are found by boxes around shapes, not from a list: that is all that many bodies beside a robot cost.
 TEST(Sleep, WhatSleepsOrIsFarBesideARobotInContact) {
   const auto count = [](int sleepers, int far) -> long {
     Simulation run(standing_beside(sleepers, far), 1e-3);
