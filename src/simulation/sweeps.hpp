@@ -29,6 +29,7 @@ class Sweeps {
 
  private:
   static constexpr int depth = tuning::sweeps::depth;
+  static_assert(6 + 2 * depth <= newton_vectors, "vectors below: results and changes, and six others");
   using Block = solver::Block;
 
   Island& x;

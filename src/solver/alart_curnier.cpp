@@ -170,7 +170,7 @@ bool Newton::direction() {
 bool Newton::run(const double* y, const double* c, bool damped_steps) {
   const Index n = p.n;
   std::copy_n(y, n, w.newton), std::copy_n(c, n, w.newton_c);
-  double errors[memory] = {error(w.newton, w.newton_c)};
+  double last = error(w.newton, w.newton_c), largest = last;
   bool strayed = false;
   const auto keep = [&] {
     project(p, w.newton, w.trial);
@@ -180,8 +180,8 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
   for (Index k = 0; k < (damped_steps ? max_damped_steps : max_steps) && !b.spent(); ++k) {
     ++b.newton_steps;
     if (!direction()) break;
-    // backtracking
-    const double most = strayed ? *std::max_element(errors, errors + memory) : errors[k % memory];
+    // backtracking; nonmonotone after a failed step (Grippo, Lampariello and Lucidi 1986)
+    const double most = strayed ? largest : last;
     double t = 1, next = HUGE_VAL;
     for (; t >= tuning::shortest_part; t /= 2) {
       for (Index i = 0; i < n; ++i) w.trial[i] = w.newton[i] + t * w.step[i], w.trial_c[i] = w.newton_c[i] + t * w.step_c[i];
@@ -191,7 +191,6 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
     if (!(next < most)) {
       if (!damped_steps || damping >= 1) break;
       damping = std::max(first_damping, damping_factor * damping), strayed = true;
-      errors[(k + 1) % memory] = errors[k % memory];
       continue;
     }
     if (t < 1)  // states change along the step: redundant contacts make null directions too long
@@ -205,7 +204,7 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
       next = error(w.newton, w.newton_c);
     }
     if ((next < near * b.tolerance || strayed) && keep()) return true;
-    errors[(k + 1) % memory] = next;
+    last = next, largest = std::max(largest, next);
   }
   return keep();
 }

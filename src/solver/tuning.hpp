@@ -99,7 +99,6 @@ inline constexpr double min_damping = 1e-8, first_damping = 1e-3;  // Levenberg-
 inline constexpr double damping_factor = 10;  // of one change of the damping
 inline constexpr double near = 1e3;           // tolerances: error at which the projected iterate may be a solution
 inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one attempt
-inline constexpr Index memory = 12;           // errors of the nonmonotone line search (Grippo, Lampariello and Lucidi 1986: 10)
 }  // namespace alart_curnier
 
 // Dense linear algebra (dense.hpp).

@@ -78,6 +78,36 @@ TEST(Batch, LanesAreNearSingleCalls) {
   EXPECT_GT(differ, 0);
 }
 
+// Lanes serve models up to a size, beyond which their data leave the cache; that size depends on how much an algorithm writes.
+// Larger models have the bits of single calls.
+TEST(Batch, LanesServeModelsUpToAStatedSize) {
+  const std::vector<dynAlgorithm> few = {DYN_ALGORITHM_FRAME_PLACEMENT, DYN_ALGORITHM_JOINT_JACOBIANS, DYN_ALGORITHM_CRBA},
+                                  matrices = {DYN_ALGORITHM_MINV, DYN_ALGORITHM_RNEA_DERIVATIVES, DYN_ALGORITHM_ABA_DERIVATIVES},
+                                  vectors = {DYN_ALGORITHM_RNEA, DYN_ALGORITHM_NLE, DYN_ALGORITHM_GRAVITY_TORQUE,
+                                             DYN_ALGORITHM_ABA};
+  const auto differ = [](const std::vector<dynAlgorithm>& algorithms, int dofs) {
+    const Model m = chain(dofs);
+    EXPECT_EQ(dofs, dyn_model_nv(m));
+    const Batch batch(m, 1);
+    bool any = false;
+    for (const dynAlgorithm which : algorithms) {
+      const BatchCase lanes(m, which, 16);
+      BatchCase exact(m, which, 16);
+      exact.x.exact = 1;
+      EXPECT_EQ(DYN_OK, lanes(batch)) << dyn_last_error();
+      EXPECT_EQ(DYN_OK, exact(batch)) << dyn_last_error();
+      for (int o = 0; o < lanes.info.outputs; ++o) any |= !same_bits(lanes.out[o], exact.out[o]);
+    }
+    return any;
+  };
+  EXPECT_TRUE(differ(few, 14));
+  EXPECT_FALSE(differ(few, 20));
+  EXPECT_TRUE(differ(matrices, 56));
+  EXPECT_FALSE(differ(matrices, 76));
+  EXPECT_TRUE(differ(vectors, 112));
+  EXPECT_FALSE(differ(vectors, 150));
+}
+
 // Whatever their number, order, threads and neighbours, of which some fail.
 TEST(Batch, BitsDependOnTheStateAlone) {
   constexpr int n = 41;

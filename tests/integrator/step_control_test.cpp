@@ -216,5 +216,31 @@ TEST(SingularityRetry, TriesLengthsAroundTheOrdinaryOne) {
   }
 }
 
+// Steps that lead into the singularity after no length was good. best: error of the best of those.
+double forced_from(double best) {
+  constexpr double limit = 30, start = 1;
+  Singular x;
+  for (int k = 0; k < x.retry.most; ++k) EXPECT_TRUE(x.again((k == 2 ? best : 1e4) * limit, 1e9, 1e9));
+  EXPECT_FALSE(x.again(1e4 * limit, 1e9, 1e9));
+  for (x.retry.tries = 0, x.h = start; x.h > 1e-6;) {
+    const double h = x.h;
+    if (x.again(1e4 * limit, 1e9, 1e9)) {
+      EXPECT_GT(x.h, 0.6) << "a length that was tried";
+      EXPECT_GE(x.retry.allowed(1, x.h), best * limit);
+      return h;
+    }
+    x.retry.tries = 0, x.h = 0.9 * h;
+  }
+  return 0;
+}
+
+// Where steps become a twentieth of the ordinary one, one that was tried before counts, if its error is less than a hundred times
+// what crosses a singularity.
+TEST(SingularityRetry, TheBestStepCountsWhereShorterOnesLeadIntoTheSingularity) {
+  EXPECT_GT(forced_from(30), 0.02);
+  EXPECT_LT(forced_from(30), 0.1);
+  EXPECT_EQ(0, forced_from(300));
+}
+
 }  // namespace
 }  // namespace dyn_test

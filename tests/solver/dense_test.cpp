@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "count.hpp"
+
 namespace dyn::solver {
 namespace {
 
@@ -53,6 +55,36 @@ TEST(Dense, LuSolves) {
     for (Index j = 0; j < n; ++j)
       for (Index i = 0; i < n; ++i) left[i] -= A[i + n * j] * x[j];
     EXPECT_LE(largest(left), 1e-14 * n * largest(A) * std::max(1.0, largest(x))) << n;  // backward stable
+  }
+}
+
+// Panels of columns are cheaper for large matrices, single columns for small ones and for the last ones of all.
+TEST(Dense, LuTakesTheCheaperOrderOfColumns) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG) || !defined(__x86_64__)
+  GTEST_SKIP() << "builds for debugging and sanitizers have instructions of their own";
+#endif
+  for (const Index n : {9, 36}) {
+    Square s(n);
+    std::vector<Index> pivots(n);
+    const auto count = [&](bool (*method)(const Matrix&, Index, Index*)) {
+      Draw draw;
+      for (Index j = 0; j < n; ++j)
+        for (Index i = 0; i < n; ++i) s.A(i, j) = draw();
+      return bench::instructions([&] { method(s.A, n, pivots.data()); });
+    };
+    const auto by_panels = [](const Matrix& A, Index n, Index* pivots) {
+      Index j = 0;
+      for (; n - j >= 4; j += 4) eliminate<4>(A, n, j, pivots);
+      for (; j < n; ++j) eliminate<1>(A, n, j, pivots);
+      return true;
+    };
+    const auto by_columns = [](const Matrix& A, Index n, Index* pivots) {
+      for (Index j = 0; j < n; ++j) eliminate<1>(A, n, j, pivots);
+      return true;
+    };
+    const long own = count(lu), panels = count(by_panels), columns = count(by_columns);
+    if (own < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+    EXPECT_LE(double(own), 1.08 * double(std::min(panels, columns))) << n << ": " << panels << " " << columns;
   }
 }
 
