@@ -32,12 +32,6 @@ struct IslandOperator {
   void for_each(F&& f) const {
     for (Index k = 0; k < size(); ++k) f(block(k), k);
   }
-  // Calls f.template operator()<number of rows>().
-  template <class F>
-  static DYN_INLINE void by_rows(const solver::Block& s, F&& f) {
-    if (s.rows == 3) f.template operator()<3>();  // most contacts
-    else with_row_count(s.rows, f);
-  }
   // y and velocities without impulses, from the island's
   void load(double* y, double* without) const {
     for_each([&](const solver::Block& s, Index) {
@@ -59,7 +53,7 @@ struct IslandOperator {
     const Operator& own = static_cast<const Operator&>(*this);
     own.clear();
     for_each([&](const solver::Block& s, Index k) {
-      by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { own.template scatter<rows>(k, y + s.first); });
+      solver::by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { own.template scatter<rows>(k, y + s.first); });
     });
   }
 };

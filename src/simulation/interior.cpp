@@ -6,34 +6,7 @@ using namespace solver::tuning::interior;
 
 bool Interior::factorize(bool symmetric) {
   for_each([&](const Block&, Index k) { w.newton[k].acts = true, activate(k); });
-  return Newton::factorize(symmetric);
-}
-
-// By refinements: what G a misses of Y^T z is the next right side.
-void Interior::solve(double* r, double* a, double* G_a) const {
-  std::fill_n(a, x.rows, 0.0);
-  for (int k = 0; k <= tuning::newton::refinements; ++k) {
-    G.clear();
-    Newton::for_each([&](const Block& b, const State& s, Index constraint) {
-      G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
-        double by[rows];
-        apply<rows>(s, r + b.first, by), G.scatter<rows>(constraint, by);
-      });
-    });
-    factor.solve(w.by_segment);
-    Newton::for_each([&](const Block& b, const State& s, Index constraint) {
-      G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
-        double v[rows], by[rows];
-        double *left = r + b.first, *to = a + b.first;
-        G.gather<rows>(constraint, v);
-        for (int i = 0; i < rows; ++i) left[i] -= v[i];
-        apply<rows>(s, left, by);
-        for (int i = 0; i < rows; ++i) to[i] += by[i], left[i] = v[i] + (k ? G_a[b.first + i] : 0);
-      });
-    });
-    times(a, G_a);
-    for (Index i = 0; i < x.rows; ++i) r[i] -= G_a[i];
-  }
+  return factorize_laws(symmetric);
 }
 
 void Interior::start() {

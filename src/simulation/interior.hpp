@@ -23,7 +23,7 @@ class Interior : public Newton {
   solver::LawMatrix& law(Index k) const { return w.newton[k].law; }
   double correction(Index k) const { return w.newton[k].correction; }
   bool factorize(bool symmetric);
-  void solve(double* r, double* a, double* G_a) const;
+  void solve(double* r, double* a, double* G_a) const { solve_laws(r, a, G_a, 0); }
 
  private:
   // y_here, c_here: the iterate from which Newton's method is tried

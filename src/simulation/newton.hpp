@@ -1,6 +1,6 @@
-// Newton's method of Alart and Curnier (solver/alart_curnier.hpp) on an island without a dense matrix.
-// With Y the columns at the supporting dofs over the roots of their pivots, G = Y^T Y, and K the stiffness of active rows
-// (a small compliance where a contact sticks):
+// Newton's method on the exact law (solver/newton_method.hpp) on an island without a dense matrix.
+// With Y the columns at the supporting dofs over the roots of their pivots, G = Y^T Y, and K the laws of active blocks
+// (BlockState::set_law):
 //   (G + K^-1) a = r        (1 + Y K Y^T) z = Y K r,   a = K (r - Y^T z)
 // The factorised matrix has the size of the degrees of freedom, however many rows there are, in blocks of segments
 // (elimination.hpp).
@@ -8,6 +8,7 @@
 
 #include "simulation/block_factor.hpp"
 #include "simulation/delassus_operator.hpp"
+#include "solver/newton_method.hpp"
 
 namespace dyn::simulation {
 
@@ -24,9 +25,24 @@ class Newton {
   // Sets lambda to the feasible impulses nearest to the result if they are better than the guess.
   void write_best(dynContactReport& report);
 
- protected:
+  // of the operator
   using Block = solver::Block;
   using State = NewtonConstraint;
+  // With its least compliance, short steps need no damping; more than the first damping costs more steps than it saves.
+  static constexpr double least_compliance = tuning::newton::min_compliance, short_damping = 0,
+                          first_damping = tuning::newton::damping, max_damping = first_damping;
+  // Calls f(block, state, its number).
+  template <class F>
+  void for_each(F&& f) const {
+    G.for_each([&](const Block& b, Index k) { f(b, w.newton[k], k); });
+  }
+  void times(const double* of, double* G_of) const;
+  bool factorize(double compliance);
+  void solve(double* r, double* a, double* G_a) const {
+    solve_laws(r, a, G_a, method.damping > least_compliance ? 0 : least_compliance);
+  }
+
+ protected:
   static constexpr int W = BlockFactor::W;
 
   const Island& x;
@@ -40,15 +56,10 @@ class Newton {
   double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room,
          *G_step = before + 3 * room, *g = G_step + room;
 
-  struct Error {
-    double most = 0, sum = 0;  // largest error and sum of squares, as velocities
-    double own = 0;            // sum of squares, scaled
-  };
-  // Calls f(block, state, its number).
-  template <class F>
-  void for_each(F&& f) const {
-    G.for_each([&](const Block& b, Index k) { f(b, w.newton[k], k); });
-  }
+  using Method = solver::NewtonMethod<Newton>;
+  using Error = Method::Error;
+  Method method{*this, x.rows, y, c, dy, dc, before + room, before + 2 * room, G_step};
+
   // by = law of
   template <int rows>
   static DYN_INLINE void apply(const State& s, const double* of, double* by) {
@@ -63,21 +74,12 @@ class Newton {
     e.for_each_run(constraint, [&](const ConstraintRun& r) { w.newton_acts[r.segment] = true; });
   }
 
-  void times(const double* of, double* G_of) const;
   void velocities(const double* of, double* into) const;  // into = G of + g
-  Error error(double t) const;
-  Error error() const {
-    std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0);
-    return error(0);
-  }
-  bool factorize(bool symmetric);  // uses the laws of the constraints; symmetric: all of them are
-  double compliant;  // compliance of sticking rows, relative to the unit diagonal
-
+  Error error() const { return std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0), method.error(0); }
+  bool factorize_laws(bool symmetric);  // symmetric: all of the laws are
+  // (G + K^-1) a = r by refinements: what G a misses of Y^T z, and the compliance removed, is the next right side. Changes r.
+  void solve_laws(double* r, double* a, double* G_a, double removed) const;
   void fill(Index position, double* D) const;
-  double classify();
-  void set_law(const Block& b, State& s) const;
-  bool direction();
-  bool solve_laws(bool symmetric);
   void candidate(double* into) const;
   double residual(const double* impulses) const;
 };

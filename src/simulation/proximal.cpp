@@ -59,7 +59,7 @@ double Proximal::prepare() {
   std::fill_n(w.newton_acts, e.size, false);
   for_each([&](const Block& b, State& s, Index n) {
     const Index first = b.first;
-    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
+    solver::by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
       double at[rows], to[rows] = {};
       const double compliance = aim<rows>(b, s, 0, at);
       b.project(at, to), set_law(b, s, compliance, at);
@@ -75,7 +75,7 @@ double Proximal::slope(double t) const {
   double sum = 0;
   for_each([&](const Block& b, const State& s, Index) {
     const Index first = b.first;
-    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
+    solver::by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
       double at[rows], to[rows] = {};
       aim<rows>(b, s, t, at), b.project(at, to);
       for (int i = 0; i < rows; ++i) sum += dc[first + i] * (a[first + i] + t * da[first + i] - to[i]);
@@ -100,16 +100,16 @@ double Proximal::line_search(double first) const {
 
 // One Newton step. Returns the share of it that was taken; 0 if the matrix is singular.
 double Proximal::step() {
-  if (!factorize(true)) return 0;
+  if (!factorize_laws(true)) return 0;
   G.clear();
   for_each([&](const Block& b, const State&, Index n) {
-    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA { G.scatter<rows>(n, left + b.first); });
+    solver::by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA { G.scatter<rows>(n, left + b.first); });
   });
   factor.solve(w.by_segment);
   double first_slope = 0;
   for_each([&](const Block& b, const State& s, Index n) {
     const Index first = b.first;
-    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
+    solver::by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
       double by[rows] = {};
       G.gather<rows>(n, dc + first);
       if (s.acts) apply<rows>(s, dc + first, by);
@@ -125,7 +125,7 @@ double Proximal::step() {
 // y = P(...) at z
 void Proximal::end_step() {
   for_each([&](const Block& b, const State& s, Index) {
-    G.by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
+    solver::by_rows(b, [&]<int rows>() DYN_INLINE_LAMBDA {
       double at[rows];
       aim<rows>(b, s, 0, at), b.project(at, y + b.first);
     });

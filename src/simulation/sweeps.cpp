@@ -62,7 +62,7 @@ void Sweeps<Operator>::project() const {
     s.project(l, l);
     bool moved = false;
     for (Index i = 0; i < s.rows; ++i) by[i] = l[i] - before[i], moved |= by[i] != 0;
-    if (moved) G.by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { G.template change<rows>(k, by); });
+    if (moved) solver::by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA { G.template change<rows>(k, by); });
   });
 }
 
@@ -99,7 +99,7 @@ double Sweeps<Operator>::residual(F&& f) const {
   solver::BlockError worst;
   G.for_each([&](const Block& s, Index k) {
     double c[max_rows];
-    G.by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
+    solver::by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
       G.template gather<rows>(k, c);
       f(s, c);
       G.template add_own<rows>(s, y + s.first, c);

@@ -1,9 +1,4 @@
-// Newton's method on the whole problem, nonsmooth and nonsymmetric, started near a solution (Alart and Curnier 1991). Zeros of:
-//   boxes   y - P(y - c)
-//   cones   y_n - max(0, r),  y_t - P_B(mu max(0, r)) (y_t - c_t),  r = y_n - c_n
-// States: open: y = 0; stick: c = 0; slip along d = a / |a|, a = y_t - c_t: c_n = 0 and y_t = mu r d.
-// In slip, y_d = mu y_n + ... is eliminated; rows across d are divided by k = mu r / |a|, which adds 1/k - 1 >= 0 to the
-// diagonal. The matrix is then that of G's rows, except for mu G(:, d) added to the columns of normals.
+// Newton's method on the exact law (newton_method.hpp) by the dense Delassus matrix, started near a solution.
 #pragma once
 
 #include "solver/budget.hpp"

@@ -1,6 +1,7 @@
 // Rows of a constraint in units that make friction cones round and diagonals of G about 1. The normal comes first.
 #pragma once
 
+#include "base/row_count.hpp"
 #include "solver/local_cone.hpp"
 #include "solver/point_contact.hpp"
 
@@ -32,7 +33,7 @@ struct Block {
     if (is_cone()) return solver::natural_map(mu, rows, y, c, e);
     for (Index i = 0; i < rows; ++i) e[i] = y[i] - std::clamp(y[i] - c[i], lower, upper);
   }
-  // e: Alart and Curnier's function, zero at solutions (alart_curnier.hpp)
+  // e: Alart and Curnier's function, zero at solutions (newton_method.hpp)
   DYN_INLINE void alart_curnier(const double* y, const double* c, double* e) const {
     if (!is_cone()) {
       for (Index i = 0; i < rows; ++i) e[i] = y[i] - std::clamp(y[i] - c[i], lower, upper);
@@ -48,35 +49,11 @@ struct Block {
 
 using LawMatrix = double[Block::max_rows][Block::max_rows];  // a block's impulses (first index) by its velocities
 
-// State of a block in a Newton step on that function.
-struct BlockState {
-  enum Mode { open, stick, slip } mode;  // bounded rows count as sticking
-  bool acts;                             // neither open nor at a bound
-  double across, direction[5];           // of slip: k and d
-
-  // Finds the state at y and c, and the known part of the step.
-  DYN_INLINE void find(const Block& s, const double* y, const double* c, double* step) {
-    std::fill_n(step, s.rows, 0.0);
-    mode = stick, acts = true;
-    if (!s.is_cone()) {
-      if (s.lower == -HUGE_VAL && s.upper == HUGE_VAL) return;
-      const double aim = y[0] - c[0], at = std::clamp(aim, s.lower, s.upper);
-      if (at != aim) acts = false, step[0] = at - y[0];
-      return;
-    }
-    const Index size = s.rows - 1;
-    for (Index i = 0; i < size; ++i) direction[i] = y[1 + i] - c[1 + i];
-    const double normal = y[0] - c[0], length = norm(direction, size);
-    if (normal <= 0) {
-      mode = open, acts = false;
-      for (Index i = 0; i < s.rows; ++i) step[i] = -y[i];
-    } else if (length > s.mu * normal) {
-      mode = slip, across = s.mu * normal / length;
-      double excess = s.mu * y[0];  // mu y_n - y_d
-      for (Index i = 0; i < size; ++i) direction[i] /= length, excess -= y[1 + i] * direction[i];
-      for (Index i = 0; i < size; ++i) step[1 + i] = excess * direction[i];
-    }
-  }
-};
+// Calls f.template operator()<number of rows>().
+template <class F>
+DYN_INLINE void by_rows(const Block& s, F&& f) {
+  if (s.rows == 3) f.template operator()<3>();  // most contacts
+  else with_row_count(s.rows, f);
+}
 
 }  // namespace dyn::solver

@@ -50,7 +50,8 @@ inline double distance_to_dual_cone(double mu, Index d, const double* w) {
 }
 
 // Orthonormal basis of dimension m whose first vector is a / |a| (Householder).
-inline void basis(const double* a, Index m, double (*out)[5]) {
+template <int columns>
+inline void basis(const double* a, Index m, double (*out)[columns]) {
   const double length = norm(a, m);
   double v[5], square = 0;
   for (Index i = 0; i < m; ++i) v[i] = a[i] / length;

@@ -5,7 +5,6 @@
 //   change<rows>(k, by)        the impulses of block k change
 #pragma once
 
-#include "base/row_count.hpp"
 #include "solver/block.hpp"
 
 namespace dyn::solver {

@@ -93,11 +93,17 @@ inline constexpr double newton_error = 1e-3;      // residual over speed below w
 inline constexpr double newton_reduction = 0.1;   // if it fell by this since the last attempt
 }  // namespace interior
 
-// Newton's method on the whole problem (alart_curnier.cpp).
-namespace alart_curnier {
-inline constexpr double min_damping = 1e-8, first_damping = 1e-3;  // Levenberg-Marquardt: after a short step, after a failed one
+// Newton's method on the exact law (newton_method.hpp).
+namespace newton_method {
 inline constexpr double damping_factor = 10;  // of one change of the damping
-inline constexpr double near = 1e3;           // tolerances: error at which the projected iterate may be a solution
+inline constexpr Index memory = 12;           // errors of the nonmonotone line search (Grippo, Lampariello and Lucidi 1986: 10)
+}  // namespace newton_method
+
+// The same on the whole problem (alart_curnier.cpp).
+namespace alart_curnier {
+// Levenberg-Marquardt, of the unit diagonal: after a short step, after a failed one, the largest
+inline constexpr double short_damping = 1e-8, first_damping = 1e-3, max_damping = 1;
+inline constexpr double near = 1e3;            // tolerances: error at which the projected iterate may be a solution
 inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one attempt
 }  // namespace alart_curnier
 

@@ -1,6 +1,7 @@
 // Buffers of the solvers in one block of memory, for a number of rows.
 #pragma once
 
+#include "solver/block_state.hpp"
 #include "solver/problem.hpp"
 
 namespace dyn::solver {
@@ -16,7 +17,7 @@ struct Workspace {
   double *newton = nullptr, *newton_c = nullptr, *trial = nullptr, *trial_c = nullptr;
   double *step = nullptr, *step_c = nullptr, *t = nullptr, *exact = nullptr;
   Matrix factor, active;
-  Index *pivots = nullptr, *rows = nullptr;
+  Index* pivots = nullptr;
   BlockState* state = nullptr;
   LawMatrix* laws = nullptr;
 
@@ -29,7 +30,7 @@ struct Workspace {
     for (double** a : {&p.g, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g,  &y,    &c,      &x, &z,
                        &s,   &r,       &v,       &u,   &newton, &newton_c,   &trial,      &trial_c, &step, &step_c, &t, &exact})
       f(*a, n);
-    f(p.block, n), f(p.local, n / 2), f(p.source, n), f(pivots, n), f(rows, n), f(state, n), f(laws, n);
+    f(p.block, n), f(p.local, n / 2), f(p.source, n), f(pivots, n), f(state, n), f(laws, n);
   }
 };
 
