@@ -103,7 +103,7 @@ TEST(StepWork, OfBallsThatMeet) {
                      .sphere("a", 1, 0.05, material(0.5)).sphere("b", 1, 0.05, material(0.5)).finish());
   run.set({0, 0, 0.05, 0, 0, 0, 1, 0.15, 0, 0.05, 0, 0, 0, 1}, {1, 0.3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   const dynStepReport r = advanced(run, 1e-5, 0.3);
-  expect_about(167, double(r.steps)), expect_about(2172, double(r.iterations), 0.15);
+  expect_about(158, double(r.steps)), expect_about(2172, double(r.iterations), 0.15);
 }
 
 // A rolling ball: the solver's tolerance follows the accuracy.
