@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <vector>
 
 #include "model/model.hpp"
 
@@ -24,8 +23,7 @@ inline std::int64_t points_of_shape(dynShapeType type) {
 }
 
 inline std::int64_t contact_capacity_of(const Model& m) {
-  std::vector<bool> carries(std::size_t(m.n.joints));  // other joints
-  for (Index j = 1; j < m.n.joints; ++j) carries[std::size_t(m.joints()[j].parent)] = true;
+  const auto carries = [&](Index joint) { return joint + 1 < m.n.joints && m.joints()[joint + 1].parent == joint; };
   std::int64_t room = any_contacts, moving = 0;
   for (Index k = 0; k < m.n.geoms; ++k) {
     const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
@@ -33,7 +31,7 @@ inline std::int64_t contact_capacity_of(const Model& m) {
     if (joint == 0) continue;
     const bool flies = m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER && m.joints()[joint].parent == 0;
     const std::int64_t points = points_of_shape(dynShapeType(s.type));
-    room += flies && !carries[std::size_t(joint)] ? std::max(least_in_heap, pairs_in_heap * points) : points;
+    room += flies && !carries(joint) ? std::max(least_in_heap, pairs_in_heap * points) : points;
     ++moving;
   }
   if (moving == 0) return 0;

@@ -146,6 +146,15 @@ void Newton::velocities(const double* of, double* into) const {
   for (Index i = 0; i < x.rows; ++i) into[i] += g[i];
 }
 
+// Residual of the impulses nearest to y, which are kept if they are the best so far.
+double Newton::take(dynContactReport& report) {
+  double* const now = method.a;
+  candidate(now);
+  const double found = residual(now);
+  if (found < least) std::copy_n(now, x.rows, best), report.residual = least = found;
+  return found;
+}
+
 bool Newton::run(Index most, double enough, dynContactReport& report) {
   double last = HUGE_VAL;
   w.limit.expect(solver::TimeLimit::Unit::Segments, x.rows);
@@ -157,10 +166,10 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
       std::copy_n(before, x.rows, y), velocities(y, c);
       return Progress::stuck;
     }
-    candidate(best), report.residual = residual(best);
-    const bool stalls = !(damped && x.is_exact()) && !(report.residual < progress * last);  // a damped step is slow in any case
-    last = report.residual;
-    return last <= x.tolerance || (last <= enough && stalls) ? Progress::solved : Progress::going;
+    const double found = take(report);
+    const bool stalls = !(damped && x.is_exact()) && !(found < progress * last);  // a damped step is slow in any case
+    last = found;
+    return found <= x.tolerance || (found <= enough && stalls) ? Progress::solved : Progress::going;
   };
   method.damping = 0;
   const bool solved = method.run(most, may_step, accept);
@@ -187,11 +196,10 @@ bool Newton::least_norm(double tolerance) {
 bool Newton::run(dynContactReport& report) { return run(max_steps, x.enough, report); }
 
 void Newton::write_best(dynContactReport& report) {
-  candidate(best);
-  const double found = residual(best);
+  take(report);
   std::copy_n(before, x.rows, y), candidate(before);  // the guess need not lie in its cones
   report.residual = residual(before);
-  if (found < report.residual) G.write(best), report.residual = found;
+  if (least < report.residual) G.write(best), report.residual = least;
   else G.write(before);
 }
 

@@ -51,7 +51,8 @@ class Newton {
   BySegments G;
   BlockFactor factor;
   std::ptrdiff_t room;
-  double bound = 0;  // of impulses
+  double bound = 0;          // of impulses
+  double least = HUGE_VAL;  // residual of the best
   // by rows, normal first, scaled
   double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room,
          *G_step = before + 3 * room, *g = G_step + room;
@@ -82,6 +83,7 @@ class Newton {
   void fill(Index position, double* D) const;
   void candidate(double* into) const;
   double residual(const double* impulses) const;
+  double take(dynContactReport& report);
 };
 
 // Interior-point method (interior.cpp).

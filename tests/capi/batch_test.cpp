@@ -100,12 +100,14 @@ TEST(Batch, LanesServeModelsUpToAStatedSize) {
     }
     return any;
   };
-  EXPECT_TRUE(differ(few, 14));
   EXPECT_FALSE(differ(few, 20));
-  EXPECT_TRUE(differ(matrices, 56));
   EXPECT_FALSE(differ(matrices, 76));
-  EXPECT_TRUE(differ(vectors, 112));
   EXPECT_FALSE(differ(vectors, 150));
+  EXPECT_TRUE(differ(matrices, 56));
+  // without fused operations lanes and single calls have the same bits where they add up in the same order
+  if (std::string(dyn_build_info()).find("x86_64,") != std::string::npos) return;
+  EXPECT_TRUE(differ(few, 14));
+  EXPECT_TRUE(differ(vectors, 112));
 }
 
 // Whatever their number, order, threads and neighbours, of which some fail.

@@ -146,8 +146,8 @@ const Cost costs[] = {
     {"lattice", 0, 815, 3, 0.08},     {"heavy lattice", 0, 1436, 16, 0.08},   {"rolling", 0, 715, 1, 0.1},
     {"pyramid", 0, 1249, 12, 0.08},    {"tied", 0, 713, 0, 0.08},              {"slides", 0, 838, 2, 0.08},
     {"heavy tower", 0, 5100, 6, 0.12, 20},
-    {"heavy tower", 1e-9, 2200, 1, 0.3}, {"heavy lattice", 1e-9, 3900, 5, 0.2}, {"heavy pyramid", 1e-9, 5522, 5, 0.2},
-    {"tied", 1e-9, 390, 0, 0.2},      {"slides", 1e-9, 1799, 2, 0.2},
+    {"heavy tower", 1e-9, 2200, 1, 0.3}, {"heavy lattice", 1e-9, 3900, 5, 0.2}, {"heavy pyramid", 1e-9, 4600, 5, 0.2},
+    {"tied", 1e-9, 390, 0, 0.2},      {"slides", 1e-9, 2050, 2, 0.25},
 };
 
 const Kind& kind_of(const std::string& name) {
