@@ -1,6 +1,5 @@
 #include "simulation/newton.hpp"
 
-
 #include "algorithm/constrained/delassus.hpp"
 #include "solver/residuals.hpp"
 
