@@ -150,7 +150,8 @@ double Newton::take(dynContactReport& report) {
   double* const now = method.a;
   candidate(now);
   const double found = residual(now);
-  if (found < least) std::copy_n(now, x.rows, best), report.residual = least = found;
+  if (found < least) std::copy_n(now, x.rows, best), least = found;
+  report.residual = least;
   return found;
 }
 
