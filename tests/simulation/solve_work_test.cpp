@@ -147,7 +147,7 @@ const Cost costs[] = {
     {"pyramid", 0, 1249, 12, 0.08},    {"tied", 0, 713, 0, 0.08},              {"slides", 0, 838, 2, 0.08},
     {"heavy tower", 0, 5100, 6, 0.12, 20},
     {"heavy tower", 1e-9, 2200, 1, 0.3}, {"heavy lattice", 1e-9, 3900, 5, 0.2}, {"heavy pyramid", 1e-9, 4600, 5, 0.2},
-    {"tied", 1e-9, 390, 0, 0.2},      {"slides", 1e-9, 2050, 2, 0.25},
+    {"tied", 1e-9, 390, 0, 0.2},      {"slides", 1e-9, 1900, 2, 0.3},
 };
 
 const Kind& kind_of(const std::string& name) {
