@@ -58,7 +58,8 @@ def build(args, mujoco, library, coal):
     program = args.out / "collision_bench"
     args.out.mkdir(parents=True, exist_ok=True)
     flags = ["-O3", "-march=native", "-std=c++20", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math", "-Wno-psabi"]
-    folders = [PROJECT / "tests", PROJECT / "bench/collision", PROJECT / "include", PROJECT / "src", PROJECT / "capi"]
+    folders = [PROJECT / "tests", PROJECT / "bench/collision", PROJECT / "include", PROJECT / "src", PROJECT / "capi",
+               args.library.parent.parent / "tables"]  # those that the build makes
     system = ["/usr/include/eigen3", f"{coal}/include", f"{mujoco}/include"]
     libraries = [args.library, f"-L{coal}/lib", "-lcoal", f"-Wl,-rpath,{coal}/lib", library, f"-Wl,-rpath,{mujoco}", "-lccd",
                  "-lurdfdom_model", "-ltinyxml2", "-lconsole_bridge"]
