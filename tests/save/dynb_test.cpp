@@ -226,16 +226,16 @@ TEST(Dynb, DepthsOfTheEliminationTreeAreChecked) {
 // Other versions of the library have other rules for the room for contacts.
 TEST(Dynb, FilesOfAnotherRuleForContactsAreRead) {
   const ModelPtr m = robot(std::string(DYN_MODELS_DIR) + "/robots/go2.urdf", DYN_BASE_FLOATING);
-  const auto with_room = [&](Index contacts) {
+  const auto with_capacity = [&](Index contacts) {
     std::string file = bytes_of(*m);
     const auto at = reinterpret_cast<const char*>(&m->n.contacts) - reinterpret_cast<const char*>(m.get());
     std::memcpy(file.data() + sizeof(DynbHeader) + at, &contacts, sizeof contacts);
     load::seal_dynb(file);
     return file;
   };
-  EXPECT_EQ(m->n.contacts, load_string(with_room(208), {})->n.contacts);  // loading builds the model anew
-  EXPECT_THROW(load_string(with_room(50001), {}), Error);
-  EXPECT_THROW(load_string(with_room(-1), {}), Error);
+  EXPECT_EQ(m->n.contacts, load_string(with_capacity(208), {})->n.contacts);  // loading builds the model anew
+  EXPECT_THROW(load_string(with_capacity(50001), {}), Error);
+  EXPECT_THROW(load_string(with_capacity(-1), {}), Error);
 }
 
 // Every block that a builder makes is accepted in place and gives the same model.
