@@ -672,7 +672,8 @@ enum {
   /* The effects of new data: AS_STATED, and for algorithms called alone ARMATURE, LIMITS, ACTUATORS, FLUID,
      GRAVITY_COMPENSATION. */
   DYN_EFFECT_DEFAULT = 0x2f1,
-  DYN_EFFECT_ALL = 0x1ff                     /* All effects, in steps and in algorithms. */
+  DYN_EFFECT_TENDONS = 1u << 10,             /* Springs, damping, friction, limits, couplings of tendons. */
+  DYN_EFFECT_ALL = 0x5ff                     /* All effects, in steps and in algorithms. */
 };
 /* Sets the effects of a joint (joint 0: of all joints) to the mask. A follower's effects belong to its
    leader: set them there. All results are stale afterwards. */
@@ -1852,28 +1853,133 @@ DYN_API void dyn_qp_init(dynQp* qp, uint32_t struct_size);
 DYN_API dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed,
                                          dynQp* qp);
 
+/* ------------------------------------------------------------------------------------------------ tendons */
+
+/* Tendons: lengths L(q) that springs, dampers, friction, limits and actuators act on, in steps. (Inverse and
+   forward dynamics by themselves leave them out.) With the moment arms J = dL/dq the velocity is L' = J v. A
+   force f along the tendon, positive where it lengthens, gives the joints J' f.
+     FIXED    L = sum of value x over its JOINT elements: x is the coordinate of the joint
+     SPATIAL  L = sum over branches of (length of the path) / divisor. A branch is a row of SITE elements that
+              the path passes in straight lines. One SPHERE or CYLINDER may stand between two sites: the path
+              goes around it where it is in the way. PULLEY begins another branch.
+   Source: MuJoCo documentation, "Tendons"; wrapping: Garner and Pandy 2000, "The obstacle-set method". */
+typedef enum dynTendonType {
+  DYN_TENDON_TYPE_FIXED = 0,  /* A weighted sum of joint coordinates. */
+  DYN_TENDON_TYPE_SPATIAL = 1 /* The shortest path through sites and around spheres and cylinders. */
+} dynTendonType;
+
+typedef enum dynTendonElementType {
+  DYN_TENDON_ELEMENT_TYPE_JOINT = 0,    /* A joint of one degree of freedom; value: its coefficient. */
+  DYN_TENDON_ELEMENT_TYPE_SITE = 1,     /* The origin of a frame. */
+  DYN_TENDON_ELEMENT_TYPE_SPHERE = 2,   /* A sphere about the origin of a frame; value: its radius (m). */
+  DYN_TENDON_ELEMENT_TYPE_CYLINDER = 3, /* An endless cylinder about z of a frame; value: its radius (m). */
+  DYN_TENDON_ELEMENT_TYPE_PULLEY = 4    /* A new branch begins; value: its divisor. */
+} dynTendonElementType;
+
+typedef struct dynTendonElement {
+  uint32_t struct_size; /* set by dyn_tendon_element_init */
+  dynTendonElementType type;
+  const char* name;     /* of the joint or frame; PULLEY: NULL */
+  /* SPHERE, CYLINDER: a frame on the side that the path prefers, or NULL. Where that frame is inside the
+     surface, the path passes through the inside instead: it touches it at one point. */
+  const char* side;
+  double value;         /* default 1 */
+  int32_t id, side_id;  /* of a model: the joint or frame, and the side's frame; -1: none */
+} dynTendonElement;
+DYN_API void dyn_tendon_element_init(dynTendonElement* element, uint32_t struct_size,
+                                     dynTendonElementType type);
+#define dyn_tendon_element_init(x, type) dyn_tendon_element_init(x, sizeof(dynTendonElement), type)
+
+/* Units are those of L: m, or rad where a FIXED tendon adds angles. */
+typedef struct dynTendon {
+  uint32_t struct_size; /* set by dyn_tendon_init */
+  dynTendonType type;
+  /* The spring's force is stiffness (rest[0] - L) below rest[0], stiffness (rest[1] - L) above rest[1], and
+     zero between them. NAN, the default: L where joint springs rest, other joints in the initial
+     configuration. */
+  double stiffness, rest[2]; /* N/m; m */
+  double damping;            /* N s/m: the force -damping L' */
+  double friction;           /* N: dry friction, exact in steps */
+  double armature;           /* kg: inertia of what moves with L; in Euler steps and steps with contacts */
+  double range[2];           /* L stays within it; default: infinite */
+  int32_t elements;          /* of a model: how many there are */
+} dynTendon;
+DYN_API void dyn_tendon_init(dynTendon* tendon, uint32_t struct_size, dynTendonType type);
+#define dyn_tendon_init(x, type) dyn_tendon_init(x, sizeof(dynTendon), type)
+/* Adds a tendon of count elements. */
+DYN_API dynStatus dyn_builder_add_tendon(dynBuilder* builder, const char* name, const dynTendon* tendon,
+                                         const dynTendonElement* elements, int count);
+/* Two tendons whose lengths obey L1 - L1_0 = p(L2 - L2_0), a polynomial with the coefficients c0 .. c4; L_0:
+   the lengths in the initial configuration. tendon2 NULL: L1 - L1_0 = c0. A constraint of steps. */
+DYN_API dynStatus dyn_builder_couple_tendons(dynBuilder* builder, const char* name, const char* tendon1,
+                                             const char* tendon2, const double coefficients[5]);
+/* Returns the number of tendons. */
+DYN_API int dyn_model_ntendons(const dynModel* model);
+/* Returns the name of a tendon, or NULL when out of range. */
+DYN_API const char* dyn_model_tendon_name(const dynModel* model, int tendon);
+/* Returns the id of a tendon by name, or -1. */
+DYN_API int dyn_model_tendon_id(const dynModel* model, const char* name);
+/* Describes a tendon of the model. */
+DYN_API dynStatus dyn_model_tendon_info(const dynModel* model, int tendon, dynTendon* out);
+/* Describes an element of a tendon. Its names live as long as the model. */
+DYN_API dynStatus dyn_model_tendon_element(const dynModel* model, int tendon, int element,
+                                           dynTendonElement* out);
+/* Lengths L and velocities L' of all tendons at q and v, and their moment arms dL/dq on the tangent space,
+   ntendons x nv. */
+DYN_API dynStatus dyn_tendons(const dynModel* model, dynData* data, const double* q, const double* v,
+                              double* length, double* velocity, double* J);
+/* Points of the path of a SPATIAL tendon at the configuration of dyn_tendons, world axes: 3 numbers each. An
+   arc is given by points on it. Returns how many there are, or -1; at most capacity are written. A point that
+   begins a branch has a 1 in begins, the others 0; begins may be NULL. */
+DYN_API int dyn_tendon_path(const dynModel* model, dynData* data, int tendon, int capacity, double* points,
+                            int32_t* begins);
+
 /* ---------------------------------------------------------------------------------------------- actuators */
 
 /* Actuators: controls u drive the robot in steps. (Forward dynamics by itself takes tau alone.) An actuator
-   acts on a coordinate x of a joint whose neutral configuration is 0. Its length is l = gear x:
+   acts on a length l(q) with moment arms J = dl/dq (dynTransmission):
      w' = (u - w) / time_constant, or w' = u, within act_range; or w = u
-     f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range        tau += gear f
+     f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range        tau += J' f
    Euler steps, and steps with contacts, take terms in l and l' at the end of the step: no gain is too large.
    */
+typedef enum dynTransmission {
+  DYN_TRANSMISSION_JOINT = 0,  /* l = gear x, x a coordinate of a joint whose neutral configuration is 0. */
+  DYN_TRANSMISSION_TENDON = 1, /* l = gear L. */
+  /* f times wrench, [force; moment] in the axes of a frame, acts at its origin. With a reference frame, in whose
+     axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation vector] of the
+     frame in the reference; joints that carry both have no part in it. Without one l = 0. */
+  DYN_TRANSMISSION_SITE = 2
+} dynTransmission;
 typedef enum dynActuatorType {
   DYN_ACTUATOR_TYPE_MOTOR = 0,    /* f = w. */
   DYN_ACTUATOR_TYPE_POSITION = 1, /* f = kp (w - l) - kv l'. */
   DYN_ACTUATOR_TYPE_VELOCITY = 2, /* f = kv (w - l'). */
   /* f = kp (w - l) + kv (u[1] - l') + u[2]: the controls are target, its rate, and feed-forward force. */
   DYN_ACTUATOR_TYPE_PD = 3,
-  DYN_ACTUATOR_TYPE_AFFINE = 4    /* f = gain w + bias[0] + bias[1] l + bias[2] l'. */
+  DYN_ACTUATOR_TYPE_AFFINE = 4,   /* f = gain w + bias[0] + bias[1] l + bias[2] l'. */
+  DYN_ACTUATOR_TYPE_MUSCLE = 5    /* See dynMuscle; w is its activation. */
 } dynActuatorType;
+
+/* A muscle pulls with f = -force (w FL(x) FV(y) + FP(x)), on lengths that are normalised by the optimum length
+   L0 = (length_range[1] - length_range[0]) / (range[1] - range[0]):
+     x = range[0] + (l - length_range[0]) / L0        y = l' / (L0 vmax)
+   FL: four half parabolas from 0 at lmin over 1 at x = 1 to 0 at lmax. FV: (1 + y)^2 for -1 <= y <= 0, from there
+   a parabola to fvmax. FP: 0 to x = 1, half a parabola to fpmax / 2 at (1 + lmax) / 2, then its tangent.
+   The activation follows the control, both within [0, 1]: w' = (u - w) / t, with t = t_act (0.5 + 1.5 w) where
+   u > w, else t_deact / (0.5 + 1.5 w); a smoothing > 0 blends the two over that range of u - w.
+   Source: Millard et al. 2013, "Flexing computational muscle"; the curves are those of MuJoCo's muscles. */
+typedef struct dynMuscle {
+  double force;                             /* N, at optimum length: > 0 */
+  double range[2], length_range[2];         /* normalised; l (m) at both ends of it */
+  double lmin, lmax, vmax, fpmax, fvmax;
+  double t_act, t_deact, smoothing;         /* s, s, 1 */
+} dynMuscle;
 
 typedef struct dynActuator {
   uint32_t struct_size;    /* set by dyn_actuator_init */
   dynActuatorType type;
-  /* id of the joint (the builder takes its name), and which degree of freedom. Terms in l need a coordinate
-     whose rate is the velocity: not those of quaternions, planar and Euler-angle joints. */
+  /* JOINT: id of the joint (the builder takes its name), and which degree of freedom. Terms in l need a
+     coordinate whose rate is the velocity: not those of quaternions, planar and Euler-angle joints. */
   int32_t joint, component;
   double gear;             /* default 1 */
   double kp, kv;           /* POSITION, VELOCITY, PD: >= 0 */
@@ -1885,12 +1991,21 @@ typedef struct dynActuator {
   double act_range[2];     /* of w where it is filtered or integrated; default: infinite */
   int32_t integrates;      /* non-zero: w' = u, and time_constant must be 0; default 0 */
   int32_t idx_act;         /* of a model: index of w in the field "act"; -1: w = u */
+  dynTransmission transmission;
+  int32_t tendon;          /* of a model, TENDON: its id; else -1 */
+  int32_t frame, reference; /* of a model, SITE: ids of the frames; -1: none */
+  double wrench[6];        /* SITE: N and N m for each N of f; gear must be 1 */
+  dynMuscle muscle;        /* MUSCLE */
 } dynActuator;
 DYN_API void dyn_actuator_init(dynActuator* actuator, uint32_t struct_size, dynActuatorType type);
 #define dyn_actuator_init(x, type) dyn_actuator_init(x, sizeof(dynActuator), type)
-/* Adds an actuator to the joint of that name. */
+/* Adds an actuator to the joint, tendon or frame of that name. */
 DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator,
-                                           const char* joint);
+                                           const char* target);
+/* Adds an actuator of transmission SITE between a frame and a reference frame. */
+DYN_API dynStatus dyn_builder_add_actuator_between(dynBuilder* builder, const char* name,
+                                                   const dynActuator* actuator, const char* frame,
+                                                   const char* reference);
 /* Returns the number of actuators. */
 DYN_API int dyn_model_nactuators(const dynModel* model);
 DYN_API int dyn_model_nu(const dynModel* model); /* controls of all actuators */

@@ -70,6 +70,13 @@ struct Shape {
   PairFilter filter = PairFilter::Guess;
 };
 
+// An element of a tendon, as dynTendonElement.
+struct TendonElement {
+  dynTendonElementType type = DYN_TENDON_ELEMENT_TYPE_SITE;
+  std::string name, side = {};
+  double value = 1;
+};
+
 // What a named configuration states beside q. Joints and actuators that are not named: zero.
 struct ConfigurationState {
   struct Actuator {
@@ -129,8 +136,12 @@ class Builder {
   void allow_massless_joints();  // finish() reports joints that move no inertia; without this it throws
   void constraint_slots(int spare);
   void contact_capacity(int contacts);  // of a step; 0: by its shapes
-  // joint: its name. (builder_actuator.cpp)
-  void actuator(const std::string& name, const dynActuator& spec, const std::string& joint);
+  // (builder_tendon.cpp)
+  void tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements);
+  void couple_tendons(const std::string& name, const std::string& tendon1, const std::string& tendon2,
+                      const std::array<double, 5>& coefficients);
+  // target: the name of a joint, tendon or frame; reference: of a frame, or "". (builder_actuator.cpp)
+  void actuator(const std::string& name, const dynActuator& spec, const std::string& target, const std::string& reference = "");
   void gravity_compensation(const std::string& body, double share);
   void medium(double density, double viscosity, const std::array<double, 3>& wind);
   // Two collision shapes, by their names, that are tested whatever the filter says. material: nullptr, that of the shapes.

@@ -30,7 +30,42 @@ void set_law(const dynActuator& x, ActuatorRecord& r) {
     case DYN_ACTUATOR_TYPE_VELOCITY: set(r.gain, x.kv, 0, 0), set(r.bias, 0, 0, -x.kv); break;
     case DYN_ACTUATOR_TYPE_PD: set(r.gain, x.kp, x.kv, 1), set(r.bias, 0, -x.kp, -x.kv); break;
     case DYN_ACTUATOR_TYPE_AFFINE: set(r.gain, x.gain, 0, 0), set(r.bias, x.bias[0], x.bias[1], x.bias[2]); break;
+    case DYN_ACTUATOR_TYPE_MUSCLE: break;  // effect/muscle.hpp
   }
+}
+
+void check_muscle(const std::string& who, const dynMuscle& x) {
+  const std::pair<const char*, double> positive[] = {{"force", x.force}, {"vmax", x.vmax}, {"t_act", x.t_act}, {"t_deact", x.t_deact}};
+  for (const auto& [what, value] : positive) {
+    check_number(who, what, value, false);
+    if (value == 0) refuse(DYN_ERROR_INVALID, who + ": " + what + " is 0: it must be positive");
+  }
+  for (const auto& [what, value] : {std::pair{"fpmax", x.fpmax}, {"fvmax", x.fvmax}, {"smoothing", x.smoothing}})
+    check_number(who, what, value, false);
+  check_ends(who, "range", x.range), check_ends(who, "length_range", x.length_range);
+  if (!(x.range[0] < x.range[1] && x.length_range[0] < x.length_range[1]))
+    refuse(DYN_ERROR_INVALID, who + ": range and length_range need two different ends");
+  if (!(x.lmin < 1 && 1 < x.lmax && std::isfinite(x.lmin) && std::isfinite(x.lmax)))
+    refuse(DYN_ERROR_INVALID, who + ": lmin and lmax are " + number(x.lmin) + " and " + number(x.lmax) + ": 1 must lie between them");
+  if (!(x.fvmax >= 1)) refuse(DYN_ERROR_INVALID, who + ": fvmax is " + number(x.fvmax) + ": it is at least 1");
+}
+
+// The joint that an actuator drives by one degree of freedom.
+int find_driven_joint(const std::vector<JointEntry>& joints, const std::string& who, const std::string& name, int component) {
+  const auto at = std::find_if(joints.begin(), joints.end(), [&](const JointEntry& j) { return j.spec.name == name; });
+  if (at == joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + name + "'");
+  if (!at->spec.mimic.empty())
+    refuse(DYN_ERROR_INVALID, who + ": joint '" + name + "' follows '" + at->spec.mimic + "': name that one");
+  if (component < 0 || component >= spec_nv(at->spec))
+    refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(component) + ", and joint '" + name + "' has " +
+                                   std::to_string(spec_nv(at->spec)) + " degrees of freedom");
+  return int(at - joints.begin());
+}
+
+// Muscles act through a path, those of joints too.
+bool has_own_path(const ActuatorEntry& a) {
+  return a.spec.transmission == DYN_TRANSMISSION_SITE ||
+         (a.spec.transmission == DYN_TRANSMISSION_JOINT && a.spec.type == DYN_ACTUATOR_TYPE_MUSCLE);
 }
 
 }  // namespace
@@ -43,19 +78,31 @@ void Builder::Impl::check_actuator_name(const std::string& name) const {
     if (a.name == name) refuse(DYN_ERROR_NAME, "actuator '" + name + "' is there already: choose another name");
 }
 
-void Builder::actuator(const std::string& name, const dynActuator& spec, const std::string& joint) {
+void Builder::actuator(const std::string& name, const dynActuator& spec, const std::string& target,
+                       const std::string& reference) {
   impl->check_actuator_name(name);
   const std::string who = "actuator '" + name + "'";
-  const auto at =
-      std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& j) { return j.spec.name == joint; });
-  if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + joint + "'");
-  if (!at->spec.mimic.empty())
-    refuse(DYN_ERROR_INVALID, who + ": joint '" + joint + "' follows '" + at->spec.mimic + "': name that one");
   if (!is_value(spec.type))
     refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(spec.type)) + " is no dynActuatorType");
-  if (spec.component < 0 || spec.component >= spec_nv(at->spec))
-    refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(spec.component) + ", and joint '" + joint + "' has " +
-                                   std::to_string(spec_nv(at->spec)) + " degrees of freedom");
+  if (!is_value(spec.transmission))
+    refuse(DYN_ERROR_ARGUMENT, who + ": transmission " + std::to_string(int(spec.transmission)) + " is no dynTransmission");
+  ActuatorEntry entry{name, spec, -1};
+  if (!reference.empty() && spec.transmission != DYN_TRANSMISSION_SITE)
+    refuse(DYN_ERROR_ARGUMENT, who + ": a reference frame needs the transmission SITE");
+  if (spec.transmission == DYN_TRANSMISSION_JOINT) {
+    entry.target = find_driven_joint(impl->joints, who, target, spec.component);
+    if (spec.type == DYN_ACTUATOR_TYPE_MUSCLE && joint_nq(impl->joints[std::size_t(entry.target)].spec.type) != 1)
+      refuse(DYN_ERROR_INVALID, who + ": a muscle needs a length, and joint '" + target + "' has none");
+  } else if (spec.transmission == DYN_TRANSMISSION_TENDON) {
+    entry.target = impl->find_tendon(target, who);
+  } else {
+    if (target.empty()) refuse(DYN_ERROR_ARGUMENT, who + ": it needs a frame");
+    entry.target = impl->find({target, 0}, who);
+    entry.reference = reference.empty() ? -1 : impl->find({reference, 0}, who);
+    for (const double w : spec.wrench) check_number(who, "wrench", w, true);
+    if (spec.gear != 1) refuse(DYN_ERROR_INVALID, who + ": gear is " + number(spec.gear) + ": with SITE, wrench says it all");
+  }
+  if (spec.type == DYN_ACTUATOR_TYPE_MUSCLE) check_muscle(who, spec.muscle);
   check_number(who, "gear", spec.gear, true);
   check_number(who, "kp", spec.kp, false), check_number(who, "kv", spec.kv, false);
   check_number(who, "gain", spec.gain, true);
@@ -66,7 +113,9 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   if (spec.integrates && spec.time_constant > 0)
     refuse(DYN_ERROR_INVALID,
            who + ": it integrates its control, and has a time constant, " + number(spec.time_constant) + ": give one of them");
-  impl->actuators.push_back({name, spec, int(at - impl->joints.begin())});
+  if (spec.type == DYN_ACTUATOR_TYPE_MUSCLE && (spec.integrates || spec.time_constant > 0))
+    refuse(DYN_ERROR_INVALID, who + ": the activation of a muscle has its own time constants, t_act and t_deact");
+  impl->actuators.push_back(std::move(entry));
 }
 
 void Builder::gravity_compensation(const std::string& body, double share) {
@@ -105,29 +154,38 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
   impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt});
 }
 
-std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
+std::vector<ActuatorRecord> actuators_of(const Builder::Impl& in, const std::vector<Index>& id,
                                          const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n) {
   std::vector<ActuatorRecord> out;
-  for (const ActuatorEntry& a : actuators) {
+  const Index tendon_paths = Index(in.tendons.size() + in.couplings.size());
+  Index own_paths = 0, rows = 0;
+  for (const ActuatorEntry& a : in.actuators) {
     ActuatorRecord r{};
     r.spec = a.spec;
-    r.spec.struct_size = sizeof r.spec, r.spec.joint = id[std::size_t(a.joint)];
+    const dynTransmission by = a.spec.transmission;
+    r.spec.struct_size = sizeof r.spec, r.spec.joint = by == DYN_TRANSMISSION_JOINT ? id[std::size_t(a.target)] : 0;
+    r.spec.tendon = by == DYN_TRANSMISSION_TENDON ? a.target : -1;
+    r.spec.frame = by == DYN_TRANSMISSION_SITE ? a.target : -1, r.spec.reference = a.reference;
+    r.path = by == DYN_TRANSMISSION_TENDON ? a.target : has_own_path(a) ? tendon_paths + own_paths++ : -1;
+    r.row = r.path >= 0 ? rows++ : -1;
     r.spec.controls = a.spec.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1, r.spec.idx_u = n.nu;
     n.nu += r.spec.controls;
     set_law(a.spec, r);
-    r.v = joints[std::size_t(r.spec.joint)].idx_v + a.spec.component, r.q = -1;
+    r.v = r.path >= 0 ? -1 : joints[std::size_t(r.spec.joint)].idx_v + a.spec.component, r.q = -1;
     for (const EuclideanSpan& s : euclidean_spans)
       if (r.v >= s.first_v && r.v < s.first_v + s.count) r.q = s.first_q + r.v - s.first_v;
-    if (r.bias[1] != 0 && r.q < 0)
+    if (r.bias[1] != 0 && r.q < 0 && r.path < 0)
       refuse(DYN_ERROR_INVALID,
              "actuator '" + a.name +
                  "' depends on a length, and the coordinates of its joint are no lengths: use MOTOR or VELOCITY");
     r.spec.integrates = a.spec.integrates != 0;
-    r.act = r.spec.idx_act = a.spec.time_constant > 0 || a.spec.integrates ? n.na++ : -1;
+    r.act = r.spec.idx_act = has_activation(a.spec) ? n.na++ : -1;
     out.push_back(r);
   }
   n.actuators = Index(out.size());
+  n.tendons = Index(in.tendons.size()), n.couplings = Index(in.couplings.size()), n.paths = tendon_paths + own_paths;
+  n.path_rows = path_rows_of_tendon * n.tendons + n.couplings + rows;
   return out;
 }
 

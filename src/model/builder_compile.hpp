@@ -63,6 +63,8 @@ struct Compiler {
   // builder_indices.cpp
   void add_runs();
   void add_limits();
+  // builder_tendon.cpp: after the actuators
+  void add_paths();
   void add_subtrees();
   void sort_names();
   void close_text();
@@ -72,6 +74,7 @@ struct Compiler {
   void copy_arrays();
   void settle_configurations();
   void fill_elimination_tree();
+  void fill_path_dofs();
   template <class T>
   T* array(Model::Field field) {
     return reinterpret_cast<T*>(reinterpret_cast<char*>(model.get()) + 8 * std::size_t(model->offset[std::size_t(field)]));

@@ -27,6 +27,7 @@ ModelPtr Compiler::compile() {
   add_configurations();
   add_runs();
   add_configuration_states();
+  add_paths();
   add_limits();
   add_subtrees();
   sort_names();
@@ -37,9 +38,11 @@ ModelPtr Compiler::compile() {
   copy_arrays();
   settle_configurations();
   fill_elimination_tree();
+  fill_path_dofs();
 
   massless = check_dynamics(*model, order, in.joints, in.frames, in.allow_massless);
   check_constraints(*model);
+  if (model->n.paths > 0) settle_tendons(*model);
   model->n.contacts = Index(contact_capacity_of(*model));
   return std::move(model);
 }

@@ -84,10 +84,29 @@ struct ConstraintEntry {
   int first, second;
 };
 
+// Indices of a joint (JOINT) or frames; -1: none.
+struct TendonElementEntry {
+  dynTendonElementType type;
+  int id, side;
+  double value;
+};
+struct TendonEntry {
+  std::string name;
+  dynTendon spec;
+  std::vector<TendonElementEntry> elements;
+};
+// Of two tendons, by their indices; tendon2 -1: of one.
+struct TendonCoupling {
+  std::string name;
+  int tendon1, tendon2;
+  std::array<double, 5> coefficients;
+};
+
 struct ActuatorEntry {
   std::string name;
   dynActuator spec;
-  int joint;  // index
+  int target;          // index of a joint, tendon or frame: by spec.transmission
+  int reference = -1;  // frame
 };
 
 // A pair of shapes that is tested whatever the filter says; material: of its contacts, or that of the shapes.
@@ -114,6 +133,8 @@ struct Builder::Impl {
   bool allow_massless = false;  // joints that move no inertia: a warning; forward dynamics then fails when it is called
   int constraint_slots = 8;  // spare ones
   int contact_capacity = 0;  // 0: by the shapes
+  std::vector<TendonEntry> tendons;
+  std::vector<TendonCoupling> couplings;
   std::vector<ActuatorEntry> actuators;
   std::vector<PairEntry> pairs;
 
@@ -123,6 +144,9 @@ struct Builder::Impl {
   void check_configuration_name(const std::string& name) const;
   void check_constraint_name(const std::string& name) const;
   void check_actuator_name(const std::string& name) const;
+  void check_tendon_name(const std::string& name) const;
+  void check_coupling_name(const std::string& name) const;
+  int find_tendon(const std::string& name, const std::string& who) const;
   // Makes every configuration one by joints.
   void split_configurations();
   // Drops the joints not marked, with the frames, shapes and numbers that they carry; world: what is fixed to it stays.
@@ -200,9 +224,11 @@ Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
 // Throws when the model can't have one.
 void check_constraints(const Model& m);
 // Actuators as the model keeps them, and their sizes. (builder_actuator.cpp)
-std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
+std::vector<ActuatorRecord> actuators_of(const Builder::Impl& in, const std::vector<Index>& id,
                                          const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n);
+// Lengths at rest that the entries leave open, and those of couplings, in the finished model. (algorithm/builder_paths.cpp)
+void settle_tendons(Model& m);
 // On which a medium drags; X: the link's frame in its body's internal one. None of a link without mass.
 std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);
 

@@ -101,7 +101,40 @@ struct DragBox {
 struct ActuatorRecord {
   dynActuator spec;
   double gain[3], bias[3];
-  Index name, q, v, act;  // the user's coordinate (or -1) and degree of freedom; of the activation, or -1
+  Index name, q, v, act;  // the user's coordinate (or -1) and degree of freedom (or -1); of the activation, or -1
+  Index path, row;        // what it acts through, and its number among those that do; or -1: a coordinate
+};
+inline bool has_activation(const dynActuator& a) {
+  return a.time_constant > 0 || a.integrates || a.type == DYN_ACTUATOR_TYPE_MUSCLE;
+}
+
+struct TendonRecord {
+  dynTendon spec;
+  Index name, padding;
+};
+
+// A length as a function of the configuration: of tendons, by their ids, of couplings, and of what else actuators act through.
+enum class PathKind : Index { Fixed, Spatial, Site, Coupling };
+inline constexpr Index path_rows_of_tendon = 3;  // of a step: its limit, its spring and damper, its friction
+struct PathRecord {
+  double wrench[6];   // SITE
+  double polynomial[5], neutral[2];  // COUPLING: l = L1 - neutral1 - p(L2 - neutral2)
+  PathKind kind;
+  Index first, elements;    // in path_elements
+  Index first_dof, dofs;    // in path_dofs: the degrees of freedom that move it, and their ancestors in the elimination tree
+  Index joint;              // whose effects it has: the only one that moves it, or 0
+  Index angular;            // 1: a length in rad
+  Index name;               // of a coupling
+};
+// An element of a path, with a frame or the coordinate of a joint.
+struct PathElement {
+  SE3<double> X;       // of the frame in its body's internal frame
+  Vec3<double> side;   // the side's origin in its body's internal frame
+  double value;
+  dynTendonElementType type;
+  Index id, body;            // joint or frame; -1: none
+  Index side_id, side_body;  // frame; -1: none
+  Index q, dof;              // the user's
 };
 
 struct ShapeRecord {
@@ -176,6 +209,9 @@ struct ModelSizes {
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
   Index materials;
   Index actuators, nu, na, gravity_compensations, drag_boxes;
+  Index tendons, couplings, paths, path_elements, path_dofs;  // paths: of tendons, of couplings, of actuators
+  Index paths_in_space;  // of those: that need placements
+  Index path_rows;  // that a step has room for: of each tendon, coupling, and actuator on a path
   Index contacts, limits, carriers;  // contact points that a step has room for; degrees of freedom that carry two bodies, at most
 };
 
