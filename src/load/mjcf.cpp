@@ -87,7 +87,7 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
 ModelPtr load_mjcf(const std::string& text, const std::string& file, const LoadOptions& options) {
   using namespace load;
   MjcfSource source(text, file, options);
-  Element& root = source.root();
+  load::Element& root = source.root();
   const Reader reader = source.reader(root, "the model");
   reader.unread(root, {"model"},
                 {"compiler", "option", "size", "visual", "statistic", "default", "custom", "asset", "worldbody", "deformable",
