@@ -92,7 +92,7 @@ void add_frames(Builder& builder, const MjcfRobot& robot) {
     };
     for (const MjcfSite& s : body.sites) add(s.place, s.frame, s.X);
     for (const MjcfGeom& g : body.geoms)
-      if (g.wrapped) add(g.place, g.frame, g.X);
+      if (g.wrapped && !g.has_site) add(g.place, g.frame, g.X);
   }
 }
 

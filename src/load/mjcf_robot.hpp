@@ -63,7 +63,7 @@ struct MjcfGeom {
   std::shared_ptr<const meshes::Mesh> mesh;  // set if the mesh was read
   std::string rule;                          // how a mesh gets its mass: legacy (also ""), exact, convex, shell
   bool discarded = false;                    // <compiler discardvisual>: it is no shape
-  bool wrapped = false;                      // by a tendon
+  bool wrapped = false, has_site = false;    // by a tendon; at the frame of a site
   std::string frame;                         // of a wrapped geom
 };
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "mjcf_robot.hpp"
+#include "mjcf_wrap.hpp"
 
 namespace dyn::load {
 
@@ -107,8 +108,21 @@ void read_numbers(const MjcfFile& file, const Reader& reader, const Element& e, 
 
 std::string free_name(const std::string& wanted, std::set<std::string>& taken) {
   std::string name = wanted;
-  for (int k = 2; !taken.insert(name).second; ++k) name = wanted + "_wrap" + (k > 2 ? std::to_string(k) : "");
+  for (int k = 2; !taken.insert(name).second; ++k) name = wanted + wrap_ending + (k > 2 ? std::to_string(k) : "");
   return name;
+}
+
+bool stands_for_frame(const MjcfGeom& g) {
+  return g.group == group_of_wraps && g.shape.role == DYN_SHAPE_ROLE_VISUAL && g.mass.value_or(g.density) == 0;
+}
+
+// Files that are written have a site for the frame of a wrapped geom. Where the model has no such shape, the geom is massless, out
+// of view, and no shape either.
+const MjcfSite* site_of_wrap(const MjcfBody& body, const MjcfGeom& g) {
+  const bool alone = stands_for_frame(g);
+  for (const MjcfSite& s : body.sites)
+    if ((alone || wraps_as(g.shape.name, s.name)) && is_same_pose(s.X, g.X)) return &s;
+  return nullptr;
 }
 
 }  // namespace
@@ -170,6 +184,10 @@ void name_mjcf_frames(MjcfRobot& robot) {
   for (MjcfBody& b : robot.bodies)
     for (MjcfGeom& g : b.geoms)
       if (g.wrapped) {
+        if (const MjcfSite* const s = site_of_wrap(b, g)) {
+          g.frame = s->frame, g.has_site = true, g.discarded |= stands_for_frame(g);
+          continue;
+        }
         g.frame = free_name(g.shape.name, taken);
         if (g.frame != g.shape.name) g.place.info("the frame that tendons wrap around is called " + load::in_quotes(g.frame));
       }
