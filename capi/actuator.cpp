@@ -16,6 +16,15 @@ bool exists(const char* function, const Model& m, int actuator) {
   return false;
 }
 
+dynStatus add_actuator(const char* function, dynBuilder* builder, const char* name, const dynActuator* actuator, const char* target,
+                       const char* reference) {
+  if (const dynStatus s = check(builder)) return s;
+  if (!actuator) return fail(DYN_ERROR_ARGUMENT, "%s: actuator is NULL: it is required", function);
+  const Given<dynActuator> given(function, actuator);
+  if (given.status != DYN_OK) return given.status;
+  return with(builder, [&](Builder& b) { b.actuator(text(name), *given, text(target), text(reference)); });
+}
+
 Force<double> shifted(const Force<double>& f, const Vec3<double>& p) { return {f.linear, f.angular + cross(p, f.linear)}; }
 
 }  // namespace
@@ -31,12 +40,13 @@ void(dyn_actuator_init)(dynActuator* actuator, uint32_t size, dynActuatorType ty
   initialize(actuator, size, default_actuator(type));
 }
 
-dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint) {
-  if (const dynStatus s = check(builder)) return s;
-  if (!actuator) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_actuator: actuator is NULL: it is required");
-  const Given<dynActuator> given("dyn_builder_add_actuator", actuator);
-  if (given.status != DYN_OK) return given.status;
-  return with(builder, [&](Builder& b) { b.actuator(text(name), *given, text(joint)); });
+dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* target) {
+  return add_actuator("dyn_builder_add_actuator", builder, name, actuator, target, "");
+}
+
+dynStatus dyn_builder_add_actuator_between(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* frame,
+                                           const char* reference) {
+  return add_actuator("dyn_builder_add_actuator_between", builder, name, actuator, frame, reference);
 }
 
 dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* body, double share) {

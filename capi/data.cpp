@@ -139,7 +139,7 @@ dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name)
   for (std::uint64_t& version : d.version) version = ++data->body->counter;
   if (!d.step) return DYN_OK;
   d.step->contact_count = 0, d.step->advancement_cache.square = 0;
-  std::fill_n(d.step->limit_forces, m.n.limits, 0.0);
+  std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
   std::fill_n(d.step->sleep.slow_time, d.step->sleep.count, 0.0);
   return DYN_OK;
 }
@@ -205,8 +205,8 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
   const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames,
                        nparameters = parameter_count(call.m()), npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows,
-                       nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators;
-  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
+                       nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators, ntendons = call.m().n.tendons;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators, (void)ntendons;
   dynArray array{};
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
     array.rows = int32_t(height), array.cols = int32_t(width),

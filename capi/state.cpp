@@ -16,7 +16,8 @@ struct Header {
 };
 
 std::size_t numbers(const Model& m) {
-  return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na) + std::size_t(m.n.limits);
+  return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na) +
+         std::size_t(simulation::remembered_rows(m));
 }
 std::size_t bytes(const Model& m) {
   return sizeof(Header) + (numbers(m) + std::size_t(simulation::resting_trees(m))) * sizeof(double) +
@@ -27,7 +28,7 @@ std::size_t bytes(const Model& m) {
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);
-  f(d.step->limit_forces, m.n.limits);
+  f(d.step->limit_forces, simulation::remembered_rows(m));
   f(d.step->sleep.slow_time, d.step->sleep.count);
 }
 

@@ -1,18 +1,22 @@
-// Actuator forces (dynActuator). With the length l = gear q of a coordinate:
-//   f = gain . (w, u1, u2) + bias . (1, l, l'), clamped to the force range      tau += gear f
+// Actuator forces (dynActuator). With the length l = gear q of a coordinate or a path (algorithm/paths.hpp):
+//   f = gain . (w, u1, u2) + bias . (1, l, l'), clamped to the force range      tau += gear J^T f, J = dq/d(degrees of freedom)
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
+#include "algorithm/paths.hpp"
 #include "base/portable.hpp"
-#include "model/data.hpp"
+#include "effect/list.hpp"
+#include "effect/muscle.hpp"
 
 namespace dyn {
 
 inline dynActuator default_actuator(dynActuatorType type) {
   dynActuator a{};
   a.struct_size = sizeof a, a.type = type, a.gear = 1;
+  a.muscle = {1, {0.75, 1.05}, {0, 1}, 0.5, 1.6, 1.5, 1.3, 1.2, 0.01, 0.04, 0};
+  a.tendon = a.frame = a.reference = -1;
   for (double* range : {a.control_range, a.force_range, a.act_range}) range[0] = -HUGE_VAL, range[1] = HUGE_VAL;
   a.idx_act = -1;
   return a;
@@ -36,40 +40,96 @@ T command(const ActuatorRecord& r, const Data<T>& d) {
   return clamp_to(d.ctrl[r.spec.idx_u], r.spec.control_range);
 }
 
-// Activation after h: exact, because the control is constant over the step.
+inline bool is_muscle(const ActuatorRecord& r) { return r.spec.type == DYN_ACTUATOR_TYPE_MUSCLE; }
+
+// Excitation of a muscle, and the time constant of its activation.
+template <class T>
+T excitation(const ActuatorRecord& r, const Data<T>& d) { return std::clamp(command(r, d), T(0), T(1)); }
+
+// Activation after h: exact for filters and integrators, because the control is constant over the step. A muscle's time constant
+// is that of the beginning.
 template <class T>
 T activation_after(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
   using math::exp;
+  if (is_muscle(r)) {
+    const T u = excitation(r, d);
+    return clamp_to(u + (w - u) * exp(-h / muscle::time_constant(r.spec.muscle, u, w)), r.spec.act_range);
+  }
   const T u = command(r, d);
   return clamp_to(r.spec.integrates ? w + h * u : u + (w - u) * exp(-h / T(r.spec.time_constant)), r.spec.act_range);
 }
 // dw/dt
 template <class T>
 T activation_rate(const ActuatorRecord& r, const Data<T>& d, T w) {
+  if (is_muscle(r)) return (excitation(r, d) - w) / muscle::time_constant(r.spec.muscle, excitation(r, d), w);
   const T u = command(r, d);
   return r.spec.integrates ? u : (u - w) * T(1 / r.spec.time_constant);
+}
+
+// What an actuator acts on, before its gear: q and its rate v.
+template <class T>
+struct Stroke {
+  T q, v;
+};
+template <class T>
+DYN_INLINE Stroke<T> stroke_of(const ActuatorRecord& r, const Data<T>& d) {
+  if (r.q >= 0) [[likely]] return {d.q[r.q], d.v[r.v]};
+  return r.path >= 0 ? Stroke<T>{d.path_length[r.path], d.path_velocity[r.path]} : Stroke<T>{T(0), d.v[r.v]};
 }
 
 template <class T>
 T unbounded_force(const ActuatorRecord& r, const Data<T>& d, T w, T q, T v) {
   T f = T(r.bias[0]) + T(r.gain[0]) * w + T(r.bias[2] * r.spec.gear) * v;
   if (r.q >= 0) f += T(r.bias[1] * r.spec.gear) * q;
+  else if (r.path >= 0 && is_muscle(r)) return muscle::force(r.spec.muscle, w, T(r.spec.gear) * q, T(r.spec.gear) * v).force;
+  else if (r.path >= 0) f += T(r.bias[1] * r.spec.gear) * q;
   if (r.spec.controls == 3) f += T(r.gain[1]) * d.ctrl[r.spec.idx_u + 1] + T(r.gain[2]) * d.ctrl[r.spec.idx_u + 2];
   return f;
 }
 
-// At the state and the activations in d.
+// At the state and the activations in d; paths must have been placed.
 template <class T>
 T actuator_force(const ActuatorRecord& r, const Data<T>& d) {
   const T w = r.act >= 0 ? d.act[r.act] : command(r, d);
-  return clamp_to(unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]), r.spec.force_range);
+  const Stroke<T> s = stroke_of(r, d);
+  return clamp_to(unbounded_force(r, d, w, s.q, s.v), r.spec.force_range);
 }
 
-// Returns tau plus all actuator forces at the state in d.
+// tau += gear J^T f
+template <class T>
+DYN_INLINE void add_actuator_force(const Model& m, const Data<T>& d, const ActuatorRecord& r, T f, T* tau) {
+  if (r.v >= 0) [[likely]] tau[r.v] += T(r.spec.gear) * f;
+  else add_path_force(m, d, r.path, T(r.spec.gear) * f, tau);
+}
+
+// Calls f(tendon, number, length, rate) for those with a force of their own that are switched on.
+template <class T, class F>
+void for_each_tendon(const Model& m, const Data<T>& d, F&& f) {
+  if (!(d.acting & DYN_EFFECT_TENDONS)) return;
+  for (Index k = 0; k < m.n.tendons; ++k)
+    if (d.effects[m.paths()[k].joint] & DYN_EFFECT_TENDONS) f(m.tendons()[k].spec, k, d.path_length[k], d.path_velocity[k]);
+}
+
+// Of the springs of tendons, J; paths must have been measured.
+template <class T>
+T tendon_energy(const Model& m, const Data<T>& d) {
+  T sum = T(0);
+  for_each_tendon(m, d, [&](const dynTendon& t, Index, T length, T) { sum += effect::Tendons::energy(t, length); });
+  return sum;
+}
+
+// Returns tau plus the forces of all actuators and tendons at the state in d.
 template <class T>
 const T* actuated(const Model& m, Data<T>& d, const T* tau) {
   std::copy_n(tau, m.n.nv, d.step_tau);
-  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) { d.step_tau[r.v] += T(r.spec.gear) * actuator_force(r, d); });
+  if (m.n.paths > 0) {
+    place_paths(m, d);
+    for (Index k = 0; k < m.n.path_rows; ++k) d.path_forces[k].acts = 0;
+  }
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) { add_actuator_force(m, d, r, actuator_force(r, d), d.step_tau); });
+  for_each_tendon(m, d, [&](const dynTendon& t, Index k, T length, T rate) {
+    add_path_force(m, d, k, effect::Tendons::force(t, length, rate), d.step_tau);
+  });
   return d.step_tau;
 }
 
@@ -82,6 +142,7 @@ void advance_activations(const Model& m, Data<T>& d, const T* w, T h) {
 
 template <class T>
 void record_forces(const Model& m, Data<T>& d) {
+  if (m.n.paths > 0) place_paths(m, d);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) { d.actuator_force[k] = actuator_force(r, d); });
 }
 

@@ -1,6 +1,7 @@
 // Kinetic and potential energy of what moves.
 #pragma once
 
+#include "algorithm/actuators.hpp"
 #include "algorithm/effects.hpp"
 #include "algorithm/kinematics.hpp"
 
@@ -31,7 +32,8 @@ void potential_energy(const Model& m, Data<T>& d) {
     const Body& b = m.bodies()[i];
     sum += dot(g, d.p[i] * T(b.m) + d.R[i] * cast<T>(b.h));
   }
-  d.potential[0] = spring_energy(m, d) - sum;
+  if (d.acting & DYN_EFFECT_TENDONS) measure_paths(m, d);
+  d.potential[0] = spring_energy(m, d) + tendon_energy(m, d) - sum;
   d.mark_fresh(Stage::Potential);
 }
 

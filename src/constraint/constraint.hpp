@@ -29,6 +29,8 @@ struct Constraint {
   double stiffness, damping, restitution;
   Index body1, body2;      // between joints: bodies of the coordinates; 0: none
   Index q1, q2, v1, v2;    // between joints: user's coordinates, expanded degrees of freedom
+  Index path;              // 1 + the path whose length the row is of, or 0: then nothing else but type, and stiffness .. armature
+  double armature;         // of a force along a path (PathForce), with stiffness, damping, and force at the beginning
   dynConstraintType type;
   dynJointType joint_type;
 };

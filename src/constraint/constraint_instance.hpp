@@ -15,6 +15,8 @@ inline bool of_ball(const Constraint& c) {
   return c.type == DYN_CONSTRAINT_TYPE_LIMIT && c.joint_type == DYN_JOINT_TYPE_SPHERICAL;
 }
 
+inline bool of_path(const Constraint& c) { return c.path != 0; }
+
 template <class T>
 struct ConstraintInstance {
   Constraint c;

@@ -10,11 +10,12 @@
 #include "effect/limits.hpp"
 #include "effect/sleeping.hpp"
 #include "effect/springs.hpp"
+#include "effect/tendons.hpp"
 
 namespace dyn {
 
 #define DYN_EFFECTS(X) \
-  X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(Sleeping)
+  X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(Sleeping) X(Tendons)
 
 // f.template operator()<E>() for every effect.
 template <class F>
@@ -43,6 +44,8 @@ static_assert(effect_bits([]<class E>() { return true; }) == DYN_EFFECT_ALL, "ea
 
 inline constexpr std::uint32_t resisting_effects =
     effect_bits([]<class E>() { return effect::OfVelocity<E> || effect::OfConfiguration<E>; });
+// Those that add to tau in steps.
+inline constexpr std::uint32_t driving_effects = DYN_EFFECT_ACTUATORS | DYN_EFFECT_TENDONS;
 inline constexpr std::uint32_t link_effects = effect_bits([]<class E>() { return effect::OnLinks<E>; });
 inline constexpr std::uint32_t fast_link_effects = effect_bits([]<class E>() {
   if constexpr (effect::OnLinks<E>) return E::needs_velocity;

@@ -12,7 +12,7 @@ namespace dyn::integrator {
 // Forward dynamics at d.q, d.v with all forces and constraints. Returns 0, or the joint that is singular.
 template <class T>
 Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
-  const T *tau = d.acting & DYN_EFFECT_ACTUATORS ? actuated(m, d, d.tau_applied) : d.tau_applied, *fext = forces_on_bodies(m, d);
+  const T *tau = d.acting & driving_effects ? actuated(m, d, d.tau_applied) : d.tau_applied, *fext = forces_on_bodies(m, d);
   if constexpr (std::is_same_v<T, double>)
     if (active_rows(m, d) > 0) {
       ProximalOptions options;

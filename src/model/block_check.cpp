@@ -142,7 +142,7 @@ bool BlockChecker::frames() {
 
 bool BlockChecker::constraints() {
   char message[256];
-  Index rows = max_rows * (n.slots - n.constraints);
+  Index rows = max_rows * (n.slots - n.constraints) + n.couplings;
   return each(n.constraints, [&](Index k) {
     const ConstraintRecord& c = m.constraints()[k];
     if (!text(c.name) || !require(int(c.spec.type) > DYN_CONSTRAINT_TYPE_NONE &&
@@ -155,13 +155,23 @@ bool BlockChecker::constraints() {
 }
 
 bool BlockChecker::actuators() {
-  Index nu = 0, na = 0;
+  Index nu = 0, na = 0, rows = 0;
   return each(n.actuators, [&](Index k) {
     const ActuatorRecord& r = m.actuators()[k];
     const dynActuator& a = r.spec;
     if (!text(r.name) || !index(a.joint, n.joints, "joint of an actuator")) return false;
     const JointRecord& j = m.joints()[a.joint];
-    if (!require(is_value(a.type), "type of an actuator") || !index(a.component, j.nv, "component of an actuator")) return false;
+    const bool coordinate = a.transmission == DYN_TRANSMISSION_JOINT && a.type != DYN_ACTUATOR_TYPE_MUSCLE;
+    if (!require(is_value(a.type) && is_value(a.transmission), "type of an actuator") ||
+        (a.transmission == DYN_TRANSMISSION_JOINT && !index(a.component, j.nv, "component of an actuator")) ||
+        !require(coordinate ? r.path == -1 && r.row == -1 : r.row == rows++, "path of an actuator") ||
+        (!coordinate && !index(r.path, n.paths, "path of an actuator")))
+      return false;
+    if (!require((a.transmission == DYN_TRANSMISSION_TENDON ? r.path < n.tendons && a.tendon == r.path : a.tendon == -1) &&
+                     (a.transmission == DYN_TRANSMISSION_SITE ? a.frame >= 0 && a.frame < n.frames && a.reference < n.frames
+                                                              : a.frame == -1 && a.reference == -1),
+                 "what an actuator acts on"))
+      return false;
     if (!require(a.controls == (a.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator"))
       return false;
     nu += a.controls;
@@ -169,8 +179,8 @@ bool BlockChecker::actuators() {
     for (Index s = 0; s < n.euclidean_spans; ++s)
       if (const EuclideanSpan& span = m.euclidean_spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count)
         q = span.first_q + r.v - span.first_v;
-    const bool filtered = a.time_constant > 0 || a.integrates;
-    if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act,
+    const bool filtered = has_activation(a);
+    if (!require(r.v == (coordinate ? j.idx_v + a.component : -1) && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act,
                  "coordinates of an actuator"))
       return false;
     na += filtered;
@@ -178,11 +188,75 @@ bool BlockChecker::actuators() {
     return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) &&
                        a.time_constant >= 0 && (a.integrates == 0 || (a.integrates == 1 && a.time_constant == 0)),
                    "a number of an actuator") &&
-           require(r.bias[1] == 0 || r.q >= 0, "an actuator depends on a length that is none") &&
+           require(r.bias[1] == 0 || r.q >= 0 || r.path >= 0, "an actuator depends on a length that is none") &&
            require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1] &&
                        a.act_range[0] <= a.act_range[1],
                    "a range of an actuator");
-  }) && require(nu == n.nu && na == n.na, "controls of the actuators");
+  }) && require(nu == n.nu && na == n.na && n.path_rows == path_rows_of_tendon * n.tendons + n.couplings + rows,
+                "controls of the actuators");
+}
+
+bool BlockChecker::path_element(const PathElement& e) {
+  if (!require(is_value(e.type) && std::isfinite(e.value) && is_finite(e.X) && is_finite(e.side), "a number of a path")) return false;
+  if (e.type == DYN_TENDON_ELEMENT_TYPE_PULLEY) return require(e.value > 0, "the divisor of a path");
+  if (e.type == DYN_TENDON_ELEMENT_TYPE_JOINT) {
+    if (!index(e.id, n.joints, "joint of a path")) return false;
+    const JointRecord& j = m.joints()[e.id];
+    return require(e.q == j.idx_q && e.dof == j.idx_v && e.body == j.last_body, "joint of a path") &&
+           index(e.q, n.nq, "coordinate of a path") && index(e.dof, n.nv, "degree of freedom of a path");
+  }
+  return index(e.id, n.frames, "frame of a path") && require(e.body == m.frames()[e.id].body, "body of a path") &&
+         (e.side_id < 0 || (index(e.side_id, n.frames, "side of a path") &&
+                            require(e.side_body == m.frames()[e.side_id].body, "side of a path")));
+}
+
+bool BlockChecker::path(Index k) {
+  const PathRecord& p = m.paths()[k];
+  if (!require(are_finite(p.wrench) && are_finite(p.polynomial) && are_finite(p.neutral), "a number of a path") || !text(p.name) ||
+      !index(p.joint, n.joints, "joint of a path") || !index(p.first_dof, std::int64_t(n.path_dofs) + 1, "path") ||
+      !index(p.dofs, std::int64_t(n.path_dofs) - p.first_dof + 1, "path"))
+    return false;
+  const Index *const dofs = m.path_dofs() + p.first_dof, *const up = m.path_parents() + p.first_dof;
+  for (Index i = 0; i < p.dofs; ++i) {
+    if (!index(dofs[i], i > 0 ? dofs[i - 1] : n.nv, "degree of freedom of a path")) return false;
+    const Index parent = m.dof_parent()[dofs[i]];
+    if (!require(parent < 0 ? up[i] == -1 : up[i] > i && up[i] < p.dofs && dofs[up[i]] == parent, "degree of freedom of a path"))
+      return false;
+  }
+  if (k >= n.tendons && k < n.tendons + n.couplings)
+    return require(p.kind == PathKind::Coupling, "a coupling") && index(p.first, n.tendons, "tendon of a coupling") &&
+           (p.elements == -1 || index(p.elements, n.tendons, "tendon of a coupling"));
+  const bool known = k < n.tendons ? p.kind == PathKind::Fixed || p.kind == PathKind::Spatial
+                                   : p.kind == PathKind::Fixed || (p.kind == PathKind::Site && p.elements <= 2);
+  if (!require(known && p.elements > 0, "kind of a path") || !index(p.first, n.path_elements, "element of a path") ||
+      !index(p.elements, std::int64_t(n.path_elements) - p.first + 1, "element of a path"))
+    return false;
+  const PathElement* const e = m.path_elements() + p.first;
+  const auto is_site = [&](Index i) { return i >= 0 && i < p.elements && e[i].type == DYN_TENDON_ELEMENT_TYPE_SITE; };
+  return each(p.elements, [&](Index i) {
+    const bool joint = e[i].type == DYN_TENDON_ELEMENT_TYPE_JOINT, wrap = e[i].type == DYN_TENDON_ELEMENT_TYPE_SPHERE ||
+                                                                          e[i].type == DYN_TENDON_ELEMENT_TYPE_CYLINDER;
+    return path_element(e[i]) &&
+           require(joint == (p.kind == PathKind::Fixed) && (p.kind != PathKind::Site || is_site(i)) &&
+                       (!wrap || (is_site(i - 1) && is_site(i + 1))),
+                   "element of a path");
+  });
+}
+
+bool BlockChecker::tendons() {
+  const auto is_range = [](const double(&x)[2]) { return x[0] <= x[1]; };
+  if (!require(std::int64_t(n.tendons) + n.couplings <= n.paths, "paths")) return false;
+  if (!each(n.paths, [&](Index k) { return path(k); })) return false;
+  return each(n.tendons, [&](Index k) {
+    const dynTendon& t = m.tendons()[k].spec;
+    return text(m.tendons()[k].name) &&
+           require(is_value(t.type) && t.elements == m.paths()[k].elements &&
+                       (t.type == DYN_TENDON_TYPE_FIXED) == (m.paths()[k].kind == PathKind::Fixed),
+                   "a tendon") &&
+           require(is_coefficient(t.stiffness) && is_coefficient(t.damping) && is_coefficient(t.friction) &&
+                       is_coefficient(t.armature) && are_finite(t.rest) && is_range(t.rest) && is_range(t.range),
+                   "a number of a tendon");
+  });
 }
 
 bool BlockChecker::rest() {
@@ -203,7 +277,8 @@ bool BlockChecker::rest() {
 Damage check_block(const Model& m, std::size_t bytes) {
   BlockChecker c(m);
   (void)(c.layout(bytes) && c.names() && c.joints() && c.expanded() && c.order() && c.coordinates() && c.elimination() &&
-         c.coefficients() && c.frames() && c.surfaces() && c.shapes() && c.constraints() && c.actuators() && c.rest());
+         c.coefficients() && c.frames() && c.surfaces() && c.shapes() && c.constraints() && c.actuators() &&
+         c.tendons() && c.rest());
   return c.damage;
 }
 

@@ -28,6 +28,7 @@ class BlockChecker {
   bool shapes();             // and pairs
   bool constraints();
   bool actuators();
+  bool tendons();            // and all paths
   bool rest();
 
  private:
@@ -85,6 +86,8 @@ class BlockChecker {
   bool grid(const Stored<shape::Grid>& s);
   bool lists(const Index* start, Index lists, const Index* entry, Index total, Index most);
   bool shape(Index k);
+  bool path(Index k);
+  bool path_element(const PathElement& e);
   Index carrier(Index geom) const { return m.frames()[m.shapes()[m.geoms()[geom].shape].frame].joint; }
 };
 

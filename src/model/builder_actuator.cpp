@@ -154,20 +154,20 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
   impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt});
 }
 
-std::vector<ActuatorRecord> actuators_of(const Builder::Impl& in, const std::vector<Index>& id,
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
                                          const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n) {
   std::vector<ActuatorRecord> out;
-  const Index tendon_paths = Index(in.tendons.size() + in.couplings.size());
-  Index own_paths = 0, rows = 0;
-  for (const ActuatorEntry& a : in.actuators) {
+  n.paths = n.tendons + n.couplings, n.path_rows = path_rows_of_tendon * n.tendons + n.couplings;
+  Index rows = 0;
+  for (const ActuatorEntry& a : actuators) {
     ActuatorRecord r{};
     r.spec = a.spec;
     const dynTransmission by = a.spec.transmission;
     r.spec.struct_size = sizeof r.spec, r.spec.joint = by == DYN_TRANSMISSION_JOINT ? id[std::size_t(a.target)] : 0;
     r.spec.tendon = by == DYN_TRANSMISSION_TENDON ? a.target : -1;
     r.spec.frame = by == DYN_TRANSMISSION_SITE ? a.target : -1, r.spec.reference = a.reference;
-    r.path = by == DYN_TRANSMISSION_TENDON ? a.target : has_own_path(a) ? tendon_paths + own_paths++ : -1;
+    r.path = by == DYN_TRANSMISSION_TENDON ? a.target : has_own_path(a) ? n.paths++ : -1;
     r.row = r.path >= 0 ? rows++ : -1;
     r.spec.controls = a.spec.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1, r.spec.idx_u = n.nu;
     n.nu += r.spec.controls;
@@ -184,8 +184,7 @@ std::vector<ActuatorRecord> actuators_of(const Builder::Impl& in, const std::vec
     out.push_back(r);
   }
   n.actuators = Index(out.size());
-  n.tendons = Index(in.tendons.size()), n.couplings = Index(in.couplings.size()), n.paths = tendon_paths + own_paths;
-  n.path_rows = path_rows_of_tendon * n.tendons + n.couplings + rows;
+  n.path_rows += rows;
   return out;
 }
 

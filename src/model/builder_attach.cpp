@@ -89,8 +89,28 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.check_constraint_name(c.name);
     next.constraints.push_back(std::move(c));
   }
+  const int tendons_before = int(next.tendons.size());
+  for (TendonEntry& t : other.tendons) {
+    t.name = prefix + t.name;
+    next.check_tendon_name(t.name);
+    for (TendonElementEntry& e : t.elements) {
+      if (e.type == DYN_TENDON_ELEMENT_TYPE_JOINT) e.id += before;
+      else if (e.type != DYN_TENDON_ELEMENT_TYPE_PULLEY) e.id = place(e.id);
+      if (e.side >= 0) e.side = place(e.side);
+    }
+    next.tendons.push_back(std::move(t));
+  }
+  for (TendonCoupling& c : other.couplings) {
+    c.name = prefix + c.name;
+    next.check_coupling_name(c.name);
+    c.tendon1 += tendons_before, c.tendon2 += c.tendon2 >= 0 ? tendons_before : 0;
+    next.couplings.push_back(std::move(c));
+  }
   for (ActuatorEntry& a : other.actuators) {
-    a.joint += before, a.name = prefix + a.name;
+    const dynTransmission by = a.spec.transmission;
+    a.target = by == DYN_TRANSMISSION_SITE ? place(a.target) : a.target + (by == DYN_TRANSMISSION_JOINT ? before : tendons_before);
+    if (a.reference >= 0) a.reference = place(a.reference);
+    a.name = prefix + a.name;
     next.check_actuator_name(a.name);
     next.actuators.push_back(std::move(a));
   }

@@ -115,9 +115,22 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   impl->contact_capacity = m.contact_capacity;
   impl->density = m.density, impl->viscosity = m.viscosity;
   std::copy(m.wind, m.wind + 3, impl->wind.begin());
+  for (Index k = 0; k < m.n.tendons; ++k) {
+    TendonEntry t{m.string(m.tendons()[k].name), m.tendons()[k].spec, {}};
+    const PathRecord& p = m.paths()[k];
+    for (const PathElement *e = m.path_elements() + p.first, *end = e + p.elements; e != end; ++e)
+      t.elements.push_back({e->type, e->type == DYN_TENDON_ELEMENT_TYPE_JOINT ? e->id - 1 : e->id, e->side_id, e->value});
+    impl->tendons.push_back(std::move(t));
+  }
+  for (const PathRecord *p = m.paths() + m.n.tendons, *end = p + m.n.couplings; p != end; ++p) {
+    impl->couplings.push_back({m.string(p->name), p->first, p->elements, {}});
+    std::copy_n(p->polynomial, 5, impl->couplings.back().coefficients.begin());
+  }
   for (Index k = 0; k < m.n.actuators; ++k) {
     const ActuatorRecord& r = m.actuators()[k];
-    impl->actuators.push_back({m.string(r.name), r.spec, r.spec.joint - 1});
+    const dynTransmission by = r.spec.transmission;
+    const int target = by == DYN_TRANSMISSION_JOINT ? r.spec.joint - 1 : by == DYN_TRANSMISSION_TENDON ? r.spec.tendon : r.spec.frame;
+    impl->actuators.push_back({m.string(r.name), r.spec, target, r.spec.reference});
   }
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& r = m.pairs()[k];

@@ -224,7 +224,7 @@ Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
 // Throws when the model can't have one.
 void check_constraints(const Model& m);
 // Actuators as the model keeps them, and their sizes. (builder_actuator.cpp)
-std::vector<ActuatorRecord> actuators_of(const Builder::Impl& in, const std::vector<Index>& id,
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
                                          const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n);
 // Lengths at rest that the entries leave open, and those of couplings, in the finished model. (algorithm/builder_paths.cpp)

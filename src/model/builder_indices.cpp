@@ -14,7 +14,8 @@ void Compiler::add_runs() {
   n.joint_runs = Index(a.joint_runs.size()), n.cache_blocks = Index(a.cache_blocks.size());
   make_spans(a.bodies, a.euclidean_spans, a.manifold_joints);
   n.euclidean_spans = Index(a.euclidean_spans.size()), n.manifold_joints = Index(a.manifold_joints.size());
-  for (const ActuatorRecord& r : actuators_of(in, id, a.joints, a.euclidean_spans, n)) {
+  n.tendons = Index(in.tendons.size()), n.couplings = Index(in.couplings.size());
+  for (const ActuatorRecord& r : actuators_of(in.actuators, id, a.joints, a.euclidean_spans, n)) {
     a.actuators.push_back(r);
     a.actuators.back().name = text.add(in.actuators[a.actuators.size() - 1].name);
   }

@@ -141,7 +141,7 @@ void Compiler::add_constraints() {
   for (const dynConstraint& c : constraints_of(in.constraints, id))
     a.constraints.push_back({c, text.add(in.constraints[a.constraints.size()].name)});
   n.constraints = Index(a.constraints.size()), n.slots = n.constraints + Index(in.constraint_slots);
-  n.constraint_rows = room_for_rows(in.constraints, in.constraint_slots);
+  n.constraint_rows = room_for_rows(in.constraints, in.constraint_slots) + Index(in.couplings.size());
 }
 
 // "neutral" is the first.

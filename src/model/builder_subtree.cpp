@@ -60,7 +60,25 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
                 [&](const DisabledEntry& p) { return frame[std::size_t(p.frame1)] < 0 || frame[std::size_t(p.frame2)] < 0; });
   for (DisabledEntry& p : disabled) p.frame1 = frame[std::size_t(p.frame1)], p.frame2 = frame[std::size_t(p.frame2)];
 
-  std::erase_if(actuators, [&](ActuatorEntry& a) { return (a.joint = joint[std::size_t(a.joint)]) < 0; });
+  // a tendon, a coupling or an actuator goes with anything that it needs
+  const auto follow = [](const std::vector<int>& to, int& x) { return x < 0 || (x = to[std::size_t(x)]) >= 0; };
+  std::vector<int> tendon(tendons.size(), -1);
+  std::vector<TendonEntry> left_tendons;
+  for (std::size_t k = 0; k < tendons.size(); ++k) {
+    const bool whole = std::all_of(tendons[k].elements.begin(), tendons[k].elements.end(), [&](TendonElementEntry& e) {
+      return follow(e.type == DYN_TENDON_ELEMENT_TYPE_JOINT ? joint : frame, e.id) && follow(frame, e.side);
+    });
+    if (!whole) continue;
+    tendon[k] = int(left_tendons.size());
+    left_tendons.push_back(std::move(tendons[k]));
+  }
+  tendons = std::move(left_tendons);
+  std::erase_if(couplings, [&](TendonCoupling& c) { return !follow(tendon, c.tendon1) || !follow(tendon, c.tendon2); });
+  std::erase_if(actuators, [&](ActuatorEntry& a) {
+    const dynTransmission by = a.spec.transmission;
+    return !follow(by == DYN_TRANSMISSION_JOINT ? joint : by == DYN_TRANSMISSION_TENDON ? tendon : frame, a.target) ||
+           !follow(frame, a.reference);
+  });
   std::erase_if(constraints, [&](ConstraintEntry& c) {
     const std::vector<int>& at = between_joints(c.spec.type) ? joint : frame;
     c.first = c.first < 0 ? c.first : at[std::size_t(c.first)], c.second = c.second < 0 ? c.second : at[std::size_t(c.second)];

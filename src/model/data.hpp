@@ -22,6 +22,13 @@ struct Result;
 namespace simulation {
 struct Workspace;
 }
+// A force along a path that a step takes at its end: force - stiffness h l' - damping (l' - l'_0) - armature (l' - l'_0) / h,
+// within its range, with l' the rate at the end and l'_0 that at the beginning.
+template <class T>
+struct PathForce {
+  T force, stiffness, damping, armature, lower, upper;
+  Index acts;  // 1: as a row of the step; 0: it was added to tau, or there is none
+};
 template <class T> struct Composite;
 template <class T> struct Contraction;
 template <class T> struct SecondOrderRows;
@@ -125,7 +132,7 @@ inline constexpr dynParts complete_parts(dynParts p) {
 
 inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
-  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits > 0)
+  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows > 0)
     p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.contacts > 0 ? DYN_PART_COLLISION : 0));
   if ((p & DYN_PART_SIMULATION) && m.n.drag_boxes > 0) p = complete_parts(p | DYN_PART_KINEMATICS);
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_CHOLESKY) : p;

@@ -28,7 +28,7 @@ double squares(const Model& m, const AdvancementCache& c, const double* q, const
 bool can_cache_advancement(const Model& m) {
   for (Index i = 1; i < m.n.bodies; ++i)
     if (m.bodies()[i].type != BodyType::Revolute && m.bodies()[i].type != BodyType::Prismatic) return false;
-  return !m.has_mimic;
+  return !m.has_mimic && m.n.path_rows == 0;
 }
 
 bool cache_excludes_contact(const Model& m, const Data<double>& d, double h) {

@@ -28,8 +28,8 @@ namespace detail {
 template <dynParts possible, class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
-                       nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators;
-  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
+                       nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators, ntendons = m.n.tendons;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators, (void)ntendons;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) \
@@ -65,6 +65,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   for (int k = 0; k < 3; ++k) d.world_gravity[k] = T(m.gravity[k]);
   for (Index k = 0; k < (d.actuator_force ? m.n.actuators : 0); ++k) d.actuator_force[k] = T(0);
+  for (Index k = 0; k < (d.path_forces ? m.n.path_rows : 0); ++k) d.path_forces[k].acts = 0;
   for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = AppliedWrench<T>::none();
   d.pushed = 0, d.rows_dropped = 0;
   d.step = nullptr;

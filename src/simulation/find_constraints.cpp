@@ -1,6 +1,6 @@
 // Finds the constraints, limits and contacts that act in a step, with their rows and propagated columns.
 #include "algorithm/constrained/constrained_dynamics.hpp"
-#include "simulation/step.hpp"
+#include "simulation/path_rows.hpp"
 
 namespace dyn::simulation {
 
@@ -57,7 +57,7 @@ struct Finder {
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
     for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
-      if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = limit_rate(s, v);
+      if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = box_rate(m, d, s, v);
       if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
       append(s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k), box ? RowKind::Box : RowKind::Equality, -1);
     });
@@ -88,7 +88,7 @@ struct Finder {
       s.c.type = DYN_CONSTRAINT_TYPE_LIMIT, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q;
       s.rows = 1;
       limit(s, q, lower, upper);
-      s.rate[0] = limit_rate(s, v);
+      s.rate[0] = box_rate(m, d, s, v);
       append_next(RowKind::Box, k);
     }
   }
@@ -102,8 +102,32 @@ struct Finder {
     s.c.q1 = r.q, s.c.axis = -x.axis;
     s.rows = 1, s.g1 = 1, s.g2 = 0;
     s.error[0] = x.gap, s.lower[0] = 0, s.upper[0] = HUGE_VAL;
-    s.rate[0] = limit_rate(s, v);
+    s.rate[0] = box_rate(m, d, s, v);
     append_next(RowKind::Box, k);
+  }
+  void paths() {
+    if (m.n.path_rows == 0 || !(d.acting & driving_effects)) return;
+    double fast = 0;
+    for (Index k = 0; k < m.n.tendons && w.closed_gap > 0; ++k) fast = std::max(fast, std::abs(d.path_velocity[k]));
+    const double reached = w.closed_gap > 0 ? contact_margin(w, h, fast, 0.0) : 0;
+    bool columns = false;
+    for (Index k = 0, rows = list_path_rows(m, d, h, reached, w.path_rows); k < rows; ++k) {
+      if (!columns) ensure_all_columns(m, d), columns = true;
+      const auto [row, path] = w.path_rows[k];
+      ConstraintInstance<double>& s = next();
+      const RowKind kind = set_path_row(m, d, row, path, h, s);
+      Index* const support = w.support + added * std::ptrdiff_t(m.n.carriers);
+      double* const Y = w.Y + row_lanes * added * std::ptrdiff_t(m.n.carriers);
+      s.rate[0] = path_rate(m, d, s, v);
+      propagate_path(m, d, s, support, Y);
+      // its first and its last tree; islands.cpp knows of those between them
+      const auto tree = [&](Index n) {
+        return w.tree_of[body_of_dof(m, m.has_mimic ? m.own_v()[support[n]] : support[n])];
+      };
+      w.active[count++] = {&s, support, Y, kind, kind == RowKind::Box ? m.n.limits + row : -1, tree(s.support_count - 1), tree(0), 0,
+                           false, false};
+      ++added;
+    }
   }
   void contacts() {
     if (m.n.contacts == 0) return;
@@ -130,7 +154,7 @@ BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, co
 }
 
 double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v) {
-  if (x.kind == RowKind::Box) return -limit_rate(*x.s, v);
+  if (x.kind == RowKind::Box) return -box_rate(m, d, *x.s, v);
   const dynContact& c = d.step->contacts[x.index].contact;
   const auto speed = [&](Index body) {
     const Motion<double> V = body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V;
@@ -154,16 +178,16 @@ void record_overshoot(const Model& m, Data<double>& d, const double* dq, double 
 Index find_constraints(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.any_asleep;  // the advancement cache does not know sleeping bodies
-  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h)) {
+  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h) && paths_inactive(m, d, h)) {
     if (d.step->limits > 0) std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
     return update_advancement_cache(m, d, v, h, shape::infinity), 0;
   }
   if (!m.has_mimic) with_unbatched_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);
   Finder find{m, d, *d.step, v, h};
-  find.constraints(), find.limits(), find.contacts();
+  find.constraints(), find.limits(), find.paths(), find.contacts();
   update_advancement_cache(m, d, v, h, !some_sleep && find.count == 0 && active_rows(m, d) == 0 ? find.min_distance : 0);
-  order_by_islands(d, find.count);
+  order_by_islands(m, d, find.count);
   return find.count;
 }
 

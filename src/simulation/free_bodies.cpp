@@ -38,7 +38,7 @@ bool is_identity(const SE3<double>& X) {
 
 static_assert(effect_bits([]<class E>() { return !effect::HasCoefficient<E>; }) ==
                   (DYN_EFFECT_LIMITS | DYN_EFFECT_ACTUATORS | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION |
-                   DYN_EFFECT_SLEEPING),
+                   DYN_EFFECT_SLEEPING | DYN_EFFECT_TENDONS),
               "an effect that acts at a joint or on its link keeps a body from being a free body: list it below");
 bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
@@ -52,6 +52,8 @@ bool is_free_body(const Model& m, Index i) {
   if (!passive) return false;
   for (Index k = 0; k < m.n.actuators; ++k)
     if (m.actuators()[k].spec.joint == b.joint) return false;
+  for (Index k = 0; k < m.n.path_dofs; ++k)
+    if (m.path_dofs()[k] >= b.user_v && m.path_dofs()[k] < b.user_v + 6) return false;
   for (Index k = 0; k < m.n.gravity_compensations; ++k)
     if (m.gravity_compensations()[k].body == i) return false;
   return columns_of(b).Dinv[0] > 0;

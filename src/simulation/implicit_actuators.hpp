@@ -2,18 +2,17 @@
 // ddq:
 //   f_end = f - h K l' - (h D + h^2 K) l''
 //   (M + gear^2 (h D + h^2 K)) ddq = tau + gear (f - h K l') - nle
-// Actuators that this drives beyond their range are then fixed at its end.
+// Actuators that this drives beyond their range are then fixed at its end. Those on paths, and tendons: path_forces.hpp.
 #pragma once
 
-#include "algorithm/actuators.hpp"
-#include "simulation/sleep.hpp"
+#include "simulation/path_forces.hpp"
 
 namespace dyn::simulation {
 
-// Sleeping actuators keep their force.
+// Sleeping actuators keep their force. What a path moves does not sleep.
 template <class T>
 bool sleeps(const Model& m, const Data<T>& d, const ActuatorRecord& r) {
-  if constexpr (std::is_same_v<T, double>) return d.step->sleep.sleeps(m.joints()[r.spec.joint].last_body);
+  if constexpr (std::is_same_v<T, double>) return r.v >= 0 && d.step->sleep.sleeps(m.joints()[r.spec.joint].last_body);
   return false;
 }
 
@@ -22,10 +21,15 @@ template <class T>
 class ImplicitActuators {
  public:
   ImplicitActuators(const Model& model, Data<T>& data, T step) : m(model), d(data), h(step) {
+    if (m.n.paths > 0) place_paths(m, d);
     each([&](const ActuatorRecord& r, Index k) {
       const T w = r.act >= 0 ? activation_after(r, d, d.act[r.act], h) : command(r, d);
-      d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
       d.saturated[k] = 0;
+      if (r.v < 0) return set_path_force(m, d, actuator_row(m, r), r.path, h, path_force_of(r, d, w));
+      d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
+    });
+    for_each_tendon(m, d, [&](const dynTendon& t, Index k, T length, T rate) {
+      set_path_force(m, d, spring_row(k), k, h, path_force_of(t, length, rate));
     });
   }
   // Adds the implicit terms to d.armature and returns tau of the trees `part` with the forces.
@@ -33,18 +37,20 @@ class ImplicitActuators {
   const T* apply(const Part& part, const T* tau) {
     part.for_each_group(m, [&](const Trees& t) { std::copy(tau + t.v, tau + t.v_end, d.step_tau + t.v); });
     each([&](const ActuatorRecord& r, Index k) {
+      if (r.v < 0) return add_explicit(m, d, actuator_row(m, r), r.path, d.step_tau);
       const T gear = T(r.spec.gear);
       T f = d.actuator_force[k];
       if (!d.saturated[k]) d.armature[r.v] += gear * gear * (h * D(r) + h * h * K(r)), f -= h * K(r) * gear * d.v[r.v];
       d.step_tau[r.v] += gear * f;
     });
+    for_each_tendon(m, d, [&](const dynTendon&, Index k, T, T) { add_explicit(m, d, spring_row(k), k, d.step_tau); });
     return d.step_tau;
   }
   // After forward dynamics: returns whether any actuator reached the end of its range.
   bool saturate(const T* ddq) {
     bool any = false;
     each([&](const ActuatorRecord& r, Index k) {
-      if (d.saturated[k]) return;
+      if (d.saturated[k] || r.v < 0) return;
       const T gear = T(r.spec.gear),
               f = d.actuator_force[k] - h * K(r) * gear * d.v[r.v] - (h * D(r) + h * h * K(r)) * gear * ddq[r.v];
       if (const T held = clamp_to(f, r.spec.force_range); held != f) d.actuator_force[k] = held, d.saturated[k] = 1, any = true;

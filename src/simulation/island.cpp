@@ -35,15 +35,27 @@ void fill_equality(const Island& x, const ConstraintInstance<double>& s) {
   }
 }
 
+// PathForce as a soft row: l' + lambda / W = (h f + (h D + a) l'_0) / W, W = h^2 K + h D + a. Without any of them: friction.
+void fill_path_force(const Island& x, const ActiveConstraint& a) {
+  const Constraint& c = a.s->c;
+  const Index i = a.s->first;
+  const double kept = x.h * c.damping + c.armature, W = x.h * x.h * c.stiffness + kept;
+  x.bias[i] = 0, x.lambda[i] = x.h * x.w.previous_limit_forces[a.index];
+  if (!(W > 0)) return;
+  x.compliance[i] = 1 / W;
+  x.bias[i] = -(x.h * c.force + kept * path_rate(x.m, x.d, *a.s, x.v_before)) / W;
+}
+
 void fill_box(const Island& x, const ActiveConstraint& a, Index k) {
   const ConstraintInstance<double>& s = *a.s;
   const Index i = s.first;
   x.g[i] = s.rate[0], x.bias[i] = gap_bias(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
-  if (x.w.closed_gap > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT)
-    record_contact_overshoot(x, s.error[0], limit_rate(s, x.v_before));
-  x.lambda[i] = a.index < 0 ? 0 : x.h * std::max(0.0, s.g1 * x.w.previous_limit_forces[a.index]);
   x.compliance[i] = x.v_minus[i] = 0;
+  if (s.c.type != DYN_CONSTRAINT_TYPE_LIMIT && of_path(s.c)) return fill_path_force(x, a);
+  if (x.w.closed_gap > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT)
+    record_contact_overshoot(x, s.error[0], box_rate(x.m, x.d, s, x.v_before));
+  x.lambda[i] = a.index < 0 ? 0 : x.h * std::max(0.0, s.g1 * x.w.previous_limit_forces[a.index]);
 }
 
 // At the beginning of the step.

@@ -8,6 +8,7 @@ namespace dyn::simulation {
 namespace {
 
 bool share_no_tree(const ActiveConstraint& a, const ActiveConstraint& b) {
+  if (of_path(a.s->c) || of_path(b.s->c)) return false;  // of several trees
   auto in = [&](Index tree) { return tree >= 0 && (tree == b.tree1 || tree == b.tree2); };
   return !in(a.tree1) && !in(a.tree2);
 }

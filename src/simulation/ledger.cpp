@@ -59,9 +59,14 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   forward_kinematics<1>(m, d);
   double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
+  if (m.n.paths > 0) measure_paths(m, d);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
-    const double force = r.spec.gear * actuator_force(r, d);
-    t[r.v] += force, x.power.actuators += force * d.v[r.v];
+    const double force = actuator_force(r, d);
+    add_actuator_force(m, d, r, force, t), x.power.actuators += r.spec.gear * force * stroke_of(r, d).v;
+  });
+  for_each_tendon(m, d, [&](const dynTendon& s, Index k, double length, double rate) {
+    add_path_force(m, d, k, effect::Tendons::force(s, length, rate), t);
+    x.power.damping -= s.damping * rate * rate;
   });
   for (Index k = 0; k < m.n.nv; ++k) x.power.applied += d.tau_applied[k] * d.v[k];
   for_each_velocity_law(d, [&]<class E>(const double* c) {
@@ -125,8 +130,10 @@ void record_impulses(const Island& x) {
     const ConstraintInstance<double>& s = *a.s;
     const bool joints = between_joints(s.c.type);
     double c0[max_rows] = {};
-    if (joints) {
-      c0[0] = of_ball(s.c) ? limit_rate(s, x.v_before) : s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ? s.g2 * x.v_before[s.c.v2] : 0);
+    if (of_path(s.c)) {
+      c0[0] = path_rate(x.m, x.d, s, x.v_before);
+    } else if (joints) {
+      c0[0] = of_ball(s.c) ? box_rate(x.m, x.d, s, x.v_before) : s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ? s.g2 * x.v_before[s.c.v2] : 0);
     } else {
       const auto rate = Six::load(s.F1).dot(before(s.c.body1)) + Six::load(s.F2).dot(before(s.c.body2));
       for (Index r = 0; r < s.rows; ++r) c0[r] = rate[int(r)];
@@ -138,6 +145,7 @@ void record_impulses(const Island& x) {
       const double slip =
           a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // velocity of a belt
       const double work = x.lambda[i] * (c0[r] + x.c[i] - slip) / 2;
+      if (of_path(s.c) && x.compliance[i] > 0) continue;  // a force along a path: among the powers of the state
       if (a.kind == RowKind::Equality) l.constraints += work, l.drift = std::max(l.drift, std::abs(s.error[r]));
       else if (a.kind == RowKind::Box) l.limits += work;
       else (r == normal ? l.normal : l.sliding) += work;

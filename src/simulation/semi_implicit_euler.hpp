@@ -106,7 +106,7 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
     }
     d.acting |= DYN_EFFECT_ARMATURE;
   }
-  const Index joint = d.acting & DYN_EFFECT_ACTUATORS
+  const Index joint = d.acting & driving_effects
                           ? actuated_dynamics(m, d, tau, armature, h, which, part)
                           : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, forces_on_bodies(m, d), d.ddq);
   d.armature = armature, d.acting = acting;

@@ -87,14 +87,21 @@ void update_awake(const Model& m, Data<double>& d) {
 }
 
 // Returns whether sleep is enabled for all of its joints.
+// What a path moves does not sleep.
 bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
+  for (Index k = 0; k < m.n.paths; ++k)
+    for (Index n = m.paths()[k].first_dof, end = n + m.paths()[k].dofs; n < end; ++n)
+      if (m.path_dofs()[n] >= t.v && m.path_dofs()[n] < t.v_end) return false;
   const Index first = m.bodies()[t.first].joint, last = m.bodies()[t.end - 1].joint;
   for (Index j = first; j <= last; ++j)
     if (!(d.effects[j] & DYN_EFFECT_SLEEPING)) return false;
   return true;
 }
 
-Index tree_of(const Model& m, const Sleep& z, const ActuatorRecord& r) { return z.number[m.joints()[r.spec.joint].last_body]; }
+// -1: it acts on a path.
+Index tree_of(const Model& m, const Sleep& z, const ActuatorRecord& r) {
+  return r.v < 0 ? -1 : z.number[m.joints()[r.spec.joint].last_body];
+}
 
 // Wakes trees whose tau or controls differ from the last step; awake ones start counting rest steps again.
 void wake_driven(const Model& m, Data<double>& d, Sleep& z) {
@@ -107,7 +114,7 @@ void wake_driven(const Model& m, Data<double>& d, Sleep& z) {
   for (Index t = 0; t < (z.version[input_tau] != d.version[input_tau] ? z.count : 0); ++t)
     differ(d.tau_applied + z.trees[t].v, z.tau + z.trees[t].v, z.trees[t].v_end - z.trees[t].v, t);
   for (Index k = 0; k < m.n.actuators; ++k)
-    if (const ActuatorRecord& r = m.actuators()[k]; true)
+    if (const ActuatorRecord& r = m.actuators()[k]; r.v >= 0)
       differ(d.ctrl + r.spec.idx_u, z.ctrl + r.spec.idx_u, r.spec.controls, tree_of(m, z, r));
   if (woke) update_awake(m, d);
 }
@@ -214,7 +221,7 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
   // an activation that still changes keeps its tree awake
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     if (const Index t = tree_of(m, z, r);
-        r.act >= 0 && z.state[t] == Sleeper::Awake && activation_after(r, d, d.act[r.act], h) != d.act[r.act])
+        t >= 0 && r.act >= 0 && z.state[t] == Sleeper::Awake && activation_after(r, d, d.act[r.act], h) != d.act[r.act])
       z.flags[z.island[t]] &= std::uint8_t(~alike);
   });
   // contact forces must be those of the previous step, if inputs have not changed

@@ -163,6 +163,7 @@ void Island::impulses(dynContactReport& report) {
 // Returns whether a row's error is an angle.
 bool Island::is_angle(const ActiveConstraint& x, Index row) const {
   const ConstraintInstance<double>& s = *x.s;
+  if (of_path(s.c)) return m.paths()[s.c.path - 1].angular;
   if (between_joints(s.c.type)) return m.bodies()[body_of_dof(m, s.c.v1)].type != BodyType::Prismatic;
   const auto pulls = [&](const double* F, Index body) {
     return body && (F[row] != 0 || F[row_lanes + row] != 0 || F[2 * row_lanes + row] != 0);

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "collision/pair_contacts.hpp"
-#include "algorithm/constrained/delassus.hpp"
+#include "algorithm/constrained/path_row.hpp"
 #include "constraint/list.hpp"
 #include "simulation/workspace.hpp"
 
@@ -17,15 +17,16 @@ inline bool has_constraints(const Model& m, const Data<double>& d) {
   if ((m.n.contacts > 0 && d.step->pair_count != 0) || (d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.slots; ++k)
     if (d.slots[k].rows) return true;
-  return false;
+  return m.n.path_rows > 0 && (d.acting & driving_effects);
 }
+bool paths_may_jump(const Model& m, const Data<double>& d);  // path_rows.hpp
 
 // Returns whether velocities may jump: contacts, limits or dry friction. Bilateral constraints do not make them jump.
 inline bool may_jump(const Model& m, const Data<double>& d) {
   if (m.n.contacts > 0 || (d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.slots; ++k)
     if (d.slots[k].rows && one_sided(d.slots[k].c.type)) return true;
-  return false;
+  return m.n.path_rows > 0 && paths_may_jump(m, d);
 }
 
 // Returns the body of an expanded degree of freedom.
@@ -52,8 +53,9 @@ struct BallGap {
 };
 BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, const double* v);  // find_constraints.cpp
 inline double ball_speed(const LimitRecord& r, const double* v) { return shape::norm(load3(v + r.dof)); }
-// Velocity of a limit's row.
-inline double limit_rate(const ConstraintInstance<double>& s, const double* v) {
+// Velocity of a bounded row. v: expanded.
+inline double box_rate(const Model& m, const Data<double>& d, const ConstraintInstance<double>& s, const double* v) {
+  if (of_path(s.c)) [[unlikely]] return path_rate(m, d, s, v);
   return of_ball(s.c) ? dot(s.c.axis, load3(v + s.c.v1)) : s.g1 * v[s.c.v1];
 }
 
@@ -100,7 +102,7 @@ void take_previous_forces(const Model& m, Data<double>& d);  // first_guess.cpp
 // contact_rows.cpp: the bodies and the material of a contact, then its rows.
 void init_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s);
 void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x);
-void order_by_islands(Data<double>& d, Index slots);                  // islands.cpp
+void order_by_islands(const Model& m, Data<double>& d, Index slots);  // islands.cpp
 
 // Fills x.Y, the J^T columns propagated to the root.
 inline void propagate_rows(const Model& m, Data<double>& d, const ActiveConstraint& x) {

@@ -35,7 +35,7 @@ void for_each_array(const Model& m, FreeBodies& l, F&& f) {
 
 template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
-  const std::ptrdiff_t slots = step_constraints(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers,
+  const std::ptrdiff_t slots = step_constraints(m), own = m.n.contacts + m.n.limits + m.n.path_rows, carriers = m.n.carriers,
                        room = padded_rows(island_rows(m));
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
   for_each_array(m, w.free_bodies, f);
@@ -47,7 +47,8 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.instances, own), f(w.support, own * carriers), f(w.Y, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
-  f(w.limit_forces, m.n.limits), f(w.previous_limit_forces, m.n.limits), f(w.saved_limit_forces, m.n.limits);
+  f(w.limit_forces, remembered_rows(m)), f(w.previous_limit_forces, remembered_rows(m)), f(w.saved_limit_forces, remembered_rows(m));
+  f(w.path_rows, m.n.path_rows);
   f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
   f(w.blocks, slots), f(w.cones, slots), f(w.by_dof, m.n.nv), f(w.tree_speeds, 2 * m.n.bodies);
   f(w.advancement_cache.q, m.n.nq), f(w.advancement_cache.lever, m.n.nv);
@@ -99,7 +100,7 @@ Workspace* place(const Model& m, void* memory) {
   w.options = default_options(m), w.length = own_length(m);
   if (w.free_bodies.sets) set_up_free_bodies(m, w.free_bodies), list_free_bodies(m, w);
   if (step_constraints(m) == 0) return &w;
-  w.limits = m.n.limits;
+  w.limits = remembered_rows(m);
   find_segments(m, w.segments);
   w.pair_count = -1, find_trees(m, w.tree_of), w.advancement_cache.enabled = can_cache_advancement(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = material_of(m, m.shapes()[m.geoms()[k].shape]);

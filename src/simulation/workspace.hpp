@@ -53,6 +53,11 @@ struct NewtonConstraint : solver::BlockState {
 };
 inline constexpr int island_vectors = 13, newton_vectors = 17;
 
+// A row on the length of a path (path_rows.hpp).
+struct PathRow {
+  Index row, path;
+};
+
 // Two shapes that can meet, a < b. number: their pair, -1 if it is not listed.
 struct NearPair {
   Index a, b, number;
@@ -148,8 +153,9 @@ struct Workspace {
   // contacts of the last step, of the one before, and those saved for retries of a step
   dynContactForce *contacts, *previous, *saved;
   // of joint limits, likewise: N, N m, negative at an upper limit
-  double *limit_forces, *previous_limit_forces, *saved_limit_forces;
+  double *limit_forces, *previous_limit_forces, *saved_limit_forces;  // of remembered_rows
   Index limits;
+  PathRow* path_rows;  // that act
   ContactLaw* laws;
   double *vectors, *matrix;     // of one island
   Index* contact_rows;
@@ -228,8 +234,10 @@ inline void invalidate_sleep(Data<double>& d) {
 inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Double4::lanes; }
 
 // Largest island that is solved by its dense Delassus matrix.
-inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
-inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
+inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows; }
+inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits + m.n.path_rows; }
+// Whose forces are remembered: limits, then rows on paths.
+inline Index remembered_rows(const Model& m) { return m.n.limits + m.n.path_rows; }
 inline Index island_rows(const Model& m) { return std::min(step_rows(m), tuning::island::dense_rows); }
 
 // The workspace in the memory given: zeros, aligned to 64 bytes.

@@ -57,6 +57,7 @@ class Page:
 
     def __init__(self, page):
         self.page, self.complaints, self.requests = page, [], []
+        page.set_default_timeout(300_000)  # ms: a page draws as fast as the machine lets it
         page.on("console", lambda message: self.complaints.append(message.text)
                 if message.type in ("error", "warning") and "GPU stall" not in message.text else None)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))

@@ -110,6 +110,21 @@ inline Index last_user_dof(const Model& m, Index body) {
   return last;
 }
 
+// One step of the elimination: takes row i out of J.
+template <class T>
+DYN_INLINE void eliminate_row(const Model& m, const Data<T>& d, Index i, T* J, T* y) {
+  using P = Simd<T, row_lanes>;
+  const T* row = factor_row(m, d, i);
+  const P x = P::load(J + row_lanes * i), xD = x * d.D[i];
+  for_each_run(m, m.dof_parent()[i], [&](Index first, Index last, Index at) {
+    for (Index j = first; j < last; ++j) {
+      T* to = J + row_lanes * j;
+      (P::load(to) - xD * row[at + j - first]).store(to);
+    }
+  });
+  x.store(y);
+}
+
 // L^-T J^T of one constraint, with mimic joints.
 template <class T>
 void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T>& s, Index* support, T* y) {
@@ -125,15 +140,7 @@ void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T
   s.support_count = 0;
   while (a >= 0 || b >= 0) {
     const Index i = std::max(a, b);
-    const T* row = factor_row(m, d, i);
-    const P x = P::load(J + row_lanes * i), xD = x * d.D[i];
-    for_each_run(m, parent[i], [&](Index first, Index last, Index at) {
-      for (Index j = first; j < last; ++j) {
-        T* to = J + row_lanes * j;
-        (P::load(to) - xD * row[at + j - first]).store(to);
-      }
-    });
-    x.store(y), y += row_lanes;
+    eliminate_row(m, d, i, J, y), y += row_lanes;
     support[s.support_count++] = i;
     if (a == i) a = parent[a];
     if (b == i) b = parent[b];

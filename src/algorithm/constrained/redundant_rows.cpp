@@ -30,6 +30,12 @@ void RedundantRows::terms(const EqualityRows& x) const {
     const double ratio = m.has_mimic ? m.ratio_v()[k] : 1;
     J[row_lanes * user + r] += ratio * entry, B[row_lanes * user + r] += std::abs(ratio) * least;
   };
+  if (of_path(s.c)) {  // in the user's coordinates
+    for_each_path_dof(m, d, s, [&](Index, Index dof, double entry, Index) {
+      J[row_lanes * dof] += entry, B[row_lanes * dof] += std::abs(entry);
+    });
+    return;
+  }
   if (between_joints(s.c.type)) {
     enter(s.c.v1, 0, s.g1, std::abs(s.g1));
     if (s.c.body2) enter(s.c.v2, 0, s.g2, std::abs(s.g2));

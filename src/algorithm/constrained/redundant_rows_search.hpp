@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
+#include "algorithm/constrained/path_row.hpp"
 #include "algorithm/constrained/redundant_rows.hpp"
 #include "model/length.hpp"
 

@@ -14,7 +14,8 @@ constexpr double bends = 1e-2;
 void RedundantRows::evaluate(const double* v) const {
   const double* expanded = d.expand(m, v, d.row_motion + 2 * m.n.nv);
   for_each_row([&](const EqualityRows& x, Index) {
-    if (between_joints(x.s->c.type)) evaluate_joints(d, *x.s, expanded, static_cast<const double*>(nullptr));
+    if (of_path(x.s->c)) x.s->rate[0] = path_rate(m, d, *x.s, expanded);
+    else if (between_joints(x.s->c.type)) evaluate_joints(d, *x.s, expanded, static_cast<const double*>(nullptr));
     else evaluate_frames(m, d, *x.s, expanded, static_cast<const double*>(nullptr));
   });
 }
