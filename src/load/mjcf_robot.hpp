@@ -213,6 +213,7 @@ struct MjcfContext {
   int body = 0;
   SE3<double> X = SE3<double>::identity();  // of the frame in the body
   std::string childclass, prefix, suffix, outer;  // outer: suffix of names that were not copied
+  const Element* replicate = nullptr;  // the innermost around it
   int copies = 0;  // that it stands in, of parts of the same model
 
   std::string name(const std::string& n) const { return n.empty() ? n : prefix + n + suffix; }
@@ -224,18 +225,20 @@ struct MjcfFile;
 class MjcfCopies {
  public:
   using Read = void (*)(MjcfFile&, Element&, const MjcfContext&);
-  void add(const Element& e, const std::string& suffix);
+  void add(const Element& e, const MjcfContext& context);
   // Reads the elements of a section, as MuJoCo does: first those that refer to nothing copied, then the others once a copy.
   void read_section(MjcfFile& file, Element& section, const MjcfContext& context, Read read) const;
   // The name that an element means by one of a joint, body, site, geom or tendon: its own copy's, if there is one.
   std::string name(const MjcfContext& context, const std::string& kind, const std::string& name) const;
 
  private:
-  const std::set<std::string>* suffixes_of(const std::string& kind, const std::string& name) const;
-  const std::set<std::string>* suffixes_in(const Element& e) const;  // of the first copied name in e's attributes
-  std::map<std::pair<std::string, std::string>, std::set<std::string>> copies_;
-  std::vector<std::string> suffixes_;  // in the file's order
-  std::set<std::string> known_;
+  using Replica = std::pair<const Element*, std::string>;  // the innermost <replicate>, and the suffix of its copy
+  using Replicas = std::set<Replica>;
+  const Replicas* replicas_of(const std::string& kind, const std::string& name) const;
+  const Replicas* replicas_in(const Element& e) const;  // of the first copied name in e's attributes
+  std::map<std::pair<std::string, std::string>, Replicas> copies_;
+  std::vector<Replica> replicas_;  // in the file's order
+  Replicas known_;
 };
 
 // Settings of one file while its bodies are read.

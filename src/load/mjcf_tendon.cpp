@@ -103,6 +103,10 @@ void read_numbers(const MjcfFile& file, const Reader& reader, const Element& e, 
   const double margin = reader.optional_number(e, "margin").value_or(0);  // the limit holds so far inside the range
   if (const auto range = read_limits(reader, e, "range", "limited", file.compiler.autolimits))
     t.range[0] = read_bound((*range)[0]) + margin, t.range[1] = read_bound((*range)[1]) - margin;
+  if (t.range[0] > t.range[1]) {
+    tendon.place.physics("the margin of its limits is more than half of the range: its length is held in the middle");
+    t.range[0] = t.range[1] = (t.range[0] + t.range[1]) / 2;
+  }
   tendon.force = read_limits(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits);
 }
 
@@ -147,7 +151,7 @@ void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context) {
   const Reader reader = file.source.reader(e, "tendon " + load::in_quotes(name));
   const MjcfPlace place{&reader.report, line(e), reader.owner};
   if (!fixed && kind != "spatial") return place.physics("<" + std::string(kind.substr(0, 60)) + "> is not supported");
-  if (context.suffix != context.outer) file.copies.add(e, context.suffix);
+  if (context.suffix != context.outer) file.copies.add(e, context);
   file.defaults.apply(file.source, e, "tendon", context.childclass);
   const std::initializer_list<std::string_view> attributes = {
       "name",        "class",       "group",          "limited",        "range",        "actuatorfrclimited", "actuatorfrcrange",
