@@ -2392,7 +2392,9 @@ typedef enum dynAlgorithm {
   /* JACOBIANS: frame, reference; q -> H 6 x nv x nv; after dyn_forward_kinematics */
   DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,
   DYN_ALGORITHM_DIFFERENCE = 48,                    /* q, q1 -> v nv */
-  DYN_ALGORITHM_STEP = 49                           /* SIMULATION: dt, integrator; q, v, tau -> q nq, v nv */
+  DYN_ALGORITHM_STEP = 49,                          /* SIMULATION: dt, integrator; q, v, tau -> q nq, v nv */
+  /* q, v -> length ntendons, velocity ntendons, J ntendons x nv */
+  DYN_ALGORITHM_TENDONS = 50
 } dynAlgorithm;
 
 /* Inputs and outputs. An algorithm ignores inputs that it does not read. An output may be an input with rows

@@ -18,7 +18,7 @@ except ModuleNotFoundError:
 del _numpy
 
 from . import accuracy, batch, constraint, enums, ik
-from .actuator import Actuator
+from .actuator import Actuator, Muscle
 from .arrays import Placement
 from .batch import Batch, Rollout
 from .builder import Builder
@@ -99,6 +99,7 @@ from .model import Model
 from .simulate import Simulation, Trajectory
 from .simulation import ContactForce, ErrorLedger, StepReport
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo, FieldInfo
+from .tendon import Tendon, TendonElement, TendonPath
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -108,10 +109,11 @@ __all__ = [
     "ContactSolver", "ContactWarning",
     "Data", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "FrameInfo",
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
-    "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "NonFiniteError",
-    "NumericError", "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError", "RayHit", "Rays",
-    "ReportEntry", "Rollout", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State", "StateLayout",
-    "StepReport", "StrictError", "Trajectory", "UnknownNameError", "UnsupportedError", "WORLD", "accuracy", "batch",
+    "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
+    "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError",
+    "RayHit", "Rays", "ReportEntry", "Rollout", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
+    "StateLayout", "StepReport", "StrictError", "Tendon", "TendonElement", "TendonPath", "Trajectory", "UnknownNameError",
+    "UnsupportedError", "WORLD", "accuracy", "batch",
     "body_regressor", "build_info", "constraint", "contact_compliance", "contact_compliance_hertz", "contact_problem_qp",
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
     "is_physically_consistent", "last_error", "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters",

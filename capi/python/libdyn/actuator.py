@@ -4,23 +4,59 @@ from __future__ import annotations
 
 from ctypes import byref
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Tuple
 
 from numpy.typing import ArrayLike
 
 from . import abi
 from .arrays import address, checked
 from .choices import member
-from .enums import ActuatorType, Reference
+from .enums import ActuatorType, Reference, Transmission
 from .handles import DataHandle, ModelHandle
 from .library import check, lib
 
 if TYPE_CHECKING:
-    from .enums import ActuatorTypeLike, ReferenceLike
+    from .enums import ActuatorTypeLike, ReferenceLike, TransmissionLike
+
+
+class Muscle(NamedTuple):
+    """A muscle: its force by activation, length and rate. See dynMuscle in dyn.h."""
+
+    force: float = 1.0
+    """N, at optimum length."""
+    range: Tuple[float, float] = (0.75, 1.05)
+    """Normalised lengths at both ends of length_range."""
+    length_range: Tuple[float, float] = (0.0, 1.0)
+    """m."""
+    lmin: float = 0.5
+    """Normalised length below which it does not pull."""
+    lmax: float = 1.6
+    """Normalised length above which activation has no effect."""
+    vmax: float = 1.5
+    """Optimum lengths a second at which a muscle that shortens has no force."""
+    fpmax: float = 1.3
+    """Passive force at lmax, by force."""
+    fvmax: float = 1.2
+    """Active force of a muscle that lengthens fast, by force."""
+    t_act: float = 0.01
+    """s."""
+    t_deact: float = 0.04
+    """s."""
+    smoothing: float = 0.0
+    """Range of u - w over which the two time constants blend."""
+
+    def structure(self) -> abi.Muscle:
+        """As the library takes it."""
+        return abi.Muscle(self.force, tuple(self.range), tuple(self.length_range), *self[3:])
+
+    @classmethod
+    def of(cls, x: Any) -> Muscle:
+        """From the library's structure."""
+        return cls(x.force, tuple(x.range), tuple(x.length_range), *(getattr(x, name) for name in cls._fields[3:]))
 
 
 class Actuator(NamedTuple):
-    """force = gain . controls + bias . (1, length, its rate), within force_range; length = gear q. See dynActuator in dyn.h."""
+    """force = gain . controls + bias . (1, length, its rate), within force_range. See dynActuator in dyn.h."""
 
     type: ActuatorTypeLike = ActuatorType.MOTOR
     gear: float = 1.0
@@ -50,6 +86,18 @@ class Actuator(NamedTuple):
     """The first control is the rate of what drives; time_constant is then 0."""
     idx_act: int = -1
     """Index in Data.act of the filtered or integrated control; -1: none."""
+    transmission: TransmissionLike = Transmission.JOINT
+    """What it acts through: length = gear q of a joint, gear L of a tendon; site: see wrench."""
+    wrench: Tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """site: [force; moment] on the frame for each N of force."""
+    muscle: Muscle = Muscle()
+    """muscle."""
+    tendon: int = -1
+    """tendon: its id; set for a model's actuator."""
+    frame: int = -1
+    """site: its id; set for a model's actuator."""
+    reference: int = -1
+    """site: id of the reference frame, -1: none; set for a model's actuator."""
 
     def structure(self) -> abi.Actuator:
         """As the library takes it."""
@@ -58,6 +106,8 @@ class Actuator(NamedTuple):
         out.bias[:], out.control_range[:], out.force_range[:] = self.bias, self.control_range, self.force_range
         out.act_range[:], out.integrates = self.act_range, self.integrates
         out.time_constant = self.time_constant
+        out.transmission, out.wrench[:] = member(Transmission, self.transmission, "transmission"), self.wrench
+        out.muscle = self.muscle.structure()
         return out
 
 
@@ -89,7 +139,8 @@ class ModelActuators(ModelHandle):
         return Actuator(
             ActuatorType(x.type), x.gear, x.kp, x.kv, x.gain, tuple(x.bias), x.time_constant,
             tuple(x.control_range), tuple(x.force_range), x.component, x.joint, x.idx_u, x.controls,
-            tuple(x.act_range), bool(x.integrates), x.idx_act,
+            tuple(x.act_range), bool(x.integrates), x.idx_act, Transmission(x.transmission), tuple(x.wrench),
+            Muscle.of(x.muscle), x.tendon, x.frame, x.reference,
         )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from .library import check, lib
 from .material import Material
 from .mesh import Mesh
 from .model import Model
+from .tendon import Tendon, TendonElement
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -185,11 +186,35 @@ class Builder:
         check(lib.dyn_builder_set_contact_capacity(self._b, whole(contacts, "contacts")))
         return self
 
-    def add_actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:
-        """Adds an actuator of a joint: a dyn.Actuator, or its values, as in add_actuator("hip", "hip_joint", type="position",
-        kp=40, kv=1)."""
-        spec = Actuator(**values) if actuator is None else actuator._replace(**values)
-        check(lib.dyn_builder_add_actuator(self._b, text(name, "name"), byref(spec.structure()), text(joint, "joint")))
+    def add_actuator(self, name: str, target: str, actuator: Actuator | None = None, *, reference: str | None = None,
+                     **values: Any) -> Builder:
+        """Adds an actuator to a joint, a tendon or a frame: a dyn.Actuator, or its values, as in add_actuator("hip", "hip_joint",
+        type="position", kp=40, kv=1). reference: with transmission="site", the frame that takes the opposite wrench."""
+        spec = (Actuator(**values) if actuator is None else actuator._replace(**values)).structure()
+        names = text(name, "name"), byref(spec), text(target, "target")
+        if reference is None:
+            check(lib.dyn_builder_add_actuator(self._b, *names))
+        else:
+            check(lib.dyn_builder_add_actuator_between(self._b, *names, text(reference, "reference")))
+        return self
+
+    def add_tendon(self, name: str, elements: Sequence[TendonElement | tuple[Any, ...]], tendon: Tendon | None = None,
+                   **values: Any) -> Builder:
+        """Adds a tendon of these elements, dyn.TendonElement or tuples: a dyn.Tendon, or its values, as in
+        add_tendon("cord", [("site", "a"), ("cylinder", "c", 0.03), ("site", "b")], type="spatial", stiffness=100)."""
+        spec = (Tendon(**values) if tendon is None else tendon._replace(**values)).structure()
+        parts = [TendonElement(*e).structure(f"tendon {name!r}: element {k}") for k, e in enumerate(elements)]
+        array = (abi.TendonElement * len(parts))(*parts)
+        check(lib.dyn_builder_add_tendon(self._b, text(name, "name"), byref(spec), array, len(parts)))
+        return self
+
+    def couple_tendons(self, name: str, tendon1: str, tendon2: str | None = None,
+                       coefficients: ArrayLike = (0.0, 1.0, 0.0, 0.0, 0.0)) -> Builder:
+        """Couples the lengths of two tendons in steps: L1 - L1_0 = p(L2 - L2_0), p a polynomial with five coefficients, the
+        constant first; _0: in the initial configuration. tendon2 None: L1 - L1_0 is the constant."""
+        c = checked(coefficients, (5,), "coefficients")
+        second = None if tendon2 is None else text(tendon2, "tendon2")
+        check(lib.dyn_builder_couple_tendons(self._b, text(name, "name"), text(tendon1, "tendon1"), second, address(c)))
         return self
 
     def set_gravity_compensation(self, body: str, share: float = 1.0) -> Builder:

@@ -20,6 +20,7 @@ from .evaluation import Evaluation
 from .ik import InverseKinematics
 from .library import check, lib
 from .simulation import SimulationCalls
+from .tendon import TendonCalls
 
 if TYPE_CHECKING:
     from .enums import EffectLike, PartLike
@@ -30,14 +31,16 @@ class EffectPlan(NamedTuple):
     """One effect of a data's steps."""
 
     present: int
-    """Number of joints, pairs, constraints, actuators or links that may have it."""
+    """Number of joints, pairs, constraints, actuators, tendons or links that may have it."""
     acting: int
     """Not 0: it acts; of contact and constraints how many pairs are tested, slots enabled."""
     bytes: int
     """Bytes of the data's memory for it alone."""
 
 
-class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, SimulationCalls):
+class Data(
+    Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, SimulationCalls, TendonCalls
+):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
     Fields are properties: d.q, d.M, d.com, d.Minv. They are read-only views of the library's memory that follow the data

@@ -21,13 +21,14 @@ from .errors import ArgumentError
 from .library import check, last_error, lib
 from .model_arrays import ModelArrays
 from .saving import Saving
+from .tendon import ModelTendons
 
 if TYPE_CHECKING:
     from .arrays import Integers, Numbers
     from .enums import PartLike
 
 
-class Model(States, ModelArrays, ModelConstraints, ModelActuators, Saving):
+class Model(States, ModelArrays, ModelConstraints, ModelActuators, ModelTendons, Saving):
     """What the robot is: immutable, and safe to share between threads. From dyn.load, dyn.load_string or dyn.Builder.
 
     q has nq numbers, v, a and tau have nv; they differ on manifolds: use integrate and difference, never q + v.
