@@ -230,7 +230,7 @@ void set_length_range(MeasuredModel& at, const ActuatorRecord& motor, MjcfRobot&
     range = found ? *found : std::to_array(ends);
     for (double& x : range) x = std::clamp(x, ends[0], ends[1]);
   }
-  if (!(range[0] < range[1])) return make_mjcf_actuator_inert(muscle, "no joint changes its length: give lengthrange");
+  if (!(range[0] < range[1])) return make_mjcf_actuator_inert(muscle, "its range of lengths is empty: give lengthrange");
   std::copy(range.begin(), range.end(), muscle.spec.muscle.length_range);
 }
 
