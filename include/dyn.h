@@ -226,17 +226,19 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
      - meshes: STL, OBJ, MSH, vertices in the file;
      - excluded and wanted pairs, with MuJoCo's rule for the others;
      - keys with velocity, controls, activations and time; timestep, integrator, and flags of effects;
-     - actuators of one degree of freedom with affine laws;
-     - connect, weld and joint equalities (rigid).
+     - fixed and spatial tendons, with wrapped spheres and cylinders;
+     - affine actuators and muscles of one degree of freedom, tendons and sites;
+     - connect, weld, joint and tendon equalities (rigid).
 
    MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
    see dynStateLayout. The configuration that the file draws is named "qpos0" unless it is the neutral one.
    New data begins there. Its steps have the file's timestep and the nearest integrator. Keys are named
    configurations: see dyn_data_reset. An actuator that is not supported keeps its place and its control, and
    exerts no force. A joint without a name has its body's name with _joint behind it. A body
-   without a name is body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible
-   bodies and plugins are in the load report, with their lines. base is ignored: the file has free joints.
-   srdf is refused. */
+   without a name is body_<number in the file>, a tendon tendon_<number>. A geom that a tendon wraps around
+   becomes a frame with its name, with _wrap behind it where the name is taken. Other actuators and
+   equalities, sensors, flexible bodies and plugins are in the load report, with their lines. base is ignored: the file
+   has free joints. srdf is refused. */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
 /* Reads the same from zero-terminated text. Relative paths in the text start at the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);

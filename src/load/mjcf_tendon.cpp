@@ -127,8 +127,8 @@ std::pair<int, SE3<double>> moving_pose(const MjcfRobot& robot, const MjcfBody& 
   return {moving, X * b.X};
 }
 
-// Files that are written have a site for the frame of a wrapped geom. Where the model has no such shape, the geom is massless, out
-// of view, and no shape either.
+// Files that are written have a site for the frame of a wrapped geom. Where the model has no such shape, the geom is massless,
+// out of view, and no shape either.
 const MjcfSite* site_of_wrap(const MjcfRobot& robot, const MjcfBody& body, const MjcfGeom& g) {
   const bool alone = stands_for_frame(g);
   const auto [moving, X] = moving_pose(robot, body);
@@ -150,8 +150,9 @@ const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name) {
 }
 
 MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name) {
-  const auto found = std::find_if(robot.tendons.begin(), robot.tendons.end(), [&](const MjcfTendon& t) { return t.name == name; });
-  return found == robot.tendons.end() ? nullptr : &*found;
+  for (MjcfTendon& t : robot.tendons)
+    if (t.name == name) return &t;
+  return nullptr;
 }
 
 void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context) {

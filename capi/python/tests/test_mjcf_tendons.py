@@ -11,14 +11,17 @@ ARM = """<mujoco><compiler {compiler}/><option>{flags}</option>
 <default class="stiff"><tendon stiffness="100" damping="3"/></default></default>
 <worldbody><site name="anchor" pos="0 .1 .3"/><site name="back" pos="-.2 0 .1"/><site name="side" pos=".3 0 0"/>
 <body name="upper"><joint name="a"/><geom type="capsule" size=".03" fromto="0 0 0 0 0 -.4"/>
- <geom name="wrap" type="cylinder" size=".05 .1" euler="90 0 0" mass="0"/><site name="s1" pos=".05 0 -.2"/><site name="s2" pos="-.04 .02 -.25"/>
- <body name="lower" pos="0 0 -.4"><joint name="b" range="-100 -5" ref="-20"/><geom type="capsule" size=".03" fromto="0 0 0 0 0 -.4"/>
+ <geom name="wrap" type="cylinder" size=".05 .1" euler="90 0 0" mass="0"/>
+ <site name="s1" pos=".05 0 -.2"/><site name="s2" pos="-.04 .02 -.25"/>
+ <body name="lower" pos="0 0 -.4"><joint name="b" range="-100 -5" ref="-20"/>
+  <geom type="capsule" size=".03" fromto="0 0 0 0 0 -.4"/>
   <geom name="b" size=".04" mass="0" contype="0" conaffinity="0"/><site name="s3" pos=".03 0 -.15"/></body></body></worldbody>
 <tendon>{tendons}</tendon><actuator>{actuators}</actuator><equality>{equality}</equality></mujoco>"""
 
-TENDONS = """<spatial name="flexor" class="stiff" springlength=".1 .3" range=".5 1.2" margin=".01"><site site="anchor"/><geom geom="wrap" sidesite="side"/>
- <site site="s1"/><geom geom="b"/><site site="s3"/></spatial>
-<spatial name="second" armature=".01"><site site="back"/><site site="s2"/><pulley divisor="2"/><site site="s1"/><site site="s3"/></spatial>
+TENDONS = """<spatial name="flexor" class="stiff" springlength=".1 .3" range=".5 1.2" margin=".01">
+ <site site="anchor"/><geom geom="wrap" sidesite="side"/><site site="s1"/><geom geom="b"/><site site="s3"/></spatial>
+<spatial name="second" armature=".01"><site site="back"/><site site="s2"/><pulley divisor="2"/>
+ <site site="s1"/><site site="s3"/></spatial>
 <fixed name="sum" stiffness="0" springlength=".2" damping=".5"><joint joint="a" coef="2"/><joint joint="b" coef="-.5"/></fixed>"""
 
 
@@ -84,7 +87,8 @@ def test_limits_follow_autolimits():
 
 @pytest.mark.parametrize(("tendons", "line", "message"), [
     ('\n<spatial><site site="anchor"/>\n<site site="s4"/></spatial>', 3, r"no site 's4' \(did you mean"),
-    ('<spatial><site site="anchor"/>\n<geom geom="wrop"/>\n<site site="s1"/></spatial>', 2, r"no geom 'wrop' \(did you mean 'wrap'"),
+    ('<spatial><site site="anchor"/>\n<geom geom="wrop"/>\n<site site="s1"/></spatial>', 2,
+     r"no geom 'wrop' \(did you mean 'wrap'"),
     ('<fixed>\n\n<joint joint="none" coef="1"/></fixed>', 3, "no joint 'none'"),
     ('<spatial><site site="anchor"/><geom geom="wrap" sidesite="nowhere"/><site site="s1"/></spatial>', 1, "no site 'nowhere'"),
     ('<spatial springlength="2 1"><site site="anchor"/><site site="s1"/></spatial>', 1, "springlength"),
@@ -102,9 +106,12 @@ def test_errors_have_lines(tendons, line, message):
 
 def test_replicas_have_their_own_tendons():
     text = """<mujoco><worldbody><site name="top" pos="0 0 1"/><replicate count="3" offset=".1 0 0" sep="-">
-<body name="ball"><joint name="j" axis="1 0 0"/><geom size=".02" pos="0 0 -.1"/><site name="hook" pos="0 0 -.1"/></body></replicate>
-<replicate count="2" offset="0 .2 0" sep="-"><body name="box"><joint name="k" type="slide"/><geom size=".02"/><site name="eye"/></body></replicate></worldbody>
-<tendon><spatial name="cord"><site site="top"/><site site="hook"/></spatial><fixed name="f"><joint joint="k" coef="3"/></fixed></tendon>
+<body name="ball"><joint name="j" axis="1 0 0"/><geom size=".02" pos="0 0 -.1"/>
+<site name="hook" pos="0 0 -.1"/></body></replicate>
+<replicate count="2" offset="0 .2 0" sep="-"><body name="box"><joint name="k" type="slide"/><geom size=".02"/>
+<site name="eye"/></body></replicate></worldbody>
+<tendon><spatial name="cord"><site site="top"/><site site="hook"/></spatial>
+<fixed name="f"><joint joint="k" coef="3"/></fixed></tendon>
 <actuator><motor name="m" tendon="cord"/><motor name="n" tendon="f" gear="2"/></actuator></mujoco>"""
     m = dyn.load_string(text)
     assert m.tendon_names == ["cord-0", "cord-1", "cord-2", "f-0", "f-1"]
@@ -117,8 +124,10 @@ def test_replicas_have_their_own_tendons():
     assert [theirs.actuator(k).name for k in range(5)] == m.actuator_names
 
 
-ACTUATORS = """<motor name="cord" tendon="flexor" gear="3" forcerange="-2 2"/><position name="servo" tendon="sum" kp="10" kv="1" inheritrange="1"/>
-<general name="push" site="s3" gear="0 0 1 .5 0 0" ctrlrange="-1 1"/><position name="to" site="s3" refsite="back" gear="1 0 .2 0 0 0" kp="10" dampratio="1"/>
+ACTUATORS = """<motor name="cord" tendon="flexor" gear="3" forcerange="-2 2"/>
+<position name="servo" tendon="sum" kp="10" kv="1" inheritrange="1"/>
+<general name="push" site="s3" gear="0 0 1 .5 0 0" ctrlrange="-1 1"/>
+<position name="to" site="s3" refsite="back" gear="1 0 .2 0 0 0" kp="10" dampratio="1"/>
 <position name="ratio" tendon="second" kp="40" dampratio=".5" gear="2" armature=".02"/>"""
 
 
@@ -128,7 +137,8 @@ def test_actuators_of_tendons_and_sites():
     cord, servo, push, to, ratio = (m.actuator(k) for k in range(5))
     assert (cord.transmission, cord.tendon, cord.gear, cord.force_range) == (dyn.Transmission.TENDON, 0, 3, (-2, 2))
     assert (servo.kp, servo.control_range, servo.force_range) == (10, (-1, 2), (-4, 5))
-    assert (push.transmission, push.wrench, push.control_range, push.reference) == (dyn.Transmission.SITE, (0, 0, 1, 0.5, 0, 0), (-1, 1), -1)
+    assert (push.transmission, push.wrench) == (dyn.Transmission.SITE, (0, 0, 1, 0.5, 0, 0))
+    assert (push.control_range, push.reference) == ((-1, 1), -1)
     assert [m.frame_name(f) for f in (push.frame, to.frame, to.reference)] == ["s3", "s3", "back"]
     assert m.tendon("second").armature == pytest.approx(0.01 + 4 * 0.02, rel=1e-15)
     mujoco = pytest.importorskip("mujoco")
@@ -137,7 +147,8 @@ def test_actuators_of_tendons_and_sites():
 
 
 @pytest.mark.parametrize(("actuator", "message"), [
-    ('<general body="upper"/>', "contacts of a body"), ('<motor cranksite="s1" slidersite="s2" cranklength=".1"/>', "slider and crank"),
+    ('<general body="upper"/>', "contacts of a body"),
+    ('<motor cranksite="s1" slidersite="s2" cranklength=".1"/>', "slider and crank"),
     ('<general tendon="flexor" dyntype="muscle" gaintype="muscle" gainprm=".7 1 1 1 .5 1.6 1 1 1"/>', "first-order filter"),
     ('<muscle tendon="flexor" force="0"/>', "force is 0"),
 ])
@@ -148,14 +159,15 @@ def test_actuators_that_are_not_supported_keep_their_place(actuator, message):
 
 
 MUSCLES = """<muscle tendon="flexor"/><muscle tendon="second" gear="2" scale="300"/>
-<muscle tendon="sum" force="50" lmin=".4" lmax="1.8" timeconst=".02 .05" tausmooth=".1" range=".7 1.1" vmax="2" fpmax="1.1" fvmax="1.4"/>
+<muscle tendon="sum" force="50" lmin=".4" lmax="1.8" timeconst=".02 .05" tausmooth=".1" range=".7 1.1"
+ vmax="2" fpmax="1.1" fvmax="1.4"/>
 <muscle joint="b" gear="-.1" ctrlrange="0 1"/><muscle joint="a" gear=".1" lengthrange="-.1 .1"/>
 <general joint="a" dyntype="muscle" gaintype="muscle" biastype="muscle" lengthrange="-1 1" dynprm=".03 .06 .1"
  gainprm=".8 1.2 20 1 .6 1.5 2 1 1.3" biasprm=".8 1.2 20 1 .6 1.5 2 1.4 1.3"/>"""
 
 
 def test_muscles_are_mujocos():
-    """Force and parameters are equal. MuJoCo finds ranges of lengths by a simulation with soft limits, which are passed by some."""
+    """Force and parameters are equal. MuJoCo finds ranges of lengths by a simulation, which passes its soft limits."""
     mujoco = pytest.importorskip("mujoco")
     text = arm(TENDONS.replace(' range=".5 1.2" margin=".01"', "").replace(' armature=".01"', ""), MUSCLES)
     theirs, m = mujoco.MjModel.from_xml_string(text), dyn.load_string(text)
@@ -217,16 +229,19 @@ def test_what_is_saved_reads_back(tmp_path, ending):
         assert elements(again, k) == elements(m, k)
     for k in range(m.nactuators):
         ours, theirs = m.actuator(k), again.actuator(k)
-        assert (ours.transmission, ours.gear, ours.wrench, ours.muscle) == (theirs.transmission, theirs.gear, theirs.wrench, theirs.muscle)
+        for field in ("transmission", "gear", "wrench", "muscle", "control_range", "force_range"):
+            assert getattr(ours, field) == getattr(theirs, field)
     q, v = np.array([0.3, -0.9]), np.array([1.0, -2])
     for ours, theirs in zip(m.data().tendons(q, v), again.data().tendons(q, v)):
         np.testing.assert_allclose(theirs, ours, atol=1e-14)
 
 
 def test_wraps_without_a_shape_are_saved_as_geoms(tmp_path):
-    m = (dyn.Builder("arm").add_joint("hinge", "revolute", axis=(0, 1, 0)).add_body("link", "hinge", mass=1, com=(0, 0, -0.5), inertia=np.eye(3) * 0.1)
-         .add_frame("here", None, [0.3, 0, 0.3]).add_frame("ball", "link", [0, 0, -0.2]).add_frame("there", "link", [0.1, 0, -0.4])
-         .add_tendon("cord", [("site", "here"), ("sphere", "ball", 0.05, "there"), ("site", "there")], type="spatial", rest=(-1, -1)).finish())
+    b = dyn.Builder("arm").add_joint("hinge", "revolute", axis=(0, 1, 0))
+    b.add_body("link", "hinge", mass=1, com=(0, 0, -0.5), inertia=np.eye(3) * 0.1)
+    b.add_frame("here", None, [0.3, 0, 0.3]).add_frame("ball", "link", [0, 0, -0.2]).add_frame("there", "link", [0.1, 0, -0.4])
+    cord = [("site", "here"), ("sphere", "ball", 0.05, "there"), ("site", "there")]
+    m = b.add_tendon("cord", cord, type="spatial", rest=(-1, -1)).finish()
     m.save(tmp_path / "arm.xml")
     again = dyn.load(tmp_path / "arm.xml")
     assert elements(again, 0) == elements(m, 0) and frame_names(again) == frame_names(m) and again.nshapes == 0
