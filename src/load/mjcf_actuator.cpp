@@ -130,6 +130,7 @@ const char* read_muscle(const Reader& reader, const Element& e, const MjcfCompil
   x.lmin = gain(4), x.lmax = gain(5), x.vmax = gain(6), x.fpmax = bias(7), x.fvmax = gain(8);
   x.t_act = parameter(reader, e, "dynprm", 0, 1), x.t_deact = parameter(reader, e, "dynprm", 1, 0),
   x.smoothing = parameter(reader, e, "dynprm", 2, 0);
+  std::fill_n(x.length_range, 2, 0.0);
   if (const auto range = reader.numbers(e, "lengthrange", 2); range && compiler.length_given) std::copy_n(range->begin(), 2, x.length_range);
   return nullptr;
 }

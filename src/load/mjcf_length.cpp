@@ -3,8 +3,10 @@
 #include "mjcf_length.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
+#include <optional>
 
 #include "polynomial.hpp"
 
@@ -132,18 +134,34 @@ std::vector<Coordinate> limited_coordinates(const Model& m, const std::vector<Fo
   return out;
 }
 
-// With <lengthrange uselimit>: the limits of the joint or tendon itself.
-std::optional<std::array<double, 2>> limits_of_target(const Model& m, MjcfRobot& robot, const MjcfActuator& a) {
-  if (!robot.compiler.length_of_limits) return std::nullopt;
-  std::array<double, 2> range = {0, 0};
+// Limits of the joint or tendon itself.
+std::array<double, 2> limits_of_target(const Model& m, MjcfRobot& robot, const MjcfActuator& a) {
   if (a.spec.transmission == DYN_TRANSMISSION_JOINT) {
     const Index q = joint_named(m, a.target).idx_q;
-    range = {m.lower_limit()[q], m.upper_limit()[q]};
-  } else if (a.spec.transmission == DYN_TRANSMISSION_TENDON) {
-    const MjcfTendon& t = *find_tendon(robot, a.target);
-    range = {t.spec.range[0], t.spec.range[1]};
+    return {m.lower_limit()[q], m.upper_limit()[q]};
   }
-  return range[0] < range[1] && std::isfinite(range[0]) && std::isfinite(range[1]) ? std::optional(range) : std::nullopt;
+  if (a.spec.transmission == DYN_TRANSMISSION_SITE) return {-HUGE_VAL, HUGE_VAL};
+  return std::to_array(find_tendon(robot, a.target)->spec.range);
+}
+
+// The smallest and the largest length; empty where a joint that moves it has no limits.
+std::optional<std::array<double, 2>> searched_range(MeasuredModel& at, const ActuatorRecord& motor, const MjcfRobot& robot) {
+  Length length{at, motor, followers_of(at.m, robot), {}, {}};
+  std::vector<Coordinate> coordinates = limited_coordinates(at.m, length.followers);
+  const std::vector<std::vector<double>> from = starts(at.initial, coordinates);
+  std::vector<double> largest(size_t(at.m.n.nv));  // moment arm of each degree of freedom
+  for (const std::vector<double>& q : from) {
+    length.move(q);
+    for (size_t v = 0; v < largest.size(); ++v) largest[v] = std::max(largest[v], std::abs(length.arms[v]));
+  }
+  const double least = 1e-9 * (largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end()));
+  std::erase_if(coordinates, [&](const Coordinate& c) { return !(largest[size_t(c.v)] > least); });
+  for (const Coordinate& c : coordinates) largest[size_t(c.v)] = 0;
+  if (std::any_of(largest.begin(), largest.end(), [&](double arm) { return arm > least; })) return std::nullopt;
+  double shortest = HUGE_VAL, longest = -HUGE_VAL;
+  for (const std::vector<double>& q : from)
+    shortest = std::min(shortest, descend(length, coordinates, 1, q)), longest = std::max(longest, -descend(length, coordinates, -1, q));
+  return std::array<double, 2>{shortest, longest};
 }
 
 }  // namespace
@@ -198,30 +216,22 @@ bool needs_length_range(const MjcfActuator& a) {
 }
 
 void set_length_range(MeasuredModel& at, const ActuatorRecord& motor, MjcfRobot& robot, MjcfActuator& muscle) {
-  double (&range)[2] = muscle.spec.muscle.length_range;
   if (!robot.compiler.length_computed) return make_mjcf_actuator_inert(muscle, "its range of lengths is missing: give lengthrange");
-  if (const auto limits = limits_of_target(at.m, robot, muscle)) {
-    std::copy(limits->begin(), limits->end(), range);
-    return;
+  const std::array<double, 2> limits = limits_of_target(at.m, robot, muscle);
+  const bool limited = std::isfinite(limits[0]) && std::isfinite(limits[1]);
+  const double gear = motor.spec.gear;
+  std::array<double, 2> range = limits;
+  if (!limited || !robot.compiler.length_of_limits) {
+    const std::optional<std::array<double, 2>> found = searched_range(at, motor, robot);
+    if (!found && !limited)
+      return make_mjcf_actuator_inert(muscle,
+                                      "its range of lengths is missing, and a joint that moves it has no limits: give lengthrange");
+    const double ends[2] = {gear * limits[gear < 0], gear * limits[gear > 0]};
+    range = found ? *found : std::to_array(ends);
+    for (double& x : range) x = std::clamp(x, ends[0], ends[1]);
   }
-  Length length{at, motor, followers_of(at.m, robot), {}, {}};
-  std::vector<Coordinate> coordinates = limited_coordinates(at.m, length.followers);
-  std::vector<std::vector<double>> from = starts(at.initial, coordinates);
-  std::vector<double> largest(size_t(at.m.n.nv));  // arms of each degree of freedom
-  for (const std::vector<double>& q : from) {
-    length.move(q);
-    for (size_t v = 0; v < largest.size(); ++v) largest[v] = std::max(largest[v], std::abs(length.arms[v]));
-  }
-  const double least = 1e-9 * (largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end()));
-  std::erase_if(coordinates, [&](const Coordinate& c) { return !(largest[size_t(c.v)] > least); });
-  for (const Coordinate& c : coordinates) largest[size_t(c.v)] = 0;
-  if (std::any_of(largest.begin(), largest.end(), [&](double arm) { return arm > least; }))
-    return make_mjcf_actuator_inert(muscle, "its range of lengths is missing, and a joint that moves it has no limits: give lengthrange");
-  double ends[2] = {HUGE_VAL, HUGE_VAL};
-  for (const std::vector<double>& q : from)
-    for (const int side : {0, 1}) ends[side] = std::min(ends[side], descend(length, coordinates, side == 0 ? 1 : -1, q));
-  range[0] = ends[0], range[1] = -ends[1];
-  if (!(range[0] < range[1])) make_mjcf_actuator_inert(muscle, "no joint changes its length: give lengthrange");
+  if (!(range[0] < range[1])) return make_mjcf_actuator_inert(muscle, "no joint changes its length: give lengthrange");
+  std::copy(range.begin(), range.end(), muscle.spec.muscle.length_range);
 }
 
 }  // namespace dyn::load
