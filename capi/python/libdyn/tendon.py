@@ -13,7 +13,8 @@ from . import abi
 from .arrays import address
 from .choices import member, size, string, text
 from .enums import TendonElementType, TendonType
-from .handles import DataHandle, ModelHandle
+from .fields import Fields
+from .handles import ModelHandle
 from .library import check, lib
 
 if TYPE_CHECKING:
@@ -110,13 +111,14 @@ class ModelTendons(ModelHandle):
                       tuple(x.range))
 
 
-class TendonCalls(DataHandle):
+class TendonCalls(Fields):
     """The part of Data that knows the paths of tendons."""
 
     def tendon_path(self, tendon: str | int) -> TendonPath:
         """Points of the path of a spatial tendon at the configuration of tendons(), with points on its arcs; of a fixed tendon
         none."""
         id = self.model._tendon(tendon)
+        self.field("tendon_length")  # refused where it is stale
         n = size(lib.dyn_tendon_path(self._m, self._d, id, 0, None, None))
         points, begins = np.empty((n, 3)), np.empty(n, np.int32)
         size(lib.dyn_tendon_path(self._m, self._d, id, n, address(points), address(begins)))

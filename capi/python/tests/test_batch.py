@@ -66,7 +66,7 @@ def test_rows_are_those_of_data(go2, batch, states, name):
     results, lanes = getattr(batch, name)(**inputs, exact=True), getattr(batch, name)(**inputs)
     results, lanes = (x if isinstance(x, tuple) else (x,) for x in (results, lanes))
     for x, y in zip(results, lanes):
-        np.testing.assert_allclose(y, x, rtol=0, atol=1e-9 * abs(np.asarray(x)).max())
+        np.testing.assert_allclose(y, x, rtol=0, atol=1e-9 * abs(np.asarray(x)).max(initial=0))
     for k in (0, 7, N - 1):
         expected = single(go2, algorithm, {i: x[k] if isinstance(x, np.ndarray) else x for i, x in states.items()})
         expected = expected if isinstance(expected, tuple) else (expected,)
