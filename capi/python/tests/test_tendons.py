@@ -299,8 +299,9 @@ BAD_ACTUATORS = [
     ("sum", {"transmission": "tendon", "type": "muscle", "muscle": dyn.Muscle(**values)}, message)
     for values, message in (({"force": 0}, "force is 0"), ({"force": -1}, "force is -1"), ({"vmax": 0}, "vmax is 0"),
                             ({"t_act": 0}, "t_act is 0"), ({"t_deact": math.inf}, "t_deact is inf"),
-                            ({"fpmax": -1}, "fpmax is -1"), ({"fvmax": 0.5}, "fvmax is 0.5"), ({"smoothing": -1}, "smoothing is -1"),
-                            ({"lmin": 1.5}, "lmin and lmax"), ({"lmax": 0.5}, "lmin and lmax"), ({"range": (1, 1)}, "two different ends"),
+                            ({"fpmax": -1}, "fpmax is -1"), ({"fvmax": 0.5}, "fvmax is 0.5"),
+                            ({"smoothing": -1}, "smoothing is -1"), ({"lmin": 1.5}, "lmin and lmax"),
+                            ({"lmax": 0.5}, "lmin and lmax"), ({"range": (1, 1)}, "two different ends"),
                             ({"length_range": (2, 1)}, "length_range is"), ({"length_range": (0, 0)}, "two different ends"))
 ] + [
     ("nope", {"transmission": "tendon"}, "there is no tendon 'nope'"),
