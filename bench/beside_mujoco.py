@@ -74,27 +74,62 @@ def links_forces(m, d, q, v):
     def acceleration(h):
         return (after_step(h, "fluid", "gravity_compensation") - after_step(h)) / h
 
-    h = 1e-4
+    h = 1e-5
     a = 3 * acceleration(h) - 3 * acceleration(2 * h) + acceleration(3 * h)
     d.set_effects("armature")
     return d.crba(q) @ a
 
 
+def carriers(m, frame):
+    """Degrees of freedom that move a frame."""
+    joint, out = m.frames[frame].joint, set()
+    while joint > 0:
+        j = m.joints[joint]
+        out.update(range(j.idx_v, j.idx_v + j.nv))
+        joint = j.parent
+    return out
+
+
+def moment_arms(m, d, q, a, tendons):
+    """Of an actuator: what a unit force gives the degrees of freedom. tendons: their moment arms."""
+    out = np.zeros(m.nv)
+    if a.transmission == dyn.Transmission.TENDON:
+        return a.gear * tendons[a.tendon]
+    if a.transmission == dyn.Transmission.JOINT:
+        out[m.joints[a.joint].idx_v + a.component] = a.gear
+        return out
+    d.forward_kinematics(q)
+    axes = np.kron(np.eye(2), d.frame_placement(a.frame if a.reference < 0 else a.reference).rotation)
+    out = d.frame_jacobian(a.frame, "local_world_aligned").T @ axes @ np.array(a.wrench)
+    if a.reference >= 0:
+        out -= d.frame_jacobian(a.reference, "local_world_aligned").T @ axes @ np.array(a.wrench)
+        out[list(carriers(m, a.frame) & carriers(m, a.reference))] = 0
+    return out
+
+
 def actuator_forces(m, d, q, v, ctrl):
     """Forces on the degrees of freedom: those at the end of a step that is too short to change the state."""
-    tau = np.zeros(m.nv)
     if not m.nactuators:
-        return tau
+        return np.zeros(m.nv)
     d.reset()
     d.set_effects(("armature", "actuators"))
     d.set_step_options("semi_implicit_euler", dt=1e-20)
     d.set_state(q, v, np.zeros(m.nv), np.zeros(m.nv))
     d.set_control(ctrl)
     d.step()
-    for k, force in enumerate(d.field("actuator_force")):
-        a = m.actuator(k)
-        tau[m.joints[a.joint].idx_v + a.component] += a.gear * force
-    return tau
+    forces = d.field("actuator_force").copy()
+    tendons = d.tendons(q, v)[2] if m.ntendons else None
+    return sum((force * moment_arms(m, d, q, m.actuator(k), tendons) for k, force in enumerate(forces)), np.zeros(m.nv))
+
+
+def tendon_forces(m, d, q, v):
+    """Of their springs and dampers."""
+    length, velocity, J = d.tendons(q, v)
+    out = np.zeros(m.nv)
+    for k in range(m.ntendons):
+        t = m.tendon(k)
+        out += J[k] * (t.stiffness * (np.clip(length[k], *t.rest) - length[k]) - t.damping * velocity[k])
+    return out
 
 
 def random_state(beside, md, random):
@@ -131,6 +166,8 @@ def forces(beside, states=5):
         passive = bias - d.rnea(q, v, zero)
         if stated & (dyn.Effect.FLUID | dyn.Effect.GRAVITY_COMPENSATION):
             passive = passive + links_forces(m, d, q, v)
+        if dyn.Effect.TENDONS in stated:
+            passive = passive + tendon_forces(m, d, q, v)
         driven = actuator_forces(m, d, q, v, md.ctrl) if dyn.Effect.ACTUATORS in stated else np.zeros(mm.nv)
         least = 1e-3 * max(np.abs(md.qfrc_bias).max(initial=0), np.abs(full).max(initial=0))
         pairs = (

@@ -43,9 +43,10 @@ T size(const Vec2<T>& a) {
 // Whether the segments a b and c d cross.
 template <class T>
 bool cross_each_other(const Vec2<T>& a, const Vec2<T>& b, const Vec2<T>& c, const Vec2<T>& d) {
+  using std::abs;
   const Vec2<T> u = b - a, w = d - c, from = a - c;
   const T all = det(u, w);
-  if (std::abs(all) < T(smallest_wrap)) return false;
+  if (abs(all) < T(smallest_wrap)) return false;
   const T s = det(w, from) / all, t = det(u, from) / all;
   return s >= T(0) && s <= T(1) && t >= T(0) && t <= T(1);
 }
@@ -63,6 +64,7 @@ Vec2<T> nearest(const Vec2<T>& a, const Vec2<T>& b) {
 template <class T>
 Arc<T> wrap_outside(const Vec2<T>& a, const Vec2<T>& b, T r, const Vec2<T>* side) {
   using namespace detail;
+  using std::abs;
   using std::sqrt;
   using math::atan2;
   const Arc<T> straight{false, a, b, T(0)};
@@ -79,7 +81,7 @@ Arc<T> wrap_outside(const Vec2<T>& a, const Vec2<T>& b, T r, const Vec2<T>* side
     const bool crossed = cross_each_other(a, first, b, last);
     const T good = crossed ? T(-1e4) : side ? dot(sum, *side) / std::max(size(sum), T(smallest_wrap)) : -dot(apart, apart);
     if (!(good > most)) continue;
-    T angle = atan2(std::abs(det(first, last)), dot(first, last));
+    T angle = atan2(abs(det(first, last)), dot(first, last));
     if (turn * det(first, last) > T(0)) angle = T(2 * 3.14159265358979323846) - angle;
     most = good, best = {!crossed, first, last, r * angle};
   }
@@ -91,8 +93,11 @@ Arc<T> wrap_outside(const Vec2<T>& a, const Vec2<T>& b, T r, const Vec2<T>* side
 template <class T>
 Arc<T> wrap_inside(const Vec2<T>& a, const Vec2<T>& b, T r) {
   using namespace detail;
+  using std::abs;
   using std::sqrt;
   using math::atan2;
+  using math::cos;
+  using math::sin;
   const Arc<T> straight{false, a, b, T(0)};
   const T la = size(a), lb = size(b);
   if (la <= r || lb <= r || r < T(smallest_wrap)) return straight;
@@ -100,14 +105,14 @@ Arc<T> wrap_inside(const Vec2<T>& a, const Vec2<T>& b, T r) {
     const Vec2<T> at = nearest(a, b);
     if (size(at) <= r) return straight;
   }
-  const T between = atan2(std::abs(det(a, b)), dot(a, b)), turn = det(a, b) < T(0) ? T(-1) : T(1);
+  const T between = atan2(abs(det(a, b)), dot(a, b)), turn = det(a, b) < T(0) ? T(-1) : T(1);
   if (T(3.14159265358979323846) - between < T(1e-7)) return straight;
   // derivative of the length by x, over r; it rises
   const auto slope = [&](T x, T& bend) {
     T sum = T(0);
     bend = T(0);
     const auto add = [&](T l, T angle, T sign) {
-      const T s = math::sin(angle), c = math::cos(angle), far = sqrt(l * l + r * r - T(2) * l * r * c);
+      const T s = sin(angle), c = cos(angle), far = sqrt(l * l + r * r - T(2) * l * r * c);
       sum += sign * l * s / far, bend += l * c / far - l * s * (l * r * s) / (far * far * far);
     };
     add(la, x, T(1)), add(lb, between - x, T(-1));
@@ -120,10 +125,10 @@ Arc<T> wrap_inside(const Vec2<T>& a, const Vec2<T>& b, T r) {
     (s > T(0) ? high : low) = x;
     T next = bend > T(0) ? x - s / bend : low;
     if (!(next > low && next < high)) next = (low + high) / T(2);
-    if (std::abs(next - x) <= T(1e-16) * between) break;
+    if (abs(next - x) <= T(1e-16) * between) break;
     x = next;
   }
-  const T c = math::cos(turn * x), s = math::sin(turn * x), unit = r / la;
+  const T c = cos(turn * x), s = sin(turn * x), unit = r / la;
   const Vec2<T> at = Vec2<T>{c * a.x - s * a.y, s * a.x + c * a.y} * unit;
   return {true, at, at, T(0)};
 }
@@ -139,6 +144,7 @@ struct Wrap {
 // a, b and side (or nullptr) in the axes of the surface, about its centre; a cylinder is along z.
 template <class T>
 Wrap<T> wrap_around(bool cylinder, const Vec3<T>& a, const Vec3<T>& b, T r, const Vec3<T>* side) {
+  using std::abs;
   using std::sqrt;
   const auto length = [](const Vec3<T>& x) { return sqrt(dot(x, x)); };
   const Wrap<T> straight{false, a, b, T(0)};
@@ -151,7 +157,7 @@ Wrap<T> wrap_around(bool cylinder, const Vec3<T>& a, const Vec3<T>& b, T r, cons
     if (length(normal) < T(detail::smallest_wrap)) {  // any plane will do: that of the axes that x is least along
       int largest = 0;
       for (int i = 1; i < 3; ++i)
-        if (std::abs(x[i]) > std::abs(x[largest])) largest = i;
+        if (abs(x[i]) > abs(x[largest])) largest = i;
       normal = cross(x, Vec3<T>::make(T(largest != 0), T(largest != 1), T(largest != 2)));
     }
     y = cross(normal, x);

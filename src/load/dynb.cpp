@@ -1,5 +1,6 @@
 #include "dynb.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstring>
 
@@ -97,8 +98,26 @@ void check_by_building(const Model& m) {
     };
     b.constraint(m.string(r.name), r.spec, end(r.spec.first), end(r.spec.second));
   }
-  for (Index k = 0; k < m.n.actuators; ++k)
-    b.actuator(m.string(m.actuators()[k].name), m.actuators()[k].spec, m.string(m.joints()[m.actuators()[k].spec.joint].name));
+  const auto frame = [&](Index f) { return std::string(f >= 0 ? m.string(m.frames()[f].name) : ""); };
+  for (Index k = 0; k < m.n.tendons; ++k) {
+    const PathRecord& p = m.paths()[k];
+    std::vector<TendonElement> elements;
+    for (const PathElement *e = m.path_elements() + p.first, *end = e + p.elements; e != end; ++e)
+      elements.push_back({e->type, e->type == DYN_TENDON_ELEMENT_TYPE_JOINT ? m.string(m.joints()[e->id].name) : frame(e->id),
+                          frame(e->side_id), e->value});
+    b.tendon(m.string(m.tendons()[k].name), m.tendons()[k].spec, elements);
+  }
+  const auto tendon = [&](Index t) { return std::string(t >= 0 ? m.string(m.tendons()[t].name) : ""); };
+  for (const PathRecord *p = m.paths() + m.n.tendons, *end = p + m.n.couplings; p != end; ++p)
+    b.couple_tendons(m.string(p->name), tendon(p->first), tendon(p->elements), std::to_array(p->polynomial));
+  for (Index k = 0; k < m.n.actuators; ++k) {
+    const dynActuator& a = m.actuators()[k].spec;
+    b.actuator(m.string(m.actuators()[k].name), a,
+               a.transmission == DYN_TRANSMISSION_JOINT    ? std::string(m.string(m.joints()[a.joint].name))
+               : a.transmission == DYN_TRANSMISSION_TENDON ? tendon(a.tendon)
+                                                           : frame(a.frame),
+               frame(a.reference));
+  }
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& p = m.pairs()[k];
     const auto name = [&](Index geom) { return std::string(m.string(m.shapes()[m.geoms()[geom].shape].name)); };

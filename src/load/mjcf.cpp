@@ -22,13 +22,14 @@ void read_world(MjcfFile& file, Element& world, const MjcfContext& context, cons
 
 // Drops contacts and equalities that refer to parts of an attached model that were not attached.
 void drop_unresolved_references(MjcfRobot& robot, size_t excludes, size_t pairs, size_t equalities) {
-  std::set<std::string> bodies, joints, sites, geoms;
+  std::set<std::string> bodies, joints, sites, geoms, tendons;
   for (const MjcfBody& b : robot.bodies) {
     bodies.insert(b.name);
     for (const MjcfJoint& j : b.joints) joints.insert(j.spec.name);
     for (const MjcfSite& s : b.sites) sites.insert(s.name);
     for (const MjcfGeom& g : b.geoms) geoms.insert(g.shape.name);
   }
+  for (const MjcfTendon& t : robot.tendons) tendons.insert(t.name);
   const auto keep_known = [](auto& list, size_t first, auto&& names_of) {
     list.erase(std::remove_if(list.begin() + std::ptrdiff_t(first), list.end(), [&](const auto& x) {
       const auto [all, a, b] = names_of(x);
@@ -41,7 +42,7 @@ void drop_unresolved_references(MjcfRobot& robot, size_t excludes, size_t pairs,
   keep_known(robot.excludes, excludes, [&](const MjcfExclude& x) { return Named(&bodies, x.bodies[0], x.bodies[1]); });
   keep_known(robot.pairs, pairs, [&](const MjcfPair& x) { return Named(&geoms, x.geoms[0], x.geoms[1]); });
   keep_known(robot.equalities, equalities, [&](const MjcfEquality& x) {
-    return Named(x.kind == "joint" ? &joints : x.sites ? &sites : &bodies, x.first, x.second);
+    return Named(x.kind == "joint" ? &joints : x.kind == "tendon" ? &tendons : x.sites ? &sites : &bodies, x.first, x.second);
   });
 }
 
@@ -67,6 +68,7 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   each("asset", [&](Element& e) { file.assets.add(e, file.defaults); });
   each("worldbody", [&](Element& e) { read_world(file, e, context, body); });
   each("contact", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_contact); });
+  each("tendon", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_tendon); });
   each("actuator", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_actuator); });
   each("equality", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_equality); });
   if (file.part) drop_unresolved_references(file.robot, excludes, pairs, equalities);
@@ -77,7 +79,7 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   for (Element* e : sections) {
     const std::string_view name = e->Name();
     if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "worldbody" &&
-        name != "contact" && name != "keyframe" && name != "actuator" && name != "equality")
+        name != "contact" && name != "keyframe" && name != "tendon" && name != "actuator" && name != "equality")
       report_mjcf_section(file, *e);
   }
 }

@@ -1,4 +1,4 @@
-// <actuator>: motors, servos and affine laws on joints. Other transmissions and laws are reported.
+// <actuator>: motors, servos, affine laws and muscles on joints, tendons and sites. Other transmissions and laws are reported.
 #include <algorithm>
 #include <iterator>
 #include <sstream>
@@ -18,16 +18,68 @@ MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
   return nullptr;
 }
 
+bool is_scalar(const MjcfJoint& j) { return joint_nq(j.spec.type) == 1; }
+
 // Sets component and gear of the driven degree of freedom. Returns the reason if there is not exactly one.
-const char* transmission(const MjcfJoint& j, const std::vector<double>& gear, dynActuator& a) {
-  if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE || j.spec.type == DYN_JOINT_TYPE_PRISMATIC)
-    return a.gear = gear.empty() ? 1 : gear[0], nullptr;
+const char* joint_transmission(const MjcfJoint& j, const std::vector<double>& gear, dynActuator& a) {
+  if (is_scalar(j)) return a.gear = gear.empty() ? 1 : gear[0], nullptr;
   const size_t first = 0, count = j.spec.type == DYN_JOINT_TYPE_FREE_FLYER ? 6 : 3;
   int driven = 0;
   for (size_t k = first; k < std::min(count, gear.size()); ++k)
     if (gear[k] != 0) ++driven, a.component = int(k), a.gear = gear[k];
   if (driven != 1) return "it drives a direction across several degrees of freedom";
   return count == 6 && a.component < 3 ? "it pushes a free joint along an axis of the world" : nullptr;
+}
+
+// What an actuator acts through, as far as the model has it.
+struct Transmission {
+  MjcfJoint* joint = nullptr;
+  MjcfTendon* tendon = nullptr;
+  const char* not_attached = nullptr;  // a part that was not attached
+  std::string why;                     // it is not supported
+};
+
+Transmission read_transmission(MjcfFile& file, const Reader& reader, const Element& e, const MjcfContext& context,
+                               MjcfActuator& actuator) {
+  Transmission out;
+  dynActuator& a = actuator.spec;
+  const std::vector<double> gear = reader.numbers(e, "gear").value_or(std::vector<double>());
+  const auto missing = [&](const char* kind, const std::string& name, bool lost) {
+    if (lost) out.why = std::string("its ") + kind + " is missing from the model";
+    else if (file.part) out.not_attached = kind;
+    else reader.fail(DYN_ERROR_NAME, e, std::string("there is no ") + kind + " " + load::in_quotes(name));
+  };
+  const auto named = [&](const char* kind, const char* attribute) {
+    return file.copies.name(context, kind, reader.name(e, attribute));
+  };
+  if (e.Attribute("tendon")) {
+    a.transmission = DYN_TRANSMISSION_TENDON, a.gear = gear.empty() ? 1 : gear[0];
+    actuator.target = named("tendon", "tendon");
+    out.tendon = find_tendon(file.robot, actuator.target);
+    if (!out.tendon) missing("tendon", actuator.target, file.robot.lost_tendons.count(actuator.target) > 0);
+  } else if (e.Attribute("site")) {
+    a.transmission = DYN_TRANSMISSION_SITE, a.wrench[0] = 1;
+    std::copy_n(gear.begin(), std::min<size_t>(gear.size(), 6), a.wrench);
+    const auto site = [&](const char* attribute) {
+      const std::string name = named("site", attribute);
+      if (!find_site(file.robot, name)) missing("site", name, file.robot.has_lost(name));
+      return name;
+    };
+    actuator.target = site("site");
+    if (e.Attribute("refsite")) actuator.reference = site("refsite");
+  } else if (const char* by = e.Attribute("joint") ? "joint" : "jointinparent"; e.Attribute(by)) {
+    actuator.target = named("joint", by);
+    out.joint = find_joint(file.robot, actuator.target);
+    if (!out.joint) missing("joint", actuator.target, file.robot.has_lost(actuator.target));
+    else if (!e.Attribute("joint") && !is_scalar(*out.joint)) out.why = "it drives axes of the parent, which is not supported";
+    else if (const char* why = joint_transmission(*out.joint, gear, a)) out.why = why;
+  } else {
+    out.why = std::string(e.Attribute("cranksite") ? "it drives a slider and crank"
+                          : e.Attribute("body")    ? "it acts at the contacts of a body"
+                                                   : "it drives no joint, tendon or site") +
+              ", which is not supported";
+  }
+  return out;
 }
 
 void read_range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits,
@@ -41,19 +93,56 @@ void read_range(const Reader& reader, const Element& e, const char* attribute, c
     if (std::abs((*pair)[k]) < std::numeric_limits<double>::max()) out[k] = (*pair)[k];
 }
 
+std::optional<std::array<double, 2>> range_of(const Transmission& by) {
+  if (by.joint && !by.joint->spec.lower.empty()) return std::array<double, 2>{by.joint->spec.lower[0], by.joint->spec.upper[0]};
+  if (by.tendon && std::isfinite(by.tendon->spec.range[0]) && std::isfinite(by.tendon->spec.range[1]))
+    return std::array<double, 2>{by.tendon->spec.range[0], by.tendon->spec.range[1]};
+  return std::nullopt;
+}
+
+// The reason why there is no length to depend on.
+const char* missing_length(const MjcfJoint* joint) {
+  if (!joint || is_scalar(*joint)) return nullptr;
+  return joint->spec.type == DYN_JOINT_TYPE_SPHERICAL ? "it depends on the length of a ball joint, which is not supported"
+                                                      : "it depends on the length of a free joint, which is not supported";
+}
+
 // gainprm, biasprm, dynprm: missing numbers keep MuJoCo's defaults.
 double parameter(const Reader& reader, const Element& e, const char* attribute, size_t k, double missing) {
   const auto given = reader.numbers(e, attribute);
   return given && k < given->size() ? (*given)[k] : missing;
 }
 
+// Parameters of a muscle: range, force, scale, lmin, lmax, vmax, fpmax, fvmax. Its bias has the passive force alone.
+const char* read_muscle(const Reader& reader, const Element& e, const MjcfCompiler& compiler, MjcfActuator& actuator) {
+  actuator.spec.type = DYN_ACTUATOR_TYPE_MUSCLE;
+  dynMuscle& x = actuator.spec.muscle;
+  const auto gain = [&](size_t k) { return parameter(reader, e, "gainprm", k, k == 0); };
+  const auto bias = [&](size_t k) { return parameter(reader, e, "biasprm", k, 0); };
+  for (const size_t k : {0, 1, 2, 3, 5})
+    if (gain(k) != bias(k)) return "its gain and its bias are two different muscles";
+  x.range[0] = gain(0), x.range[1] = gain(1), x.force = gain(2);
+  if (x.force == 0) return "its force is 0";
+  if (x.force < 0) {
+    actuator.muscle_scale = gain(3);
+    if (!(gain(3) > 0)) reader.bad_numbers(e, "gainprm", "the scale of a muscle is positive");
+  }
+  x.lmin = gain(4), x.lmax = gain(5), x.vmax = gain(6), x.fpmax = bias(7), x.fvmax = gain(8);
+  x.t_act = parameter(reader, e, "dynprm", 0, 1), x.t_deact = parameter(reader, e, "dynprm", 1, 0),
+  x.smoothing = parameter(reader, e, "dynprm", 2, 0);
+  std::fill_n(x.length_range, 2, 0.0);
+  if (const auto range = reader.numbers(e, "lengthrange", 2); range && compiler.length_given) std::copy_n(range->begin(), 2, x.length_range);
+  return nullptr;
+}
+
 // Reads the law of a <general> actuator. Returns the reason if it is not supported.
-const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) {
+const char* law(const Reader& reader, const Element& e, const MjcfCompiler& compiler, MjcfActuator& actuator) {
   dynActuator& a = actuator.spec;
   a.type = DYN_ACTUATOR_TYPE_AFFINE;
   const std::string_view kind = e.Name(), dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none",
                          gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
                          bias = e.Attribute("biastype") ? e.Attribute("biastype") : "none";
+  if (dynamics == "muscle" && gain == "muscle" && bias == "muscle") return read_muscle(reader, e, compiler, actuator);
   if (dynamics == "filter" || dynamics == "filterexact") a.time_constant = parameter(reader, e, "dynprm", 0, 1);
   else if (dynamics == "integrator") a.integrates = 1;
   else if (dynamics != "none") return "its activation is neither a first-order filter nor an integrator";
@@ -75,13 +164,17 @@ const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) 
   return nullptr;
 }
 
-// Reflects the motor's armature and damping to the joint, times gear^2.
-void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuator& actuator, MjcfJoint& joint) {
-  for (const auto& [attribute, values] : {std::pair{"armature", &joint.spec.armature}, {"damping", &joint.spec.damping}}) {
+// Reflects the motor's armature and damping to the joint or tendon, times gear^2.
+void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuator& actuator, const Transmission& by) {
+  for (const bool damping : {false, true}) {
+    const char* const attribute = damping ? "damping" : "armature";
     const auto given = reader.numbers(e, attribute);
     if (!given || given->empty()) continue;
     if (!((*given)[0] >= 0)) reader.bad_numbers(e, attribute, "it is negative");
-    (*values)[size_t(actuator.spec.component)] += actuator.spec.gear * actuator.spec.gear * (*given)[0];
+    if (!by.joint && !by.tendon && (*given)[0] > 0) reader.bad_numbers(e, attribute, "it needs a joint or a tendon");
+    const double reflected = actuator.spec.gear * actuator.spec.gear * (*given)[0];
+    if (by.joint) (damping ? by.joint->spec.damping : by.joint->spec.armature)[size_t(actuator.spec.component)] += reflected;
+    if (by.tendon) (damping ? by.tendon->spec.damping : by.tendon->spec.armature) += reflected;
     if (std::any_of(given->begin() + 1, given->end(), [](double x) { return x != 0; }))
       actuator.place.physics(std::string(attribute) + " that depends on speed is not supported: its first number is used");
   }
@@ -99,6 +192,14 @@ size_t controls_of(const Element& e) {
 
 }  // namespace
 
+void make_mjcf_actuator_inert(MjcfActuator& actuator, const std::string& why) {
+  actuator.place.physics(why + ": it keeps its control and exerts no force");
+  const dynActuator read = actuator.spec;
+  actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_AFFINE);  // its gain is 0
+  actuator.spec.gear = 0, actuator.inert = true, actuator.damping_ratio = actuator.muscle_scale = 0;
+  std::copy_n(read.control_range, 2, actuator.spec.control_range);
+}
+
 void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) {
   const std::string_view kind = e.Name();
   const std::string given = e.Attribute("name") ? e.Attribute("name") : "";
@@ -106,21 +207,17 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
       context.name(given.empty() ? std::string(kind) + "_" + std::to_string(file.robot.actuators.size()) : given);
   const Reader reader = file.source.reader(e, "actuator " + load::in_quotes(name));
   const MjcfPlace place{&reader.report, line(e), reader.owner};
-  MjcfActuator actuator{place, name, default_actuator(DYN_ACTUATOR_TYPE_MOTOR), ""};
+  MjcfActuator actuator{place, name, default_actuator(DYN_ACTUATOR_TYPE_MOTOR), "", ""};
   // the order and number of controls is the file's
   const auto keep_place = [&](const std::string& why) {
-    place.physics(why + ": it keeps its control and exerts no force");
-    const dynActuator read = actuator.spec;
-    actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_AFFINE);  // its gain is 0
-    actuator.spec.gear = 0, actuator.inert = true, actuator.damping_ratio = 0;
-    std::copy_n(read.control_range, 2, actuator.spec.control_range);
+    make_mjcf_actuator_inert(actuator, why);
     for (size_t k = 0, n = controls_of(e); k < n; ++k, actuator.activations = 0) {
       if (k > 0) actuator.name = name + "_" + std::to_string(k);
       file.robot.actuators.push_back(actuator);
     }
   };
   const std::string_view dynamics_before = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
-  actuator.activations = kind == "muscle" || dynamics_before != "none";
+  actuator.activations = dynamics_before != "none";
   if (!is_actuator(e)) {
     read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
     return keep_place("<" + std::string(kind.substr(0, 60)) + "> is not supported");
@@ -130,7 +227,9 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
                     "joint",        "jointinparent", "tendon",    "site",       "refsite",  "body",        "slidersite",
                     "cranksite",    "cranklength",   "user",      "actdim",     "dyntype",  "gaintype",    "biastype",
                     "dynprm",       "gainprm",       "biasprm",   "actearly",   "kp",       "kv",          "dampratio",
-                    "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias",        converted_from},
+                    "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias",        "tausmooth",
+                    "range",        "force",         "scale",     "lmin",       "lmax",     "vmax",        "fpmax",       "fvmax",
+                    converted_from},
                 {"plugin"});
   file.defaults.apply(file.source, e, "actuator", context.childclass);
   as_general(reader, e);
@@ -140,49 +239,50 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
     reader.report.count("<actuator>: activations act at the end of the step, as with actearly", line(e));
   read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
   if (reader.optional_number(e, "delay").value_or(0) > 0) place.physics("its delay is not used: controls act at once");
-  const char* joint_name = e.Attribute("joint");
-  if (!joint_name && e.Attribute("jointinparent")) joint_name = e.Attribute("jointinparent");
-  if (!joint_name) return keep_place("it drives no joint, and other transmissions are not supported");
-  actuator.joint = file.copies.name(context, "joint", joint_name);
-  MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
-  if (!joint && file.robot.has_lost(actuator.joint)) return keep_place("its joint is missing from the model");
-  if (!joint && file.part) return place.info("its joint was not attached: left out");
-  if (!joint) reader.fail(DYN_ERROR_NAME, e, "there is no joint " + load::in_quotes(actuator.joint));
-  if (const char* why = transmission(*joint, reader.numbers(e, "gear").value_or(std::vector<double>()), actuator.spec))
-    return keep_place(why);
-  if (const char* why = law(reader, e, actuator)) return keep_place(why);
-  if (actuator.spec.bias[1] != 0 || actuator.spec.kp != 0)
-    if (joint_nq(joint->spec.type) != 1)
-      return keep_place("it depends on the length of a " +
-                        std::string(joint->spec.type == DYN_JOINT_TYPE_SPHERICAL ? "ball" : "free") +
-                        " joint, which is not supported");
+  const Transmission by = read_transmission(file, reader, e, context, actuator);
+  if (by.not_attached) return place.info("its " + std::string(by.not_attached) + " was not attached: left out");
+  if (!by.why.empty()) return keep_place(by.why);
+  if (const char* why = law(reader, e, file.robot.compiler, actuator)) return keep_place(why);
+  const bool muscle = actuator.spec.type == DYN_ACTUATOR_TYPE_MUSCLE;
+  if (actuator.spec.bias[1] != 0 || actuator.spec.kp != 0 || muscle)
+    if (const char* why = missing_length(by.joint)) return keep_place(why);
   read_range(reader, e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
-  if (actuator.spec.time_constant > 0 || actuator.spec.integrates)
+  if (has_activation(actuator.spec))
     read_range(reader, e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
-  if (const double inherit = reader.optional_number(e, "inheritrange").value_or(0); inherit > 0 && !joint->spec.lower.empty()) {
-    const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2,
-                 half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
+  const std::optional<std::array<double, 2>> target = range_of(by);
+  if (const double inherit = reader.optional_number(e, "inheritrange").value_or(0); inherit > 0 && target) {
+    const double middle = ((*target)[0] + (*target)[1]) / 2, half = inherit * ((*target)[1] - (*target)[0]) / 2;
     double (&range)[2] = kind == "intvelocity" ? actuator.spec.act_range : actuator.spec.control_range;
     range[0] = middle - half, range[1] = middle + half;
   }
-  add_motor_inertia(reader, e, actuator, *joint);
+  add_motor_inertia(reader, e, actuator, by);
   file.robot.actuators.push_back(std::move(actuator));
 }
 
 void limit_mjcf_actuators(MjcfRobot& robot) {
-  for (MjcfBody& body : robot.bodies)
-    for (MjcfJoint& j : body.joints) {
-      if (!j.force) continue;
-      std::vector<dynActuator*> all;
-      for (MjcfActuator& a : robot.actuators)
-        if (a.joint == j.spec.name && a.spec.gear != 0) all.push_back(&a.spec);
-      if (all.size() > 1)
-        j.place.physics("actuatorfrcrange is not used: " + std::to_string(all.size()) +
-                        " actuators drive it, and their sum has no limit");
-      if (all.size() != 1) continue;
-      const double gear = all[0]->gear, ends[2] = {(*j.force)[gear < 0] / gear, (*j.force)[gear > 0] / gear};
-      for (double& x : all[0]->force_range) x = std::min(std::max(x, ends[0]), ends[1]);
-    }
+  const auto limit = [&](const MjcfPlace& place, const std::optional<std::array<double, 2>>& force, dynTransmission transmission,
+                         const std::string& target) {
+    if (!force) return;
+    std::vector<dynActuator*> all;
+    for (MjcfActuator& a : robot.actuators)
+      if (!a.inert && a.spec.transmission == transmission && a.target == target && a.spec.gear != 0) all.push_back(&a.spec);
+    if (all.size() > 1)
+      place.physics("actuatorfrcrange is not used: " + std::to_string(all.size()) +
+                    " actuators drive it, and their sum has no limit");
+    if (all.size() != 1) return;
+    const double gear = all[0]->gear, ends[2] = {(*force)[gear < 0] / gear, (*force)[gear > 0] / gear};
+    for (double& x : all[0]->force_range) x = std::min(std::max(x, ends[0]), ends[1]);
+  };
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) limit(j.place, j.force, DYN_TRANSMISSION_JOINT, j.spec.name);
+  for (const MjcfTendon& t : robot.tendons) limit(t.place, t.force, DYN_TRANSMISSION_TENDON, t.name);
+}
+
+void add_mjcf_actuator(Builder& builder, const MjcfRobot& robot, const MjcfActuator& a, const dynActuator& spec) {
+  const bool site = spec.transmission == DYN_TRANSMISSION_SITE;
+  const std::string target = site ? find_site(robot, a.target)->frame : a.target,
+                    reference = site && !a.reference.empty() ? find_site(robot, a.reference)->frame : "";
+  with_location(a.place, [&] { builder.actuator(a.name, spec, target, reference); });
 }
 
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot) {
@@ -191,10 +291,10 @@ void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot) {
     for (const MjcfJoint& j : b.joints) first = first ? first : &j;
   constexpr double none = std::numeric_limits<double>::infinity();
   for (const MjcfActuator& a : robot.actuators) {
-    if (a.inert && !first) continue;
     dynActuator spec = a.spec;
     if (!robot.control_ranges) spec.control_range[0] = -none, spec.control_range[1] = none;
-    with_location(a.place, [&] { builder.actuator(a.name, spec, a.inert ? first->spec.name : a.joint); });
+    if (!a.inert) add_mjcf_actuator(builder, robot, a, spec);
+    else if (first) with_location(a.place, [&] { builder.actuator(a.name, spec, first->spec.name); });
   }
 }
 

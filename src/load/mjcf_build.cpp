@@ -61,7 +61,6 @@ Attachment add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) 
 }
 
 void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const MjcfMass& mass) {
-  name_joints(body);
   const Attachment attachment = add_joints(builder, robot, body);
   std::array<double, 9> inertia;
   store33(mass.inertia.full(), inertia.data());
@@ -72,11 +71,9 @@ void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const Mj
   });
 }
 
-// joints: names that sites must not have, because both are frames.
-void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& robot, bool world,
-                          const std::set<std::string>& joints) {
+void add_shapes(Builder& builder, MjcfBody& body, const MjcfRobot& robot, bool world) {
   for (MjcfGeom& g : body.geoms) {
-    if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL)
+    if (g.discarded || (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL))
       continue;  // a visual plane has no extent to draw
     g.shape.body = world ? "universe" : body.name;
     g.shape.placement = placement(g.X), g.shape.filter = robot.filter;
@@ -84,13 +81,18 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, const MjcfRobot& rob
     if (!robot.contacts) g.shape.contype = g.shape.conaffinity = 0;
     with_location(g.place, [&] { builder.shape(g.shape); });
   }
-  for (MjcfSite& s : body.sites) {
-    s.frame = s.name;
-    if (joints.count(s.name)) s.place.info("the frame is called " + load::in_quotes(s.frame += "_site"));
-    with_location(s.place, [&] {
-      builder.frame(s.frame, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X),
-                    DYN_FRAME_TYPE_OP_FRAME);
-    });
+}
+
+// Sites, and wrapped geoms.
+void add_frames(Builder& builder, const MjcfRobot& robot) {
+  for (const MjcfBody& body : robot.bodies) {
+    const Parent parent = body.parent < 0 ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY};
+    const auto add = [&](const MjcfPlace& place, const std::string& name, const Pose& X) {
+      with_location(place, [&] { builder.frame(name, parent, placement(X), DYN_FRAME_TYPE_OP_FRAME); });
+    };
+    for (const MjcfSite& s : body.sites) add(s.place, s.frame, s.X);
+    for (const MjcfGeom& g : body.geoms)
+      if (g.wrapped && !g.has_site) add(g.place, g.frame, g.X);
   }
 }
 
@@ -116,30 +118,37 @@ std::string universe(const std::string& body) { return body == "world" ? "univer
 ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& options) {
   const std::vector<MjcfMass> masses = mjcf_masses(robot);
   const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
+  const bool massless = robot.lost_mass && !options.strict;
+  for (MjcfBody& body : robot.bodies) name_joints(body);
+  name_mjcf_frames(robot);
   if (has_springdampers(robot)) {
     Builder bodies_only(robot.name);
     add_mechanism(bodies_only, robot, masses);
     compute_mjcf_springs(*with_location(file, [&] { return bodies_only.finish(); }), robot);
+  }
+  mark_mjcf_pairs(robot), set_mjcf_priorities(robot), limit_mjcf_actuators(robot);
+  if (has_measured_actuators(robot)) {
+    Builder motors_only(robot.name);
+    if (massless) motors_only.allow_massless_joints();
+    add_mechanism(motors_only, robot, masses), add_frames(motors_only, robot), add_mjcf_tendons(motors_only, robot),
+        add_mjcf_motors(motors_only, robot);
+    measure_mjcf_actuators(*with_location(file, [&] { return motors_only.finish(); }), robot);
   }
   Builder builder(robot.name);
   with_location(file, [&] {
     builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots),
         builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind),
         builder.stepping(robot.timestep, robot.integrator, robot.effects);
-    if (robot.lost_mass && !options.strict) builder.allow_massless_joints();
+    if (massless) builder.allow_massless_joints();
   });
-  mark_mjcf_pairs(robot), set_mjcf_priorities(robot), limit_mjcf_actuators(robot);
-  add_mechanism(builder, robot, masses);
-  std::set<std::string> joints;
-  for (const MjcfBody& body : robot.bodies)
-    for (const MjcfJoint& j : body.joints) joints.insert(j.spec.name);
-  for (size_t i = 0; i < robot.bodies.size(); ++i) add_shapes_and_sites(builder, robot.bodies[i], robot, i == 0, joints);
+  add_mechanism(builder, robot, masses), add_frames(builder, robot);
+  for (size_t i = 0; i < robot.bodies.size(); ++i) add_shapes(builder, robot.bodies[i], robot, i == 0);
   for (const MjcfExclude& x : robot.excludes) {
     if (robot.has_lost(x.bodies[0]) || robot.has_lost(x.bodies[1])) continue;
     for (const std::string& name : x.bodies) check_body(robot, x.place, name);
     with_location(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }
-  if (damped_by_ratio(robot)) compute_mjcf_damping(*with_location(file, [&] { return builder.finish(); }), robot);
+  add_mjcf_tendons(builder, robot);
   add_mjcf_actuators(builder, robot), add_mjcf_keys(builder, robot), add_mjcf_equalities(builder, robot),
       add_mjcf_pairs(builder, robot);
   for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);

@@ -1,49 +1,62 @@
 // Elements that refer to copies of <replicate>.
+#include <algorithm>
+
 #include "mjcf_robot.hpp"
 
 namespace dyn::load {
 
 namespace {
 
-// Attributes that name a part of the tree, and what they name.
+// Attributes that name a part of the tree or a tendon, and what they name.
 constexpr std::pair<const char*, const char*> references[] = {
-    {"joint", "joint"}, {"jointinparent", "joint"}, {"joint1", "joint"}, {"joint2", "joint"}, {"body", "body"},   {"body1", "body"},
-    {"body2", "body"},  {"site", "site"},           {"site1", "site"},   {"site2", "site"},   {"geom1", "geom"}, {"geom2", "geom"}};
+    {"joint", "joint"},   {"jointinparent", "joint"}, {"joint1", "joint"},   {"joint2", "joint"}, {"body", "body"},
+    {"body1", "body"},    {"body2", "body"},          {"site", "site"},      {"site1", "site"},   {"site2", "site"},
+    {"refsite", "site"},  {"sidesite", "site"},       {"geom", "geom"},      {"geom1", "geom"},   {"geom2", "geom"},
+    {"tendon", "tendon"}, {"tendon1", "tendon"},      {"tendon2", "tendon"}};
 
 }  // namespace
 
-void MjcfCopies::add(const Element& e, const std::string& suffix) {
+void MjcfCopies::add(const Element& e, const MjcfContext& context) {
   const std::string kind = e.Name(), name = attribute(e, "name");
   if (name.empty()) return;
-  copies_[{kind == "freejoint" ? "joint" : kind, name}].insert(suffix);
-  if (known_.insert(suffix).second) suffixes_.push_back(suffix);
+  const char* const known_as = kind == "freejoint" ? "joint" : kind == "fixed" || kind == "spatial" ? "tendon" : e.Name();
+  const Replica replica = {context.replicate, context.suffix};
+  copies_[{known_as, name}].insert(replica);
+  if (known_.insert(replica).second) replicas_.push_back(replica);
 }
 
-const std::set<std::string>* MjcfCopies::suffixes_of(const std::string& kind, const std::string& name) const {
+const MjcfCopies::Replicas* MjcfCopies::replicas_of(const std::string& kind, const std::string& name) const {
   const auto found = copies_.find({kind, name});
   return found == copies_.end() ? nullptr : &found->second;
 }
 
 std::string MjcfCopies::name(const MjcfContext& context, const std::string& kind, const std::string& name) const {
-  const std::set<std::string>* const suffixes = suffixes_of(kind, name);
-  const bool copied = suffixes && suffixes->count(context.suffix);
+  const Replicas* const replicas = replicas_of(kind, name);
+  const bool copied =
+      replicas && std::any_of(replicas->begin(), replicas->end(), [&](const Replica& r) { return r.second == context.suffix; });
   return name.empty() || copied ? context.name(name) : context.prefix + name + context.outer;
+}
+
+const MjcfCopies::Replicas* MjcfCopies::replicas_in(const Element& e) const {
+  for (const auto& [attribute, kind] : references)
+    if (const char* name = e.Attribute(attribute))
+      if (const Replicas* const replicas = replicas_of(kind, name)) return replicas;
+  return nullptr;
 }
 
 void MjcfCopies::read_section(MjcfFile& file, Element& section, const MjcfContext& context, Read read) const {
   MjcfContext copy = context;
   copy.outer = context.suffix;
-  std::vector<std::pair<Element*, const std::set<std::string>*>> copied;
+  std::vector<std::pair<Element*, const Replicas*>> copied;
   for (Element* e : file.source.children(section)) {
-    const std::set<std::string>* suffixes = nullptr;
-    for (const auto& [attribute, kind] : references)
-      if (const char* name = e->Attribute(attribute); name && !suffixes) suffixes = suffixes_of(kind, name);
-    if (suffixes) copied.emplace_back(e, suffixes);
+    const Replicas* replicas = replicas_in(*e);
+    for (const Element* c = first(*e); c && !replicas; c = next(*c)) replicas = replicas_in(*c);  // a tendon's elements
+    if (replicas) copied.emplace_back(e, replicas);
     else read(file, *e, copy);
   }
-  for (const std::string& suffix : suffixes_)
-    for (const auto& [e, suffixes] : copied)
-      if (suffixes->count(suffix)) copy.suffix = suffix, read(file, *e, copy);
+  for (const Replica& replica : replicas_)
+    for (const auto& [e, replicas] : copied)
+      if (replicas->count(replica)) copy.replicate = replica.first, copy.suffix = replica.second, read(file, *e, copy);
 }
 
 }  // namespace dyn::load

@@ -48,6 +48,20 @@ int moving_body(const MjcfRobot& robot, const MjcfBody& b) {
 
 Parent frame_of(const MjcfBody& b) { return b.parent < 0 ? Parent{"", 0} : Parent{b.name, DYN_FRAME_TYPE_BODY}; }
 
+// A model has those that hold alone.
+void add_tendon_equality(Builder& builder, MjcfRobot& robot, const MjcfEquality& e) {
+  for (const std::string& name : {e.first, e.second}) {
+    if (name.empty() || find_tendon(robot, name)) continue;
+    if (!robot.lost_tendons.count(name)) e.place.fail(DYN_ERROR_NAME, "there is no tendon " + load::in_quotes(name));
+    return e.place.physics("it is left out: a tendon is missing from the model");
+  }
+  if (!e.enabled) return e.place.physics("it is not active, and tendons can't be coupled later: it is left out");
+  if (!robot.closed) return;
+  std::array<double, 5> polynomial;
+  std::copy_n(e.numbers.begin(), 5, polynomial.begin());
+  with_location(e.place, [&] { builder.couple_tendons(e.name, e.first, e.second, polynomial); });
+}
+
 Pose relative_pose(const std::vector<double>& x) { return {from_quaternion(x[3], x[4], x[5], x[6]), load3(x.data())}; }
 
 }  // namespace
@@ -59,19 +73,20 @@ void read_mjcf_equality(MjcfFile& file, Element& e, const MjcfContext& context) 
   if (name.empty()) name = kind + "_" + std::to_string(file.robot.equalities.size());
   const Reader reader = file.source.reader(e, "equality " + load::in_quotes(name));
   MjcfEquality x{{&reader.report, line(e), reader.owner}, name, kind, {}, {}, {}, {}, true, false};
-  if (kind != "connect" && kind != "weld" && kind != "joint") {
+  if (kind != "connect" && kind != "weld" && kind != "joint" && kind != "tendon") {
     x.place.physics("<" + kind.substr(0, 60) + "> is not supported: its parts stay unconnected");
     return;
   }
   reader.unread(e,
                 {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose",
-                 "torquescale", "joint1", "joint2", "polycoef"},
+                 "torquescale", "joint1", "joint2", "tendon1", "tendon2", "polycoef"},
                 {});
   count_unused(reader, e, kind.c_str(), {"solref", "solimp", "torquescale"});
   x.enabled = read_switch(reader, e, "active", true).value_or(true);
   const auto end = [&](const char* of, const std::string& part) { return file.copies.name(context, of, part); };
-  if (kind == "joint") {
-    x.first = end("joint", reader.name(e, "joint1")), x.second = end("joint", attribute(e, "joint2"));
+  if (kind == "joint" || kind == "tendon") {
+    x.first = end(kind.c_str(), reader.name(e, (kind + "1").c_str()));
+    x.second = end(kind.c_str(), attribute(e, (kind + "2").c_str()));
     x.numbers = reader.numbers(e, "polycoef").value_or(std::vector<double>());
     if (x.numbers.size() > 5) reader.bad_numbers(e, "polycoef", "five numbers are expected");
     for (size_t k = x.numbers.size(); k < 5; ++k) x.numbers.push_back(k == 1);
@@ -89,8 +104,12 @@ void read_mjcf_equality(MjcfFile& file, Element& e, const MjcfContext& context) 
   file.robot.equalities.push_back(std::move(x));
 }
 
-void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
+void add_mjcf_equalities(Builder& builder, MjcfRobot& robot) {
   for (const MjcfEquality& e : robot.equalities) {
+    if (e.kind == "tendon") {
+      add_tendon_equality(builder, robot, e);
+      continue;
+    }
     dynConstraint c = default_constraint(e.kind == "connect" ? DYN_CONSTRAINT_TYPE_CONNECT
                                          : e.kind == "weld"  ? DYN_CONSTRAINT_TYPE_WELD
                                                              : DYN_CONSTRAINT_TYPE_COUPLING);

@@ -151,7 +151,8 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (type->type == DYN_SHAPE_TYPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts, geom);
   if (type->type == DYN_SHAPE_TYPE_HEIGHT_FIELD && !file.assets.height_field(e, reader.name(e, "hfield"), geom)) return;
   geom.X = context.X * geom.X;
-  if (file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0) return;
+  geom.discarded =
+      file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0;
   body.geoms.push_back(std::move(geom));
 }
 

@@ -19,40 +19,6 @@ dynJointType joint_type_of(const Reader& reader, const Element& e) {
               "<joint type> is " + load::in_quotes(std::string(type)) + ": hinge, slide, ball or free is expected");
 }
 
-// Returns a range if it is switched on, or given while the switch is "auto".
-std::optional<std::array<double, 2>> range(const Reader& reader, const Element& e, const char* attribute, const char* limited,
-                                           bool autolimits) {
-  const auto pair = reader.numbers(e, attribute, 2);
-  const std::optional<bool> on = read_switch(reader, e, limited, std::nullopt);
-  if (!pair) {
-    if (on.value_or(false) && e.Attribute("type", "ball")) return std::array<double, 2>{0, 0};
-    if (on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
-    return std::nullopt;
-  }
-  if (!on && !autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))
-    reader.fail(
-        DYN_ERROR_INVALID, e,
-        std::string(attribute) + " without " + limited + ", and <compiler autolimits> is false: add " + limited + "=\"true\"");
-  if (!on.value_or((*pair)[0] != 0 || (*pair)[1] != 0)) return std::nullopt;
-  if (!((*pair)[0] < (*pair)[1]) && !(e.Attribute("type", "ball") && (*pair)[0] == (*pair)[1]))
-    reader.bad_numbers(e, attribute, "the lower end is not below the upper one");
-  return std::array<double, 2>{(*pair)[0], (*pair)[1]};
-}
-
-// One number for all degrees of freedom. Newer files may give a polynomial; only its linear term is used.
-double coefficient(const Reader& reader, const Element& e, const char* attribute) {
-  const auto terms = reader.numbers(e, attribute);
-  if (!terms) return 0;
-  if (terms->empty()) reader.bad_numbers(e, attribute, "a number is expected");
-  for (size_t k = 1; k < terms->size(); ++k)
-    if ((*terms)[k] != 0) {
-      reader.report.physics(line(e), reader.owner + ": <joint " + attribute + ">: terms of higher order are not used");
-      break;
-    }
-  if ((*terms)[0] < 0) reader.bad_numbers(e, attribute, "it is negative");
-  return (*terms)[0];
-}
-
 // Limits the rotation angle of a ball joint. Half a turn or more is no limit.
 void limit_ball(const Reader& reader, const Element& e, const MjcfPlace& place, double least, double most, JointSpec& spec) {
   if (least != 0) reader.bad_numbers(e, "range", "a ball joint's range begins at 0; its second number is the largest angle");
@@ -134,27 +100,24 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   // a free joint has no limits, whatever its class says
   if (const auto limits = spec.type == DYN_JOINT_TYPE_FREE_FLYER
                               ? std::nullopt
-                              : range(reader, e, "range", "limited", file.compiler.autolimits)) {
-    const auto end = [&](double x) {
-      return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x;
-    };  // a single bound
-    if (scalar) spec.lower = {end((*limits)[0]) + margin}, spec.upper = {end((*limits)[1]) - margin};
+                              : read_limits(reader, e, "range", "limited", file.compiler.autolimits)) {
+    if (scalar) spec.lower = {unit * read_bound((*limits)[0]) + margin}, spec.upper = {unit * read_bound((*limits)[1]) - margin};
     else limit_ball(reader, e, joint.place, unit * (*limits)[0], unit * (*limits)[1] - margin, spec);
   }
   // compensation by the actuator moves as a passive one, but for its limit
   const bool compensates = read_switch(reader, e, "actuatorgravcomp", false).value_or(false);
-  if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar) {
+  if (const auto force = read_limits(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar) {
     joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
     if (compensates) joint.place.physics("actuatorgravcomp: the compensation of gravity is not limited by actuatorfrcrange");
   }
-  spec.armature.assign(nv, coefficient(reader, e, "armature"));
+  spec.armature.assign(nv, read_coefficient(reader, e, "armature"));
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && spec.armature[0] != 0)
     joint.place.physics(
         "the armature of a free joint acts along the body's axes, not the world's as in MuJoCo: forces differ when the body "
         "turns");
-  spec.damping.assign(nv, coefficient(reader, e, "damping"));
-  spec.friction.assign(nv, coefficient(reader, e, "frictionloss"));
-  const double stiffness = coefficient(reader, e, "stiffness");
+  spec.damping.assign(nv, read_coefficient(reader, e, "damping"));
+  spec.friction.assign(nv, read_coefficient(reader, e, "frictionloss"));
+  const double stiffness = read_coefficient(reader, e, "stiffness");
   if (const auto both = reader.numbers(e, "springdamper", 2); both && ((*both)[0] != 0 || (*both)[1] != 0)) {
     if (!((*both)[0] > 0 && (*both)[1] > 0))
       reader.bad_numbers(e, "springdamper", "a time constant and a damping ratio are expected, both positive");

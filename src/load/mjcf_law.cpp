@@ -1,7 +1,8 @@
-// Converts <motor>, <position>, <velocity>, <intvelocity> and <cylinder> to <general>. In MuJoCo all actuators share one set of
-// parameters and defaults, of which each kind writes a part. A shortcut continues from <general> or its own kind, and starts anew
-// after another kind.
+// Converts <motor>, <position>, <velocity>, <intvelocity>, <cylinder> and <muscle> to <general>. In MuJoCo all actuators share one
+// set of parameters and defaults, of which each kind writes a part. A shortcut continues from <general> or its own kind, and starts
+// anew after another kind.
 #include <algorithm>
+#include <utility>
 
 #include "mjcf_settings.hpp"
 
@@ -9,8 +10,12 @@ namespace dyn::load {
 
 namespace {
 
-constexpr std::string_view law_kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder"};
-constexpr const char* shortcuts[] = {"kp", "kv", "dampratio", "timeconst", "area", "diameter", "bias"};
+constexpr std::string_view law_kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder", "muscle"};
+constexpr const char* shortcuts[] = {"kp",   "kv",    "dampratio", "timeconst", "area", "diameter", "bias", "tausmooth", "range",
+                                     "force", "scale", "lmin",      "lmax",      "vmax", "fpmax",    "fvmax"};
+// Parameters of a muscle behind its range, and their defaults.
+constexpr std::pair<const char*, double> muscle_gains[] = {{"force", -1}, {"scale", 200}, {"lmin", 0.5}, {"lmax", 1.6},
+                                                           {"vmax", 1.5}, {"fpmax", 1.3}, {"fvmax", 1.2}};
 
 // Numbers of an attribute, to be modified and written back.
 struct Parameters {
@@ -18,9 +23,9 @@ struct Parameters {
   const char* attribute;
   std::vector<double> x;
 
-  Parameters(const Reader& reader, Element& element, const char* name, double first)
+  Parameters(const Reader& reader, Element& element, const char* name, double first, size_t count)
       : e(element), attribute(name), x(reader.numbers(e, name).value_or(std::vector<double>())) {
-    for (size_t k = x.size(); k < 3; ++k) x.push_back(k == 0 ? first : 0);
+    for (size_t k = x.size(); k < count; ++k) x.push_back(k == 0 ? first : 0);
   }
   void write() {
     std::string all;
@@ -28,6 +33,23 @@ struct Parameters {
     e.SetAttribute(attribute, all.c_str());
   }
 };
+
+// Sets the parameters of a muscle. Numbers that are those of a plain <general> become a muscle's defaults.
+void set_muscle(const Reader& reader, const Element& e, std::vector<double>& gain, std::vector<double>& dynamics) {
+  const auto settle = [](double& x, double unset, double standard, double given) {
+    if (x == unset) x = standard;
+    if (given >= 0) x = given;
+  };
+  const std::vector<double> none = {-1, -1}, range = reader.numbers(e, "range", 2).value_or(none),
+                            times = reader.numbers(e, "timeconst", 2).value_or(none);
+  settle(dynamics[0], 1, 0.01, times[0]), settle(dynamics[1], 0, 0.04, times[1]);
+  dynamics[2] = reader.optional_number(e, "tausmooth").value_or(dynamics[2]);
+  settle(gain[0], 1, 0.75, range[0]), settle(gain[1], 0, 1.05, range[1]);
+  for (size_t k = 0; k < std::size(muscle_gains); ++k) {
+    const auto& [attribute, standard] = muscle_gains[k];
+    settle(gain[2 + k], 0, standard, reader.optional_number(e, attribute).value_or(-1));
+  }
+}
 
 }  // namespace
 
@@ -41,12 +63,18 @@ void as_general(const Reader& reader, Element& e) {
   e.SetAttribute(converted_from, e.Name());
   if (kind == "general") return;
   if (before != kind && before != "general") e.DeleteAttribute("gainprm"), e.DeleteAttribute("biasprm");
-  if (before != kind && (before != "general" || kind != "cylinder")) e.DeleteAttribute("dyntype"), e.DeleteAttribute("dynprm");
-  Parameters gain(reader, e, "gainprm", 1), bias(reader, e, "biasprm", 0), dynamics(reader, e, "dynprm", 1);
+  if (before != kind && (before != "general" || (kind != "cylinder" && kind != "muscle"))) e.DeleteAttribute("dyntype"), e.DeleteAttribute("dynprm");
+  const bool muscle = kind == "muscle";
+  const size_t count = muscle ? 9 : 3;
+  Parameters gain(reader, e, "gainprm", 1, count), bias(reader, e, "biasprm", 0, count), dynamics(reader, e, "dynprm", 1, 3);
   const auto number = [&](const char* attribute) { return reader.optional_number(e, attribute); };
   const auto activation = [&](const char* type) { e.SetAttribute("dyntype", type); };
-  std::fill(gain.x.begin() + 1, gain.x.end(), 0.0);
-  if (kind == "motor") {
+  if (!muscle) std::fill(gain.x.begin() + 1, gain.x.end(), 0.0);
+  if (muscle) {
+    set_muscle(reader, e, gain.x, dynamics.x);
+    bias.x = gain.x;
+    activation("muscle");
+  } else if (kind == "motor") {
     gain.x[0] = 1;
     activation("none");
   } else if (kind == "velocity") {
@@ -73,7 +101,8 @@ void as_general(const Reader& reader, Element& e) {
       activation(*time == 0 ? "none" : "filterexact");
     }
   }
-  e.SetAttribute("gaintype", "fixed"), e.SetAttribute("biastype", kind == "motor" ? "none" : "affine");
+  e.SetAttribute("gaintype", muscle ? "muscle" : "fixed"),
+      e.SetAttribute("biastype", muscle ? "muscle" : kind == "motor" ? "none" : "affine");
   gain.write(), bias.write(), dynamics.write();
   for (const char* s : shortcuts) e.DeleteAttribute(s);
 }

@@ -133,7 +133,6 @@ void report_mjcf_section(MjcfFile& file, Element& e) {
     const std::string name = attribute(*c, "name");
     const std::string what = "<" + kind + ">: " + c->Name() + (name.empty() ? "" : " " + load::in_quotes(name));
     if (kind == "sensor") report.count("<sensor>: not used", line(*c));
-    else if (kind == "tendon") report.physics(line(*c), what + " is not used");
     else report.physics(line(*c), what + " is not used");
   }
 }

@@ -62,6 +62,9 @@ struct MjcfGeom {
   double margin = 0;  // by which its surface is raised in contacts
   std::shared_ptr<const meshes::Mesh> mesh;  // set if the mesh was read
   std::string rule;                          // how a mesh gets its mass: legacy (also ""), exact, convex, shell
+  bool discarded = false;                    // <compiler discardvisual>: it is no shape
+  bool wrapped = false, has_site = false;    // by a tendon; at the frame of a site
+  std::string frame;                         // of a wrapped geom
 };
 
 struct MjcfSite {
@@ -99,17 +102,27 @@ struct MjcfExclude {
   std::string bodies[2];
 };
 
+// Elements name joints, sites and geoms of the file.
+struct MjcfTendon {
+  MjcfPlace place;
+  std::string name;
+  dynTendon spec;
+  std::vector<TendonElement> elements;
+  std::optional<std::array<double, 2>> force;  // total of all its actuators
+};
+
 struct MjcfActuator {
   MjcfPlace place;
   std::string name;
   dynActuator spec;
-  std::string joint;
+  std::string target, reference;  // joint, tendon or sites, by spec.transmission
   double damping_ratio = 0;  // instead of kv, or of the last bias parameter
+  double muscle_scale = 0;   // instead of the force of a muscle, which follows from the inertia that it moves
   size_t activations = 0;    // numbers in the file's keys
   bool inert = false;        // not supported: it keeps its control and exerts no force
 };
 
-// first, second: bodies, sites or joints. numbers: relpose or polycoef as in the file.
+// first, second: bodies, sites, joints or tendons. numbers: relpose or polycoef as in the file.
 struct MjcfEquality {
   MjcfPlace place;
   std::string name, kind, first, second;
@@ -139,6 +152,7 @@ struct MjcfRobot {
   std::vector<MjcfBody> bodies;  // depth first, in the file's order; 0 is the world
   std::vector<MjcfExclude> excludes;
   std::vector<MjcfKey> keys;
+  std::vector<MjcfTendon> tendons;
   std::vector<MjcfActuator> actuators;
   std::vector<MjcfEquality> equalities;
   std::vector<MjcfPair> pairs;
@@ -151,6 +165,8 @@ struct MjcfRobot {
   bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
   bool lost_mass = false;               // something that is not supported would give a body mass
   std::vector<std::string> lost_names;  // what bodies and joints that it would make begin with
+
+  std::set<std::string> lost_tendons;   // that refer to such parts
 
   bool has_lost(const std::string& name) const {
     return std::any_of(lost_names.begin(), lost_names.end(), [&](const std::string& x) { return name.starts_with(x); });
@@ -197,6 +213,7 @@ struct MjcfContext {
   int body = 0;
   SE3<double> X = SE3<double>::identity();  // of the frame in the body
   std::string childclass, prefix, suffix, outer;  // outer: suffix of names that were not copied
+  const Element* replicate = nullptr;  // the innermost around it
   int copies = 0;  // that it stands in, of parts of the same model
 
   std::string name(const std::string& n) const { return n.empty() ? n : prefix + n + suffix; }
@@ -208,17 +225,20 @@ struct MjcfFile;
 class MjcfCopies {
  public:
   using Read = void (*)(MjcfFile&, Element&, const MjcfContext&);
-  void add(const Element& e, const std::string& suffix);
+  void add(const Element& e, const MjcfContext& context);
   // Reads the elements of a section, as MuJoCo does: first those that refer to nothing copied, then the others once a copy.
   void read_section(MjcfFile& file, Element& section, const MjcfContext& context, Read read) const;
-  // The name that an element means by one of a joint, body, site or geom: its own copy's, if there is one.
+  // The name that an element means by one of a joint, body, site, geom or tendon: its own copy's, if there is one.
   std::string name(const MjcfContext& context, const std::string& kind, const std::string& name) const;
 
  private:
-  const std::set<std::string>* suffixes_of(const std::string& kind, const std::string& name) const;
-  std::map<std::pair<std::string, std::string>, std::set<std::string>> copies_;
-  std::vector<std::string> suffixes_;  // in the file's order
-  std::set<std::string> known_;
+  using Replica = std::pair<const Element*, std::string>;  // the innermost <replicate>, and the suffix of its copy
+  using Replicas = std::set<Replica>;
+  const Replicas* replicas_of(const std::string& kind, const std::string& name) const;
+  const Replicas* replicas_in(const Element& e) const;  // of the first copied name in e's attributes
+  std::map<std::pair<std::string, std::string>, Replicas> copies_;
+  std::vector<Replica> replicas_;  // in the file's order
+  Replicas known_;
 };
 
 // Settings of one file while its bodies are read.
@@ -265,17 +285,29 @@ void report_mjcf_section(MjcfFile& file, Element& e);
 void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot);
 void add_mjcf_keys(Builder& builder, const MjcfRobot& robot);
+// mjcf_tendon.cpp
+void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context);
+void name_mjcf_frames(MjcfRobot& robot);  // of sites and wrapped geoms
+MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name);
+const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name);
+void add_mjcf_tendons(Builder& builder, const MjcfRobot& robot);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context);
-void limit_mjcf_actuators(MjcfRobot& robot);  // applies a joint's actuator force range to its only actuator
+void limit_mjcf_actuators(MjcfRobot& robot);  // applies the actuator force range of a joint or tendon to its only actuator
+// One that is not supported keeps its control and its place, and exerts no force.
+void make_mjcf_actuator_inert(MjcfActuator& actuator, const std::string& why);
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
-// mjcf_damping.cpp: damping of servos with a damping ratio, and of joints with a time constant, from a model without actuators.
-bool damped_by_ratio(const MjcfRobot& robot);
-void compute_mjcf_damping(const Model& model, MjcfRobot& robot);
+// One actuator, with spec in place of its own.
+void add_mjcf_actuator(Builder& builder, const MjcfRobot& robot, const MjcfActuator& a, const dynActuator& spec);
+// mjcf_measure.cpp: numbers that follow from inertias and lengths, of actuators and of joints with a time constant. Their models
+// have motors in place of these actuators, and no other actuators.
+bool has_measured_actuators(const MjcfRobot& robot);
+void add_mjcf_motors(Builder& builder, const MjcfRobot& robot);
+void measure_mjcf_actuators(const Model& model, MjcfRobot& robot);
 bool has_springdampers(const MjcfRobot& robot);
 void compute_mjcf_springs(const Model& model, MjcfRobot& robot);
 void read_mjcf_equality(MjcfFile& file, Element& e, const MjcfContext& context);
-void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot);
+void add_mjcf_equalities(Builder& builder, MjcfRobot& robot);
 void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context);
 void mark_mjcf_pairs(MjcfRobot& robot);  // geoms named by a pair collide whatever their masks
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot);

@@ -1,6 +1,7 @@
 #include "mjcf_settings.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "base/portable.hpp"
 #include "spatial/quaternion.hpp"
@@ -48,6 +49,43 @@ void count_unused(const Reader& reader, const Element& e, const char* kind, std:
       reader.report.count("<" + std::string(kind) + " " + name + ">: not used: contacts and limits are rigid", line(e));
 }
 
+std::optional<std::array<double, 2>> read_limits(const Reader& reader, const Element& e, const char* attribute,
+                                                 const char* limited, bool autolimits) {
+  const auto pair = reader.numbers(e, attribute, 2);
+  const std::optional<bool> on = read_switch(reader, e, limited, std::nullopt);
+  const bool ball = e.Attribute("type", "ball");
+  if (!pair) {
+    if (on.value_or(false) && ball) return std::array<double, 2>{0, 0};
+    if (on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
+    return std::nullopt;
+  }
+  if (!on && !autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))
+    reader.fail(
+        DYN_ERROR_INVALID, e,
+        std::string(attribute) + " without " + limited + ", and <compiler autolimits> is false: add " + limited + "=\"true\"");
+  if (!on.value_or((*pair)[0] != 0 || (*pair)[1] != 0)) return std::nullopt;
+  if (!((*pair)[0] < (*pair)[1]) && !(ball && (*pair)[0] == (*pair)[1]))
+    reader.bad_numbers(e, attribute, "the lower end is not below the upper one");
+  return std::array<double, 2>{(*pair)[0], (*pair)[1]};
+}
+
+double read_bound(double x) {
+  return std::abs(x) < std::numeric_limits<double>::max() ? x : std::copysign(std::numeric_limits<double>::infinity(), x);
+}
+
+double read_coefficient(const Reader& reader, const Element& e, const char* attribute) {
+  const auto terms = reader.numbers(e, attribute);
+  if (!terms) return 0;
+  if (terms->empty()) reader.bad_numbers(e, attribute, "a number is expected");
+  for (size_t k = 1; k < terms->size(); ++k)
+    if ((*terms)[k] != 0) {
+      reader.report.physics(line(e), reader.owner + ": <" + e.Name() + " " + attribute + ">: terms of higher order are not used");
+      break;
+    }
+  if ((*terms)[0] < 0) reader.bad_numbers(e, attribute, "it is negative");
+  return (*terms)[0];
+}
+
 void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
   const Reader reader = source.reader(e, "the model");
   reader.unread(e, {"angle",        "eulerseq",     "autolimits",       "inertiafromgeom", "inertiagrouprange", "boundmass",
@@ -86,6 +124,11 @@ void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
   compiler.discard_visual = *read_switch(reader, e, "discardvisual", compiler.discard_visual);
   compiler.fit_bounds = *read_switch(reader, e, "fitaabb", compiler.fit_bounds);
   compiler.strip_path = *read_switch(reader, e, "strippath", compiler.strip_path);
+  if (const Element* length = reader.only(e, "lengthrange")) {
+    compiler.length_given = read_switch(reader, *length, "useexisting", compiler.length_given).value_or(true);
+    compiler.length_of_limits = read_switch(reader, *length, "uselimit", compiler.length_of_limits).value_or(false);
+    if (const char* mode = length->Attribute("mode")) compiler.length_computed = std::string_view(mode) != "none";
+  }
   if (const char* folder = e.Attribute("assetdir")) compiler.mesh_folder = folder;
   if (const char* folder = e.Attribute("meshdir")) compiler.mesh_folder = folder;
 }

@@ -24,6 +24,9 @@ struct MjcfCompiler {
   MjcfMassRules masses;
   double total_mass = -1;
   bool discard_visual = false, align_free = false, fit_bounds = false;
+  // <lengthrange>: whether the ranges of lengths that a file gives are used, whether others follow from the limits of what an
+  // actuator acts through, and whether they are computed at all.
+  bool length_given = true, length_of_limits = false, length_computed = true;
   std::string mesh_folder;
   bool strip_path = false;
 };
@@ -40,6 +43,14 @@ inline constexpr std::initializer_list<const char*> rotation_attributes = {"quat
 
 // true or false; nullopt for auto. missing: value without the attribute.
 std::optional<bool> read_switch(const Reader& reader, const Element& e, const char* attribute, std::optional<bool> missing);
+
+// A range that is switched on, or given while the switch is "auto".
+std::optional<std::array<double, 2>> read_limits(const Reader& reader, const Element& e, const char* attribute,
+                                                 const char* limited, bool autolimits);
+double read_bound(double x);  // the largest double stands for no bound
+
+// One number for all degrees of freedom. Newer files may give a polynomial; only its linear term is used.
+double read_coefficient(const Reader& reader, const Element& e, const char* attribute);
 
 // Counts attributes that are not used, one report line each.
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes);

@@ -67,6 +67,7 @@ void read_replicate(MjcfFile& file, Element& e, MjcfContext context, TodoList& t
   SE3<double> place = SE3<double>::identity();
   context.childclass = file.defaults.around(file.source, e, context.childclass);
   const std::string separator = attribute(e, "sep"), outer = context.suffix;
+  context.replicate = &e;
   const size_t digits = std::to_string(int(count) - 1).size();
   std::vector<MjcfContext> replicas;
   for (int k = 0; k < int(count); ++k) {
@@ -96,7 +97,7 @@ void attach_own(MjcfFile& file, Element& e, MjcfContext context) {
   for (Element* world : file.source.children(file.source.root(), "worldbody"))
     if (const Element* copied = read_mjcf_named(file, *world, context, kind, name)) {
       if (has_joint(*copied))
-        reader.report.physics(line(e), reader.owner + ": actuators and constraints of the copy are not used");
+        reader.report.physics(line(e), reader.owner + ": tendons, actuators and constraints of the copy are not used");
       return;
     }
   reader.fail(DYN_ERROR_NAME, e, "there is no " + std::string(kind) + " " + load::in_quotes(name) + " in the model");
@@ -168,7 +169,7 @@ void read_all(MjcfFile& file, TodoList todo) {
     Element& e = *next.e;
     const MjcfContext& context = *next.context;
     const std::string_view kind = e.Name();
-    if (!context.suffix.empty()) file.copies.add(e, context.suffix);
+    if (!context.suffix.empty()) file.copies.add(e, context);
     if (kind == "body") read_body(file, e, context, todo);
     else if (kind == "joint" || kind == "freejoint") read_mjcf_joint(file, e, context);
     else if (kind == "geom") read_mjcf_geom(file, e, context);

@@ -1,6 +1,9 @@
 // Writer of MJCF.
 #pragma once
 
+#include <tuple>
+
+#include "mjcf_wrap.hpp"
 #include "save_xml.hpp"
 
 namespace dyn::load {
@@ -62,8 +65,16 @@ class MjcfWriter {
   // save_mjcf_laws.cpp
   void add_actuators();
   void add_constraints();
+  bool pushes_free_joint(const dynActuator& a) const;
+  void put_transmission(XmlElement& e, const dynActuator& a);
+  void put_muscle(XmlElement& e, const dynActuator& a);
   std::string site(Index frame, const double (&placement)[12], const std::string& name);
   const Piece& piece(Index joint, int dof) const;
+  // save_mjcf_tendon.cpp
+  void add_tendons();
+  void add_element(XmlElement& tendon, const PathElement& e);
+  std::string site(Index frame);
+  std::string wrapped_geom(const PathElement& e);
 
   const Model& m;
   Losses losses;
@@ -75,6 +86,8 @@ class MjcfWriter {
   std::vector<Index> written_actuators;
   std::map<Index, std::string> body_names;       // of BODY frames
   std::map<Index, std::string> geom_names;       // of shapes
+  std::map<Index, std::string> frame_sites;      // of frames that tendons and actuators name
+  std::map<std::tuple<Index, double, bool>, std::string> wraps;  // added geoms, by frame, radius, and whether cylinders
   std::map<std::pair<int, Index>, std::string> surface_assets;
   std::map<std::string, std::string> file_assets;
   Names bodies, joints, geoms, assets;
@@ -82,6 +95,7 @@ class MjcfWriter {
   Index drawn = -1;                              // the configuration that gives the poses of the file
 };
 
+void put_range(XmlElement& e, const char* attribute, const double (&range)[2]);
 void put_pose(XmlElement& e, const SE3<double>& X);
 bool is_identity_rotation(const Mat3<double>& R);  // within rounding
 

@@ -7,14 +7,10 @@
 
 namespace dyn::load {
 
-namespace {
-
 void put_range(XmlElement& e, const char* attribute, const double (&range)[2]) {
   if (std::isfinite(range[0]) || std::isfinite(range[1]))
     put(e, attribute, {std::max(range[0], -no_limit_written), std::min(range[1], no_limit_written)});
 }
-
-}  // namespace
 
 const MjcfWriter::Piece& MjcfWriter::piece(Index joint, int dof) const {
   const Piece* found = nullptr;
@@ -23,39 +19,71 @@ const MjcfWriter::Piece& MjcfWriter::piece(Index joint, int dof) const {
   return *found;
 }
 
+bool MjcfWriter::pushes_free_joint(const dynActuator& a) const {
+  if (a.transmission != DYN_TRANSMISSION_JOINT || a.gear == 0) return false;
+  const SimpleJoint& s = piece(a.joint, a.component).simple;
+  return s.type == DYN_JOINT_TYPE_FREE_FLYER && a.component - s.v < 3;
+}
+
+// What an actuator acts through, with its gear.
+void MjcfWriter::put_transmission(XmlElement& e, const dynActuator& a) {
+  if (a.transmission == DYN_TRANSMISSION_SITE) {
+    put(e, "site", site(a.frame)), put(e, "gear", std::span(a.wrench));
+    if (a.reference >= 0) put(e, "refsite", site(a.reference));
+    return;
+  }
+  if (a.transmission == DYN_TRANSMISSION_TENDON) {
+    put(e, "tendon", std::string(m.string(m.tendons()[a.tendon].name)));
+    if (a.gear != 1) put(e, "gear", a.gear);
+    return;
+  }
+  const SimpleJoint& s = piece(a.joint, a.component).simple;
+  put(e, "joint", s.name);
+  if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
+    std::vector<double> gear(s.type == DYN_JOINT_TYPE_SPHERICAL ? 3 : 6, 0);
+    gear[size_t(a.component - s.v)] = a.gear;
+    put(e, "gear", gear);
+    if (a.gear == 0) losses.note("actuators without a force keep their controls", e.Attribute("name"));
+  } else if (a.gear != 1) {
+    put(e, "gear", a.gear);
+  }
+}
+
+void MjcfWriter::put_muscle(XmlElement& e, const dynActuator& a) {
+  const dynMuscle& x = a.muscle;
+  const double scale = 1;  // of a force that the file leaves open
+  for (const char* parameters : {"gainprm", "biasprm"})
+    put(e, parameters, {x.range[0], x.range[1], x.force, scale, x.lmin, x.lmax, x.vmax, x.fpmax, x.fvmax});
+  put(e, "dynprm", {x.t_act, x.t_deact, x.smoothing}), put(e, "lengthrange", std::span(x.length_range));
+  for (const char* part : {"gaintype", "biastype", "dyntype"}) put(e, part, std::string("muscle"));
+}
+
 void MjcfWriter::add_actuators() {
   for (Index k = 0; k < m.n.actuators; ++k) {
     const dynActuator& a = m.actuators()[k].spec;
     const std::string name = m.string(m.actuators()[k].name);
-    const SimpleJoint& s = piece(a.joint, a.component).simple;
-    const int component = a.component - s.v;
     if (a.type == DYN_ACTUATOR_TYPE_PD) {
       losses.loss("actuators of type PD, which have three controls, are left out", name);
       continue;
     }
-    if (s.type == DYN_JOINT_TYPE_FREE_FLYER && component < 3 && a.gear != 0) {
+    if (pushes_free_joint(a)) {
       losses.loss("actuators that push a free joint along its own axes are left out", name);
       continue;
     }
-    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_TYPE_AFFINE ||
-                                                        ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
+    const bool filtered = a.time_constant > 0, muscle = a.type == DYN_ACTUATOR_TYPE_MUSCLE,
+               affine = a.type == DYN_ACTUATOR_TYPE_AFFINE ||
+                        ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
     XmlElement& e = *section("actuator")
-                         .InsertNewChildElement(affine                                 ? "general"
+                         .InsertNewChildElement(affine || muscle                       ? "general"
                                                 : a.type == DYN_ACTUATOR_TYPE_MOTOR    ? "motor"
                                                 : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity"
                                                 : a.integrates                         ? "intvelocity"
                                                                                        : "position");
-    put(e, "name", name), put(e, "joint", s.name);
+    put(e, "name", name), put_transmission(e, a);
     written_actuators.push_back(k);
-    if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
-      std::vector<double> gear(s.type == DYN_JOINT_TYPE_SPHERICAL ? 3 : 6, 0);
-      gear[size_t(component)] = a.gear;
-      put(e, "gear", gear);
-      if (a.gear == 0) losses.note("actuators without a force keep their controls", name);
-    } else if (a.gear != 1) {
-      put(e, "gear", a.gear);
-    }
-    if (affine) {
+    if (muscle) {
+      put_muscle(e, a);
+    } else if (affine) {
       const ActuatorRecord& law = m.actuators()[k];
       put(e, "gaintype", std::string("fixed")), put(e, "gainprm", law.gain[0]);
       put(e, "biastype", std::string("affine")), put(e, "biasprm", std::span(law.bias));
@@ -81,7 +109,7 @@ std::string MjcfWriter::site(Index frame, const double (&placement)[12], const s
   XmlElement& e = *attachment.element->InsertNewChildElement("site");
   put(e, "name", name);
   put_pose(e, attachment.X.inverse() * load_se3(r.placement) * load_se3(placement));
-  losses.note("sites were added for the ends of constraints", name);
+  losses.note("sites were added for frames of bodies and joints, and for the ends of constraints", name);
   return name;
 }
 

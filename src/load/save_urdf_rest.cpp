@@ -49,6 +49,8 @@ void UrdfWriter::add_constraints() {
 }
 
 void UrdfWriter::report_losses() {
+  for (Index k = 0; k < m.n.tendons; ++k) losses.loss("tendons", m.string(m.tendons()[k].name));
+  for (Index k = 0; k < m.n.couplings; ++k) losses.loss("couplings of tendons", m.string(m.paths()[m.n.tendons + k].name));
   for (Index k = 0; k < m.n.actuators; ++k) losses.loss("actuators", m.string(m.actuators()[k].name));
   for (Index k = 1; k < m.n.configurations; ++k)
     losses.loss("named configurations (an SRDF has them)", m.string(m.configuration_names()[k]));

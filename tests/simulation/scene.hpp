@@ -26,6 +26,7 @@ class Scene {
   }
   Scene(const Scene&) = delete;
   ~Scene() { dyn_builder_free(b_); }
+  operator dynBuilder*() const { return b_; }
 
   Scene& shape(const char* body, dynShapeType type, std::array<double, 3> size, const dynMaterial& x) {
     dynShapeSpec s;
