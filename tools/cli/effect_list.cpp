@@ -60,6 +60,19 @@ std::uint32_t stated(const Robot& robot) {
   return bits;
 }
 
+// Tendons with a spring, damping, friction, armature or limits.
+int tendons_with_forces(const Robot& robot) {
+  int n = 0;
+  for (int k = 0; k < dyn_model_ntendons(robot); ++k) {
+    dynTendon t{};
+    t.struct_size = sizeof t;
+    check(dyn_model_tendon_info(robot, k, &t));
+    n += t.stiffness > 0 || t.damping > 0 || t.friction > 0 || t.armature > 0 || std::isfinite(t.range[0]) ||
+         std::isfinite(t.range[1]);
+  }
+  return n;
+}
+
 }  // namespace
 
 void add_effects_option(CLI::App& command, EffectOptions& options) {
@@ -174,6 +187,10 @@ json effects(const Robot& robot, std::uint32_t on) {
   const int actuators = dyn_model_nactuators(robot);
   effect(DYN_EFFECT_ACTUATORS, actuators,
          several(actuators, " actuator", " actuators") + " with " + several(dyn_model_nu(robot), " control", " controls"));
+  const int tendons = dyn_model_ntendons(robot), couplings = present("tendons") - tendons, own = tendons_with_forces(robot);
+  effect(DYN_EFFECT_TENDONS, own + couplings,
+         std::to_string(own) + " of " + several(tendons, " tendon has", " tendons have") + " forces of their own" +
+             (couplings ? ", " + several(couplings, " coupling joins", " couplings join") + " lengths" : ""));
   const int drag = present("fluid"), held = present("gravity_compensation");
   effect(DYN_EFFECT_FLUID, drag, "a medium drags on " + several(drag, " link", " links"));
   effect(DYN_EFFECT_GRAVITY_COMPENSATION, held, "the weight of " + several(held, " link is", " links is") + " held");

@@ -155,6 +155,22 @@ json inertial_parameters(const Context& c) {
   return out;
 }
 
+// J has a row of nv for each.
+json tendons(const Context& c) {
+  const int n = dyn_model_ntendons(c.robot), nv = c.robot.nv;
+  Vector length(static_cast<std::size_t>(n)), velocity(length), J(length.size() * static_cast<std::size_t>(nv));
+  check(dyn_tendons(c.robot, c.data, c.q, c.v, length.data(), velocity.data(), J.data()));
+  json out = json::object();
+  for (int k = 0; k < n; ++k) {
+    Vector arms;
+    for (std::size_t i = static_cast<std::size_t>(k); i < J.size(); i += length.size()) arms.push_back(J[i]);
+    out[dyn_model_tendon_name(c.robot, k)] = {{"length", length[static_cast<std::size_t>(k)]},
+                                              {"velocity", velocity[static_cast<std::size_t>(k)]},
+                                              {"J", arms}};
+  }
+  return out;
+}
+
 // Every tested pair.
 json distances(const Context& c) {
   check(dyn_distances(c.robot, c.data, c.q, nullptr));
@@ -268,6 +284,7 @@ std::vector<Quantity> listed() {
       {"d2tau_dadq", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 3); }},
       {"Ig", DYN_PART_CENTROIDAL | DYN_PART_COM, false, centroidal_inertia},
       {"inertial_parameters", DYN_PART_KINEMATICS, false, inertial_parameters},
+      {"tendons", DYN_PART_KINEMATICS, false, tendons},
       {"distances", DYN_PART_COLLISION, false, distances},
       {"collisions", DYN_PART_COLLISION, false, collisions},
       {"constrained_ddq", DYN_PART_CONSTRAINTS, false,

