@@ -1870,6 +1870,7 @@ typedef enum dynTendonType {
   DYN_TENDON_TYPE_SPATIAL = 1 /* The shortest path through sites and around spheres and cylinders. */
 } dynTendonType;
 
+/* What a tendon runs along. */
 typedef enum dynTendonElementType {
   DYN_TENDON_ELEMENT_TYPE_JOINT = 0,    /* A joint of one degree of freedom; value: its coefficient. */
   DYN_TENDON_ELEMENT_TYPE_SITE = 1,     /* The origin of a frame. */
@@ -1947,11 +1948,13 @@ DYN_API int dyn_tendon_path(const dynModel* model, dynData* data, int tendon, in
 typedef enum dynTransmission {
   DYN_TRANSMISSION_JOINT = 0,  /* l = gear x, x a coordinate of a joint whose neutral configuration is 0. */
   DYN_TRANSMISSION_TENDON = 1, /* l = gear L. */
-  /* f times wrench, [force; moment] in the axes of a frame, acts at its origin. With a reference frame, in whose
-     axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation vector] of the
-     frame in the reference; joints that carry both have no part in it. Without one l = 0. */
+  /* f times wrench, [force; moment] in the axes of a frame, acts at its origin. With a reference frame, in
+     whose axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation vector]
+     of the frame in the reference; joints that carry both have no part in it. Without one l = 0. */
   DYN_TRANSMISSION_SITE = 2
 } dynTransmission;
+
+/* How the force follows from controls, length and velocity. */
 typedef enum dynActuatorType {
   DYN_ACTUATOR_TYPE_MOTOR = 0,    /* f = w. */
   DYN_ACTUATOR_TYPE_POSITION = 1, /* f = kp (w - l) - kv l'. */
@@ -1962,13 +1965,13 @@ typedef enum dynActuatorType {
   DYN_ACTUATOR_TYPE_MUSCLE = 5    /* See dynMuscle; w is its activation. */
 } dynActuatorType;
 
-/* A muscle pulls with f = -force (w FL(x) FV(y) + FP(x)), on lengths that are normalised by the optimum length
+/* A muscle pulls with f = -force (w FL(x) FV(y) + FP(x)), on lengths normalised by the optimum length
    L0 = (length_range[1] - length_range[0]) / (range[1] - range[0]):
      x = range[0] + (l - length_range[0]) / L0        y = l' / (L0 vmax)
-   FL: four half parabolas from 0 at lmin over 1 at x = 1 to 0 at lmax. FV: (1 + y)^2 for -1 <= y <= 0, from there
-   a parabola to fvmax. FP: 0 to x = 1, half a parabola to fpmax / 2 at (1 + lmax) / 2, then its tangent.
-   The activation follows the control, both within [0, 1]: w' = (u - w) / t, with t = t_act (0.5 + 1.5 w) where
-   u > w, else t_deact / (0.5 + 1.5 w); a smoothing > 0 blends the two over that range of u - w.
+   FL: four half parabolas from 0 at lmin over 1 at x = 1 to 0 at lmax. FV: (1 + y)^2 for -1 <= y <= 0, from
+   there a parabola to fvmax. FP: 0 to x = 1, half a parabola to fpmax / 2 at (1 + lmax) / 2, then its tangent.
+   The activation follows the control, both within [0, 1]: w' = (u - w) / t, with t = t_act (0.5 + 1.5 w)
+   where u > w, else t_deact / (0.5 + 1.5 w); a smoothing > 0 blends the two over that range of u - w.
    Source: Millard et al. 2013, "Flexing computational muscle"; the curves are those of MuJoCo's muscles. */
 typedef struct dynMuscle {
   double force;                             /* N, at optimum length: > 0 */
