@@ -71,3 +71,29 @@ def test_mimic_in_info():
     assert [e["active"] for e in info["effects"] if e["name"] == "mimic"] == [True]
     thumb = next(j for j in info["joints"] if j["name"] == "thumb_joint")
     assert thumb["mimic"] == {"leader": "left_knuckle_joint", "ratio": 0.5, "offset": 0.2} and thumb["nv"] == 0
+
+
+TENDONS = """<mujoco><worldbody><site name="hook" pos=".3 0 0"/><body name="b"><joint name="j" axis="0 1 0"/><site name="s" pos="0 0 -.4"/>
+<geom size=".1" pos="0 0 -.5"/></body></worldbody><tendon><spatial name="cord" stiffness="20" limited="true" range="0 2"><site site="hook"/>
+<site site="s"/></spatial><fixed name="angle"><joint joint="j" coef="2"/></fixed></tendon><actuator><motor name="pull" tendon="cord"/>
+<motor name="turn" joint="j"/></actuator></mujoco>"""
+
+
+def test_tendons_and_actuators_in_info(tmp_path):
+    file = tmp_path / "t.xml"
+    file.write_text(TENDONS)
+    info = answer("info", file)
+    cord, angle = info["tendons"]
+    assert (cord["name"], cord["type"], cord["stiffness"], cord["range"], cord["length"]) == ("cord", "spatial", 20, [0, 2], 0.5)
+    assert cord["elements"] == [{"type": "site", "name": "hook"}, {"type": "site", "name": "s"}]
+    assert angle["elements"] == [{"type": "joint", "name": "j", "value": 2}] and angle["range"] == [None, None]
+    assert info["actuators"] == [{"name": "pull", "type": "motor", "transmission": "tendon", "target": "cord"},
+                                 {"name": "turn", "type": "motor", "transmission": "joint", "target": "j", "component": 0}]
+    assert [e["reason"] for e in info["effects"] if e["name"] == "tendons"] == ["1 of 2 tendons have forces of their own"]
+    text = run("info", file)
+    assert "stiffness 20, within [0, 2], driven by pull" in text and "tendon cord" in text
+    plain = run("info", ROBOTS / "gripper.urdf", "--fixed")
+    assert "\ntendons\n" not in plain and "\nactuators\n" not in plain and "no tendon has a force of its own" in plain
+    found = answer("eval", file, "--q", "0.2", "--v", "3", "--compute", "tendons,tendon_length")
+    assert found["tendons"]["angle"] == {"length": 0.4, "velocity": 6.0, "J": [2.0]}
+    assert found["tendon_length"] == [t["length"] for t in found["tendons"].values()]

@@ -29,6 +29,7 @@ RUNS = {
     "quadruped_stands": (["5"], "pushed from the left"),
     "standing": ([], "share of the cone"),
     "swing_up": ([], "it ends upright"),
+    "two_muscles": ([], "times as stiff"),
 }
 
 

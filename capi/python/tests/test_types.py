@@ -34,7 +34,12 @@ place: dyn.Placement = batch.frame_placement("foot", q)
 r: dyn.Rollout = dyn.batch.rollout(m, q, steps=10, sensors={"com": "com"})
 com: NDArray[np.float64] = r.sensors["com"]
 limits: NDArray[np.float64] = m.lower_limit
+arms: NDArray[np.float64] = d.tendons(q).J
+path: NDArray[np.float64] = d.tendon_path("cord").points
+cord: dyn.Tendon = m.tendon("cord")
 b: dyn.Builder = dyn.Builder("x").add_joint("j", "revolute", axis=(0, 1, 0), damping=0.1)
+b.add_tendon("cord", [("joint", "j", 2.0), dyn.TendonElement("joint", "j")], dyn.Tendon("fixed"), stiffness=3.0)
+b.add_actuator("m", "cord", dyn.Actuator("muscle", transmission="tendon", muscle=dyn.Muscle(30, lmax=1.5)))
 sim: dyn.Simulation = dyn.Simulation(m, dt=1e-3)
 x: dyn.Trajectory = sim.run(1.0, lambda s: [0.0])
 """
@@ -51,6 +56,8 @@ WRONG = {
     'd.frame_velocity("foot", "lokal")': "incompatible type",
     "m.joint_names = 3": "has no attribute",
     'b.add_joint("j", "hinge")': "incompatible type",
+    'dyn.Tendon("spatal")': "incompatible type",
+    'dyn.Actuator(transmission="tendo")': "incompatible type",
     'b.add_joint("j", "revolute", dampin=1)': "Unexpected keyword",
     "f: NDArray[np.float32] = d.M": "Incompatible types",
     "batch.rnea()": "Missing positional argument|Too few arguments",

@@ -124,6 +124,8 @@ std::vector<float> Simulation::state() const {
   put_all(q, static_cast<std::size_t>(robot_.nq)), put_all(v, static_cast<std::size_t>(robot_.nv));
   for (const dynContactForce& c : contacts)
     put_all(c.contact.position, 3), put_all(c.force_on_b, 3), put(c.contact.distance, c.contact.shape_a, c.contact.shape_b);
+  const Vector tendons = poses_.tendons(*data_, q);
+  put_all(tendons.data(), tendons.size());
   return out;
 }
 

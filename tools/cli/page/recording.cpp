@@ -56,8 +56,16 @@ Recording::Recording(const Robot& robot, std::uint32_t effects)
     : robot_(robot),
       mind_(robot, DYN_PART_KINEMATICS | DYN_PART_COM, effects),
       frame_of_(static_cast<std::size_t>(robot.njoints), 0),
+      muscle_of_(static_cast<std::size_t>(dyn_model_ntendons(robot)), -1),
       every_(moment) {
   for (int f = robot.nframes - 1; f >= 0; --f) frame_of_[static_cast<std::size_t>(robot.frame(f).joint)] = f;
+  for (int k = 0; k < dyn_model_nactuators(robot); ++k) {
+    dynActuator a{};
+    a.struct_size = sizeof a;
+    check(dyn_model_actuator_info(robot, k, &a));
+    if (a.type == DYN_ACTUATOR_TYPE_MUSCLE && a.transmission == DYN_TRANSMISSION_TENDON)
+      muscle_of_[static_cast<std::size_t>(a.tendon)] = a.idx_act;
+  }
 }
 
 void Recording::poses(const double* q, Vector& positions, Vector& turns, Vector& com) const {
@@ -73,6 +81,27 @@ void Recording::poses(const double* q, Vector& positions, Vector& turns, Vector&
   }
 }
 
+Vector Recording::tendons(const Data& simulated, const double* q) const {
+  Vector out;
+  if (muscle_of_.empty()) return out;
+  check(dyn_tendons(robot_, mind_, q, nullptr, nullptr, nullptr, nullptr));
+  for (std::size_t t = 0; t < muscle_of_.size(); ++t) {
+    const int count = dyn_tendon_path(robot_, mind_, static_cast<int>(t), 0, nullptr, nullptr);
+    if (count < 0) fail(library_error());
+    Vector points(3 * static_cast<std::size_t>(count));
+    std::vector<std::int32_t> begins(static_cast<std::size_t>(count));
+    dyn_tendon_path(robot_, mind_, static_cast<int>(t), count, points.data(), begins.data());
+    const double activation = muscle_of_[t] < 0 ? -1 : field(robot_, simulated, "act")[static_cast<std::size_t>(muscle_of_[t])];
+    for (std::size_t k = 1; k < begins.size(); ++k) {
+      if (begins[k]) continue;
+      const auto from = points.begin() + 3 * static_cast<std::ptrdiff_t>(k - 1);
+      out.insert(out.end(), from, from + 6);
+      out.push_back(activation);
+    }
+  }
+  return out;
+}
+
 Recording::Sample Recording::sample_of(const Data& simulated, const Moment& m) const {
   Sample s{m.time,
            {},
@@ -85,6 +114,7 @@ Recording::Sample Recording::sample_of(const Data& simulated, const Moment& m) c
            {m.kinetic, m.potential, m.kinetic + m.potential},
            {},
            {},
+           tendons(simulated, m.q),
            {}};
   poses(m.q, s.positions, s.turns, s.com);
   if (dyn_model_nactuators(robot_)) s.actuators = field(robot_, simulated, "actuator_force");
@@ -108,7 +138,7 @@ void Recording::add(const Data& simulated, const Moment& m, const Ledger* ledger
   check(dyn_data_step_report(robot_, simulated, &report));
   s.solver = {report.residual, report.penetration, double(report.contacts), double(report.iterations), 1e6 * step_s};
   if (ledger) s.ledger = ledger->sums_so_far();
-  contacts_ += s.contacts.size();
+  contacts_ += s.contacts.size(), pieces_ += s.tendons.size();
   samples_.push_back(std::move(s));
   next_ = std::max(next_ + every_, m.time);  // steps longer than a moment: each of them
   if (numbers() > max_bytes) thin();
@@ -118,15 +148,16 @@ std::size_t Recording::numbers() const {
   const Sample& s = samples_.front();
   const std::size_t each = 4 + 2 * (s.positions.size() + s.turns.size() + 3 + s.q.size() + s.v.size() + s.tau.size() +
                                     s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
-  return each * samples_.size() + 24 * contacts_;
+  return each * samples_.size() + 24 * contacts_ + 2 * pieces_;
 }
 
 // Every second moment goes, and only every second one comes.
 void Recording::thin() {
   std::vector<Sample> kept;
-  contacts_ = 0;
+  contacts_ = pieces_ = 0;
   for (std::size_t k = 0; k < samples_.size(); k += 2)
-    contacts_ += samples_[k].contacts.size(), kept.push_back(std::move(samples_[k]));
+    contacts_ += samples_[k].contacts.size(), pieces_ += samples_[k].tendons.size(),
+        kept.push_back(std::move(samples_[k]));
   samples_ = std::move(kept);
   every_ *= 2;
   next_ = samples_.back().time + every_;
@@ -188,6 +219,10 @@ json Recording::packed(Pack& pack, json& notes) const {
                      {"force", pack.f32(force)},
                      {"distance", pack.q16(distance, 1)},
                      {"shapes", pack.indices(shapes)}};
+  if (pieces_ == 0) return out;
+  std::vector<std::uint32_t> begins = {0};
+  for (const Sample& s : samples_) begins.push_back(begins.back() + static_cast<std::uint32_t>(s.tendons.size() / 7));
+  out["tendons"] = {{"first", pack.indices(begins)}, {"pieces", pack.q16(all(&Sample::tendons), 7)}};
   return out;
 }
 

@@ -19,6 +19,8 @@ class Recording {
   json packed(Pack& pack, json& notes) const;
   // Placements of the joints but the universe's: 3 and a quaternion (x, y, z, w) each; the centre of mass.
   void poses(const double* q, Vector& positions, Vector& turns, Vector& com) const;
+  // Straight pieces of the paths of tendons: both ends, and the activation of a muscle that pulls, else -1: 7 numbers each.
+  Vector tendons(const Data& simulated, const double* q) const;
 
  private:
   struct Contact {
@@ -28,6 +30,7 @@ class Recording {
   struct Sample {
     double time;
     Vector positions, turns, com, q, v, tau, actuators, energy, solver, ledger;
+    Vector tendons;
     std::vector<Contact> contacts;
   };
   Sample sample_of(const Data& simulated, const Moment& moment) const;
@@ -37,8 +40,9 @@ class Recording {
   const Robot& robot_;
   Data mind_;                     // where placements are computed: the simulated data stays as it is
   std::vector<int> frame_of_;     // a frame of each joint
+  std::vector<int> muscle_of_;    // index of the activation of a tendon's muscle; -1: none
   std::vector<Sample> samples_;
-  std::size_t contacts_ = 0;
+  std::size_t contacts_ = 0, pieces_ = 0;
   double every_, next_ = 0;
 };
 

@@ -74,6 +74,7 @@ export class Live {
     this.robot.setPoses(state.positions, state.turns);
     this.overlays.setCom(...state.com);
     this.overlays.setContacts(state.contacts);
+    if (state.tendons.length) this.overlays.setTendons(state.tendons);
     this.scene.track(this.overlays.com.position);
     this.push.update();
     this.scene.redraw();

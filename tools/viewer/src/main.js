@@ -37,6 +37,7 @@ function stage(head, read) {
   scene.settle();
   const overlays = new Overlays(robot, scene);
   overlays.setCom(...first.com);
+  overlays.setTendons(recording.tendonsAt(0));
   scene.track(overlays.com.position);
   addTools(byId("tools"), { robot, scene, overlays });
   return { head, robot, recording, scene, overlays, inspector: new Inspector(byId("link"), robot, scene), side: byId("side") };
@@ -64,6 +65,7 @@ function startStill(view) {
   const state = () => inspector.show({ q: kinematics.q, contacts: [] });
   view.side.append(kinematics.panel(() => {
     view.overlays.setCom(...kinematics.com().toArray());
+    view.overlays.setTendons(new Float32Array()); // their paths are those of the drawn configuration
     view.scene.redraw();
     state();
   }));
@@ -83,6 +85,7 @@ function startRecorded(view) {
     overlays.setCom(...now.com);
     scene.track(overlays.com.position);
     overlays.setContacts(recording.contactsAt(recording.index(t)));
+    overlays.setTendons(recording.tendonsAt(recording.index(t)));
     for (const plot of plots) plot.mark(t);
     scene.redraw();
   });

@@ -1,15 +1,16 @@
-// What is drawn beside the robot: frames, centre of mass, inertia ellipsoids, contact points and forces.
+// What is drawn beside the robot: frames, centre of mass, inertia ellipsoids, contact points and forces, tendons.
 import * as THREE from "three";
 import { eigen, semiAxes } from "./inertia.js";
 
 const MOST_CONTACTS = 512;
+const CORD = 0x7a5230, SLACK = 0x3b5bc0, PULLS = 0xd1495b; // tendons; muscles without and with activation
 const Z = new THREE.Vector3(0, 0, 1);
 
 export class Overlays {
   constructor(robot, scene) {
     this.robot = robot;
     this.scene = scene;
-    this.groups = { frames: [], inertia: [], com: [], contacts: [] };
+    this.groups = { frames: [], inertia: [], com: [], contacts: [], tendons: [] };
     this.#frames();
     this.#inertia();
     this.#com();
@@ -75,6 +76,32 @@ export class Overlays {
     this.points = many(new THREE.SphereGeometry(s / 160, 10, 8));
     this.shafts = many(new THREE.CylinderGeometry(s / 280, s / 280, 1, 10).rotateX(Math.PI / 2).translate(0, 0, 0.5));
     this.heads = many(new THREE.ConeGeometry(s / 110, s / 40, 14).rotateX(Math.PI / 2));
+  }
+
+  /** pieces: 7 numbers each, both ends and the activation of a muscle that pulls, else -1 */
+  setTendons(pieces) {
+    if (!pieces) return;
+    const n = pieces.length / 7, ends = new Float32Array(6 * n), colours = new Float32Array(6 * n), colour = new THREE.Color();
+    for (let k = 0; k < n; ++k) {
+      ends.set(pieces.subarray(7 * k, 7 * k + 6), 6 * k);
+      const activation = pieces[7 * k + 6];
+      if (activation < 0) colour.set(CORD);
+      else colour.set(SLACK).lerp(new THREE.Color(PULLS), Math.min(activation, 1));
+      for (let end = 0; end < 6; end += 3) colour.toArray(colours, 6 * k + end);
+    }
+    if (!this.groups.tendons.length) {
+      const material = new THREE.LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true });
+      const lines = new THREE.LineSegments(new THREE.BufferGeometry(), material);
+      lines.frustumCulled = false;
+      lines.renderOrder = 2;
+      this.scene.overlays.add(lines);
+      this.groups.tendons.push(lines);
+    }
+    const [lines] = this.groups.tendons;
+    lines.geometry.dispose();
+    lines.geometry = new THREE.BufferGeometry();
+    lines.geometry.setAttribute("position", new THREE.BufferAttribute(ends, 3));
+    lines.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
   }
 
   setCom(x, y, z) {

@@ -16,6 +16,8 @@ export class Recording {
       distance: read(c.distance),
       shapes: read(c.shapes)
     };
+    const t = recording.tendons;
+    this.tendons = t && { first: read(t.first), pieces: read(t.pieces) };
     this.now = {
       positions: new Float32Array(3 * (model.joints.length - 1)),
       turns: new Float32Array(4 * (model.joints.length - 1)),
@@ -57,6 +59,11 @@ export class Recording {
       for (let j = 0; j < 4; ++j) this.now.turns[i + j] = (1 - s) * q[a + j] + sign * q[b + j];
     }
     return this.now;
+  }
+
+  /** pieces of tendons at moment k: see Overlays.setTendons */
+  tendonsAt(k) {
+    return this.tendons?.pieces.subarray(7 * this.tendons.first[k], 7 * this.tendons.first[k + 1]);
   }
 
   #moves(shape) {

@@ -33,5 +33,6 @@ export function parseState(buffer, model) {
       on: sign > 0 ? c[8] : c[7]
     };
   });
+  state.tendons = x.subarray(at);
   return state;
 }

@@ -66,6 +66,18 @@ function addInfo(add, info) {
     table(
       ["", "name", "type", "joint", "kg"],
       info.frames.map((f, i) => [String(i), f.name, f.type, String(f.joint), f.mass || ""])));
+  if (info.tendons.length)
+    add(
+      "tendons", String(info.tendons.length), false,
+      table(
+        ["", "name", "type", "length", "stiffness", "damping"],
+        info.tendons.map((t, i) => [String(i), t.name, t.type, t.length, t.stiffness || "", t.damping || ""])));
+  if (info.actuators.length)
+    add(
+      "actuators", String(info.actuators.length), false,
+      table(
+        ["", "name", "type", "acts on"],
+        info.actuators.map((a, i) => [String(i), a.name, a.type, `${a.transmission} ${a.target}`])));
   add("effects", "", true, table(["effect", "", ""], info.effects.map((e) => [e.name, e.active ? "on" : "off", e.reason])));
   add(
     "load report", String(info.report.length), false,

@@ -17,6 +17,7 @@ export function addTools(element, { robot, scene, overlays }) {
   toggle("com", "centre of mass", true, (on) => overlays.show("com", on));
   toggle("inertia", "inertia ellipsoids", false, (on) => overlays.show("inertia", on));
   toggle("contacts", "contacts and forces", true, (on) => overlays.show("contacts", on));
+  if (overlays.groups.tendons.length) toggle("tendons", "tendons", true, (on) => overlays.show("tendons", on));
   toggle("follow", "camera follows", false, (on) => (scene.follow = on));
   element.append(make(
     "div", { className: "row" },
