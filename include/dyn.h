@@ -237,8 +237,8 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
    exerts no force. A joint without a name has its body's name with _joint behind it. A body
    without a name is body_<number in the file>, a tendon tendon_<number>. A geom that a tendon wraps around
    becomes a frame with its name, with _wrap behind it where the name is taken. Other actuators and
-   equalities, sensors, flexible bodies and plugins are in the load report, with their lines. base is ignored: the file
-   has free joints. srdf is refused. */
+   equalities, sensors, flexible bodies and plugins are in the load report, with their lines. base is ignored:
+   the file has free joints. srdf is refused. */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
 /* Reads the same from zero-terminated text. Relative paths in the text start at the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);
@@ -1949,8 +1949,8 @@ typedef enum dynTransmission {
   DYN_TRANSMISSION_JOINT = 0,  /* l = gear x, x a coordinate of a joint whose neutral configuration is 0. */
   DYN_TRANSMISSION_TENDON = 1, /* l = gear L. */
   /* f times wrench, [force; moment] in the axes of a frame, acts at its origin. With a reference frame, in
-     whose axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation vector]
-     of the frame in the reference; joints that carry both have no part in it. Without one l = 0. */
+     whose axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation
+     vector] of the frame in the reference; joints that carry both have no part in it. Without one l = 0. */
   DYN_TRANSMISSION_SITE = 2
 } dynTransmission;
 
@@ -1969,7 +1969,7 @@ typedef enum dynActuatorType {
    L0 = (length_range[1] - length_range[0]) / (range[1] - range[0]):
      x = range[0] + (l - length_range[0]) / L0        y = l' / (L0 vmax)
    FL: four half parabolas from 0 at lmin over 1 at x = 1 to 0 at lmax. FV: (1 + y)^2 for -1 <= y <= 0, from
-   there a parabola to fvmax. FP: 0 to x = 1, half a parabola to fpmax / 2 at (1 + lmax) / 2, then its tangent.
+   there a parabola to fvmax. FP: 0 to x = 1, half a parabola to fpmax / 2 at (1 + lmax) / 2, then straight.
    The activation follows the control, both within [0, 1]: w' = (u - w) / t, with t = t_act (0.5 + 1.5 w)
    where u > w, else t_deact / (0.5 + 1.5 w); a smoothing > 0 blends the two over that range of u - w.
    Source: Millard et al. 2013, "Flexing computational muscle"; the curves are those of MuJoCo's muscles. */
