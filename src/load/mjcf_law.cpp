@@ -63,7 +63,8 @@ void as_general(const Reader& reader, Element& e) {
   e.SetAttribute(converted_from, e.Name());
   if (kind == "general") return;
   if (before != kind && before != "general") e.DeleteAttribute("gainprm"), e.DeleteAttribute("biasprm");
-  const bool muscle = kind == "muscle", keeps_dynamics = before == kind || (before == "general" && (muscle || kind == "cylinder"));
+  const bool muscle = kind == "muscle",
+             keeps_dynamics = before == kind || (before == "general" && (muscle || kind == "cylinder"));
   if (!keeps_dynamics) e.DeleteAttribute("dyntype"), e.DeleteAttribute("dynprm");
   const size_t count = muscle ? 9 : 3;
   Parameters gain(reader, e, "gainprm", 1, count), bias(reader, e, "biasprm", 0, count), dynamics(reader, e, "dynprm", 1, 3);
