@@ -226,17 +226,19 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
      - meshes: STL, OBJ, MSH, vertices in the file;
      - excluded and wanted pairs, with MuJoCo's rule for the others;
      - keys with velocity, controls, activations and time; timestep, integrator, and flags of effects;
-     - actuators of one degree of freedom with affine laws;
-     - connect, weld and joint equalities (rigid).
+     - fixed and spatial tendons, with wrapped spheres and cylinders;
+     - affine actuators and muscles of one degree of freedom, tendons and sites;
+     - connect, weld, joint and tendon equalities (rigid).
 
    MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
    see dynStateLayout. The configuration that the file draws is named "qpos0" unless it is the neutral one.
    New data begins there. Its steps have the file's timestep and the nearest integrator. Keys are named
    configurations: see dyn_data_reset. An actuator that is not supported keeps its place and its control, and
    exerts no force. A joint without a name has its body's name with _joint behind it. A body
-   without a name is body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible
-   bodies and plugins are in the load report, with their lines. base is ignored: the file has free joints.
-   srdf is refused. */
+   without a name is body_<number in the file>, a tendon tendon_<number>. A geom that a tendon wraps around
+   becomes a frame with its name, with _wrap behind it where the name is taken. Other actuators and
+   equalities, sensors, flexible bodies and plugins are in the load report, with their lines. base is ignored:
+   the file has free joints. srdf is refused. */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
 /* Reads the same from zero-terminated text. Relative paths in the text start at the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);
@@ -1868,6 +1870,7 @@ typedef enum dynTendonType {
   DYN_TENDON_TYPE_SPATIAL = 1 /* The shortest path through sites and around spheres and cylinders. */
 } dynTendonType;
 
+/* What a tendon runs along. */
 typedef enum dynTendonElementType {
   DYN_TENDON_ELEMENT_TYPE_JOINT = 0,    /* A joint of one degree of freedom; value: its coefficient. */
   DYN_TENDON_ELEMENT_TYPE_SITE = 1,     /* The origin of a frame. */
@@ -1945,11 +1948,13 @@ DYN_API int dyn_tendon_path(const dynModel* model, dynData* data, int tendon, in
 typedef enum dynTransmission {
   DYN_TRANSMISSION_JOINT = 0,  /* l = gear x, x a coordinate of a joint whose neutral configuration is 0. */
   DYN_TRANSMISSION_TENDON = 1, /* l = gear L. */
-  /* f times wrench, [force; moment] in the axes of a frame, acts at its origin. With a reference frame, in whose
-     axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation vector] of the
-     frame in the reference; joints that carry both have no part in it. Without one l = 0. */
+  /* f times wrench, [force; moment] in the axes of a frame, acts at its origin. With a reference frame, in
+     whose axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation
+     vector] of the frame in the reference; joints that carry both have no part in it. Without one l = 0. */
   DYN_TRANSMISSION_SITE = 2
 } dynTransmission;
+
+/* How the force follows from controls, length and velocity. */
 typedef enum dynActuatorType {
   DYN_ACTUATOR_TYPE_MOTOR = 0,    /* f = w. */
   DYN_ACTUATOR_TYPE_POSITION = 1, /* f = kp (w - l) - kv l'. */
@@ -1960,13 +1965,13 @@ typedef enum dynActuatorType {
   DYN_ACTUATOR_TYPE_MUSCLE = 5    /* See dynMuscle; w is its activation. */
 } dynActuatorType;
 
-/* A muscle pulls with f = -force (w FL(x) FV(y) + FP(x)), on lengths that are normalised by the optimum length
+/* A muscle pulls with f = -force (w FL(x) FV(y) + FP(x)), on lengths normalised by the optimum length
    L0 = (length_range[1] - length_range[0]) / (range[1] - range[0]):
      x = range[0] + (l - length_range[0]) / L0        y = l' / (L0 vmax)
-   FL: four half parabolas from 0 at lmin over 1 at x = 1 to 0 at lmax. FV: (1 + y)^2 for -1 <= y <= 0, from there
-   a parabola to fvmax. FP: 0 to x = 1, half a parabola to fpmax / 2 at (1 + lmax) / 2, then its tangent.
-   The activation follows the control, both within [0, 1]: w' = (u - w) / t, with t = t_act (0.5 + 1.5 w) where
-   u > w, else t_deact / (0.5 + 1.5 w); a smoothing > 0 blends the two over that range of u - w.
+   FL: four half parabolas from 0 at lmin over 1 at x = 1 to 0 at lmax. FV: (1 + y)^2 for -1 <= y <= 0, from
+   there a parabola to fvmax. FP: 0 to x = 1, half a parabola to fpmax / 2 at (1 + lmax) / 2, then straight.
+   The activation follows the control, both within [0, 1]: w' = (u - w) / t, with t = t_act (0.5 + 1.5 w)
+   where u > w, else t_deact / (0.5 + 1.5 w); a smoothing > 0 blends the two over that range of u - w.
    Source: Millard et al. 2013, "Flexing computational muscle"; the curves are those of MuJoCo's muscles. */
 typedef struct dynMuscle {
   double force;                             /* N, at optimum length: > 0 */

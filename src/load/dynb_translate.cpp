@@ -1,9 +1,11 @@
 // Files of other libraries: of version 2, which is without the states of configurations and without the steps of the file
-// (Model::simulation), of version 3, whose tag was made in another way, and of this version with another number of coefficients.
+// (Model::simulation), of version 3, whose tag was made in another way, of version 4, which is without tendons, and of this version
+// with another number of coefficients.
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
 
+#include "algorithm/actuators.hpp"
 #include "dynb.hpp"
 #include "effect/list.hpp"
 
@@ -19,6 +21,15 @@ struct Numbers {
 #include "effect/coefficients.def"
 };
 
+// What came with version 5: arrays of paths, and the ends of dynActuator and of ActuatorRecord.
+constexpr bool is_path_field(Model::Field field) {
+  using F = Model::Field;
+  return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs || field == F::path_parents;
+}
+constexpr std::size_t path_fields = 5;
+constexpr std::size_t old_actuator_spec_size = offsetof(dynActuator, transmission);
+constexpr std::size_t old_actuator_size = old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);
+
 // What a file holds.
 struct Written {
   std::uint32_t version = 0;
@@ -26,25 +37,51 @@ struct Written {
 
   constexpr bool has(Model::Field field) const {
     if (is_coefficient_field(field)) return std::size_t(field) - first_coefficient < coefficients;
+    if (is_path_field(field)) return has_paths();
     return version > 2 || (field != Model::Field::configuration_states && field != Model::Field::simulation);
   }
+  constexpr bool has_paths() const { return version > 4; }
+  // Of ModelSizes, of Model up to its offsets, and of Model.
+  constexpr std::size_t sizes_size() const { return has_paths() ? sizeof(ModelSizes) : offsetof(ModelSizes, tendons); }
+  constexpr std::size_t header_size() const { return offsetof(Model, offset) - sizeof(ModelSizes) + sizes_size(); }
   constexpr std::size_t model_size() const {
-    const std::size_t fields = std::size_t(Model::Field::count_) - coefficient_count + coefficients - (version > 2 ? 0 : 2);
-    return round_up(offsetof(Model, offset) + fields * sizeof(std::uint32_t), alignof(Model));
+    const std::size_t fields = std::size_t(Model::Field::count_) - coefficient_count + coefficients - (version > 2 ? 0 : 2) -
+                               (has_paths() ? 0 : path_fields);
+    return round_up(header_size() + fields * sizeof(std::uint32_t), alignof(Model));
+  }
+  constexpr std::size_t element_size(Model::Field field, std::size_t size) const {
+    return field == Model::Field::joints ? joint_size() : field == Model::Field::actuators && !has_paths() ? old_actuator_size : size;
   }
   constexpr std::size_t joint_size() const {
     return round_up(offsetof(JointRecord, armature) + (coefficients + 1) * sizeof(double), alignof(JointRecord));
   }
-  // dynb_tag() of versions 2 and 3.
+  // dynb_tag() of version 4.
+  constexpr std::uint64_t tag4() const {
+    std::uint64_t sum = 0xcbf29ce484222325u;
+    const auto add = [&](std::uint64_t x) { sum = (sum ^ x) * 0x100000001b3u; };
+    for (const std::size_t size : {sizeof(DynbHeader), sizes_size(), sizeof(Index), header_size(), sizeof(Vec3<double>),
+                                   alignof(Vec3<double>), offsetof(JointRecord, armature) - sizeof(JointRecord::C)})
+      add(size);
+    const auto add_field = [&](Model::Field field, std::size_t size, std::size_t alignment, const char* name) {
+      if (is_coefficient_field(field) || !has(field)) return;
+      if (field != Model::Field::joints) add(element_size(field, size)), add(alignment);
+      for (; *name; ++name) add(std::uint64_t(*name));
+    };
+#define FIELD(type, name, count, sentence) add_field(Model::Field::name, sizeof(type), alignof(type), #name);
+#include "model/model_fields.def"
+#undef FIELD
+    return sum << 8;
+  }
+  // And of versions 2 and 3.
   constexpr std::uint64_t older_tag() const {
     std::uint64_t sum = 0xcbf29ce484222325u;
     const auto add = [&](std::uint64_t x) { sum = (sum ^ x) * 0x100000001b3u; };
     for (const std::size_t size :
-         {sizeof(DynbHeader), model_size(), sizeof(ModelSizes), sizeof(Index), alignof(Vec3<double>), offsetof(Model, offset)})
+         {sizeof(DynbHeader), model_size(), sizes_size(), sizeof(Index), alignof(Vec3<double>), header_size()})
       add(size);
     const auto add_field = [&](Model::Field field, std::size_t size, std::size_t alignment, const char* name) {
       if (!has(field)) return;
-      add(field == Model::Field::joints ? joint_size() : size), add(alignment);
+      add(element_size(field, size)), add(alignment);
       for (; *name; ++name) add(std::uint64_t(*name));
     };
 #define FIELD(type, name, count, sentence) add_field(Model::Field::name, sizeof(type), alignof(type), #name);
@@ -64,11 +101,14 @@ Written written(const std::string& bytes) {
   if (h.version == dynb_version) {
     w.coefficients = h.tag & 255;
     if (h.tag >> 8 != dynb_layout() >> 8 || w.coefficients == coefficient_count) return {};
+  } else if (h.version == 4) {
+    w.coefficients = h.tag & 255;
+    if (h.tag >> 8 != w.tag4() >> 8) return {};
   } else if ((h.version != 2 && h.version != 3) || h.tag != w.older_tag()) {
     return {};
   }
   constexpr std::size_t summed = offsetof(DynbHeader, handle);
-  const std::uint64_t seal = h.version == dynb_version ? h.tag : 0;
+  const std::uint64_t seal = h.version >= 4 ? h.tag : 0;
   const bool sound = std::memcmp(h.magic, dynb_magic, sizeof h.magic) == 0 && h.byte_order == dynb_byte_order &&
                      h.bytes == bytes.size() - sizeof h && h.bytes >= w.model_size() &&
                      h.checksum == (seal ^ dynb_checksum(bytes.data() + summed, bytes.size() - summed));
@@ -91,6 +131,7 @@ std::uint32_t known_effects(std::uint32_t effects, const Written& w) {
   for_each_coefficient([&]<class E>() {
     if (E::of(numbers) >= w.coefficients) effects |= E::bit;
   });
+  if (!w.has_paths()) effects |= DYN_EFFECT_TENDONS;
   return effects & DYN_EFFECT_ALL;
 }
 
@@ -100,15 +141,17 @@ class Translation {
       : w_(w),
         block_(bytes.data() + sizeof(DynbHeader)),
         size_(bytes.size() - sizeof(DynbHeader)),
-        offsets_(block_ + offsetof(Model, offset)) {}
+        offsets_(block_ + w.header_size()) {}
 
   std::string run() {
-    std::memcpy(memory_, block_, offsetof(Model, offset));
+    constexpr std::size_t sizes = offsetof(Model, n);
+    std::memcpy(memory_, block_, sizes + w_.sizes_size());
+    std::memcpy(memory_ + sizes + sizeof(ModelSizes), block_ + sizes + w_.sizes_size(), w_.header_size() - sizes - w_.sizes_size());
     Model& m = *reinterpret_cast<Model*>(memory_);
     const ModelSizes& n = m.n;
-    Index sizes[sizeof(ModelSizes) / sizeof(Index)];
-    std::memcpy(sizes, &n, sizeof sizes);
-    for (const Index x : sizes)
+    Index counts[sizeof(ModelSizes) / sizeof(Index)];
+    std::memcpy(counts, &n, sizeof counts);
+    for (const Index x : counts)
       if (x < 0 || std::size_t(x) > size_) fail_of_damage("a size is out of range");
     if (std::uint64_t(n.configurations) * std::uint64_t(n.nq) > size_)
       fail_of_damage("its configurations are larger than the file");
@@ -153,6 +196,7 @@ class Translation {
   void append(Model::Field field, std::size_t element, std::size_t count) {
     if (!w_.has(field)) return append_neutral(field, element, count);
     if (field == Model::Field::joints) return append_joints(next(w_.joint_size(), count), count);
+    if (field == Model::Field::actuators && !w_.has_paths()) return append_actuators(next(old_actuator_size, count), count);
     out_.append(next(element, count), element * count);
     if (field == Model::Field::simulation) {
       char* const to = out_.data() + out_.size() - sizeof(SimulationRecord) + offsetof(SimulationRecord, effects);
@@ -167,6 +211,17 @@ class Translation {
     const SimulationRecord simulation;
     if (field == Model::Field::simulation) out_.append(reinterpret_cast<const char*>(&simulation), sizeof simulation);
     else out_.append(element * count, '\0');
+  }
+
+  void append_actuators(const char* from, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k, from += old_actuator_size) {
+      ActuatorRecord r{};
+      r.spec = default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
+      std::memcpy(&r.spec, from, old_actuator_spec_size);
+      std::memcpy(r.gain, from + old_actuator_spec_size, old_actuator_size - old_actuator_spec_size);
+      r.spec.struct_size = sizeof r.spec, r.path = r.row = -1;
+      out_.append(reinterpret_cast<const char*>(&r), sizeof r);
+    }
   }
 
   void append_joints(const char* from, std::size_t count) {

@@ -131,7 +131,8 @@ const char* read_muscle(const Reader& reader, const Element& e, const MjcfCompil
   x.t_act = parameter(reader, e, "dynprm", 0, 1), x.t_deact = parameter(reader, e, "dynprm", 1, 0),
   x.smoothing = parameter(reader, e, "dynprm", 2, 0);
   std::fill_n(x.length_range, 2, 0.0);
-  if (const auto range = reader.numbers(e, "lengthrange", 2); range && compiler.length_given) std::copy_n(range->begin(), 2, x.length_range);
+  if (const auto range = reader.numbers(e, "lengthrange", 2); range && compiler.length_given)
+    std::copy_n(range->begin(), 2, x.length_range);
   return nullptr;
 }
 
@@ -227,9 +228,9 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
                     "joint",        "jointinparent", "tendon",    "site",       "refsite",  "body",        "slidersite",
                     "cranksite",    "cranklength",   "user",      "actdim",     "dyntype",  "gaintype",    "biastype",
                     "dynprm",       "gainprm",       "biasprm",   "actearly",   "kp",       "kv",          "dampratio",
-                    "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias",        "tausmooth",
-                    "range",        "force",         "scale",     "lmin",       "lmax",     "vmax",        "fpmax",       "fvmax",
-                    converted_from},
+                    "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias",
+                    "tausmooth",    "range",         "force",     "scale",      "lmin",     "lmax",        "vmax",
+                    "fpmax",        "fvmax",         converted_from},
                 {"plugin"});
   file.defaults.apply(file.source, e, "actuator", context.childclass);
   as_general(reader, e);

@@ -106,7 +106,8 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   }
   // compensation by the actuator moves as a passive one, but for its limit
   const bool compensates = read_switch(reader, e, "actuatorgravcomp", false).value_or(false);
-  if (const auto force = read_limits(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar) {
+  const auto force = read_limits(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits);
+  if (force && scalar) {
     joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
     if (compensates) joint.place.physics("actuatorgravcomp: the compensation of gravity is not limited by actuatorfrcrange");
   }

@@ -1,6 +1,6 @@
-// Converts <motor>, <position>, <velocity>, <intvelocity>, <cylinder> and <muscle> to <general>. In MuJoCo all actuators share one
-// set of parameters and defaults, of which each kind writes a part. A shortcut continues from <general> or its own kind, and starts
-// anew after another kind.
+// Converts <motor>, <position>, <velocity>, <intvelocity>, <cylinder> and <muscle> to <general>. In MuJoCo all actuators share
+// one set of parameters and defaults, of which each kind writes a part. A shortcut continues from <general> or its own kind, and
+// starts anew after another kind.
 #include <algorithm>
 #include <utility>
 
@@ -63,8 +63,8 @@ void as_general(const Reader& reader, Element& e) {
   e.SetAttribute(converted_from, e.Name());
   if (kind == "general") return;
   if (before != kind && before != "general") e.DeleteAttribute("gainprm"), e.DeleteAttribute("biasprm");
-  if (before != kind && (before != "general" || (kind != "cylinder" && kind != "muscle"))) e.DeleteAttribute("dyntype"), e.DeleteAttribute("dynprm");
-  const bool muscle = kind == "muscle";
+  const bool muscle = kind == "muscle", keeps_dynamics = before == kind || (before == "general" && (muscle || kind == "cylinder"));
+  if (!keeps_dynamics) e.DeleteAttribute("dyntype"), e.DeleteAttribute("dynprm");
   const size_t count = muscle ? 9 : 3;
   Parameters gain(reader, e, "gainprm", 1, count), bias(reader, e, "biasprm", 0, count), dynamics(reader, e, "dynprm", 1, 3);
   const auto number = [&](const char* attribute) { return reader.optional_number(e, attribute); };

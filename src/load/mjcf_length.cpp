@@ -1,5 +1,5 @@
-// The range of lengths of a muscle, by coordinate descent within the limits of joints. MuJoCo pulls at the actuator in a simulation
-// and takes the lengths where it ends.
+// The range of lengths of a muscle, by coordinate descent within the limits of joints. MuJoCo pulls at the actuator in a
+// simulation and takes the lengths where it ends.
 #include "mjcf_length.hpp"
 
 #include <algorithm>
@@ -160,7 +160,8 @@ std::optional<std::array<double, 2>> searched_range(MeasuredModel& at, const Act
   if (std::any_of(largest.begin(), largest.end(), [&](double arm) { return arm > least; })) return std::nullopt;
   double shortest = HUGE_VAL, longest = -HUGE_VAL;
   for (const std::vector<double>& q : from)
-    shortest = std::min(shortest, descend(length, coordinates, 1, q)), longest = std::max(longest, -descend(length, coordinates, -1, q));
+    shortest = std::min(shortest, descend(length, coordinates, 1, q)),
+    longest = std::max(longest, -descend(length, coordinates, -1, q));
   return std::array<double, 2>{shortest, longest};
 }
 
@@ -216,7 +217,8 @@ bool needs_length_range(const MjcfActuator& a) {
 }
 
 void set_length_range(MeasuredModel& at, const ActuatorRecord& motor, MjcfRobot& robot, MjcfActuator& muscle) {
-  if (!robot.compiler.length_computed) return make_mjcf_actuator_inert(muscle, "its range of lengths is missing: give lengthrange");
+  const auto give_up = [&](const char* why) { make_mjcf_actuator_inert(muscle, std::string(why) + ": give lengthrange"); };
+  if (!robot.compiler.length_computed) return give_up("its range of lengths is missing");
   const std::array<double, 2> limits = limits_of_target(at.m, robot, muscle);
   const bool limited = std::isfinite(limits[0]) && std::isfinite(limits[1]);
   const double gear = motor.spec.gear;
@@ -224,13 +226,12 @@ void set_length_range(MeasuredModel& at, const ActuatorRecord& motor, MjcfRobot&
   if (!limited || !robot.compiler.length_of_limits) {
     const std::optional<std::array<double, 2>> found = searched_range(at, motor, robot);
     if (!found && !limited)
-      return make_mjcf_actuator_inert(muscle,
-                                      "its range of lengths is missing, and a joint that moves it has no limits: give lengthrange");
+      return give_up("its range of lengths is missing, and a joint that moves it has no limits");
     const double ends[2] = {gear * limits[gear < 0], gear * limits[gear > 0]};
     range = found ? *found : std::to_array(ends);
     for (double& x : range) x = std::clamp(x, ends[0], ends[1]);
   }
-  if (!(range[0] < range[1])) return make_mjcf_actuator_inert(muscle, "no joint changes its length: give lengthrange");
+  if (!(range[0] < range[1])) return give_up("its range of lengths is empty");
   std::copy(range.begin(), range.end(), muscle.spec.muscle.length_range);
 }
 

@@ -27,7 +27,8 @@ struct MeasuredModel {
 
 // A muscle whose range of lengths the file leaves open.
 bool needs_length_range(const MjcfActuator& a);
-// Sets the smallest and the largest length over the ranges of the joints that move a muscle. Where they have none, it becomes inert.
+// Sets the smallest and the largest length of a muscle over the ranges of the joints that move it. Where they have none, it
+// becomes inert.
 void set_length_range(MeasuredModel& at, const ActuatorRecord& motor, MjcfRobot& robot, MjcfActuator& muscle);
 
 }  // namespace dyn::load

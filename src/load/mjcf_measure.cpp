@@ -70,7 +70,8 @@ void set_damping(InverseInertia& inverse_inertia, const std::vector<double>& arm
 void set_force(InverseInertia& inverse_inertia, const std::vector<double>& arms, MjcfActuator& a) {
   const std::vector<double> acceleration = inverse_inertia.times(arms);
   const double force = a.muscle_scale / std::sqrt(product(acceleration, acceleration));
-  if (!std::isfinite(force)) a.place.fail(DYN_ERROR_INVALID, "its force follows from the inertia that it moves, which is none: give force");
+  if (!std::isfinite(force))
+    a.place.fail(DYN_ERROR_INVALID, "its force follows from the inertia that it moves, which is none: give force");
   a.spec.muscle.force = force;
 }
 

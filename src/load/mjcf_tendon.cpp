@@ -120,12 +120,23 @@ bool stands_for_frame(const MjcfGeom& g) {
   return g.group == group_of_wraps && g.shape.role == DYN_SHAPE_ROLE_VISUAL && g.mass.value_or(g.density) == 0;
 }
 
-// Files that are written have a site for the frame of a wrapped geom. Where the model has no such shape, the geom is massless, out
-// of view, and no shape either.
-const MjcfSite* site_of_wrap(const MjcfBody& body, const MjcfGeom& g) {
+// The body that moves with b, which has joints or is the world, and b's pose in it.
+std::pair<int, SE3<double>> moving_pose(const MjcfRobot& robot, const MjcfBody& b) {
+  if (b.parent < 0 || !b.joints.empty()) return {int(&b - robot.bodies.data()), SE3<double>::identity()};
+  const auto [moving, X] = moving_pose(robot, robot.bodies[size_t(b.parent)]);
+  return {moving, X * b.X};
+}
+
+// Files that are written have a site for the frame of a wrapped geom. Where the model has no such shape, the geom is massless,
+// out of view, and no shape either.
+const MjcfSite* site_of_wrap(const MjcfRobot& robot, const MjcfBody& body, const MjcfGeom& g) {
   const bool alone = stands_for_frame(g);
-  for (const MjcfSite& s : body.sites)
-    if ((alone || wraps_as(g.shape.name, s.name)) && is_same_pose(s.X, g.X)) return &s;
+  const auto [moving, X] = moving_pose(robot, body);
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfSite& s : b.sites) {
+      if (!alone && !wraps_as(g.shape.name, s.name)) continue;
+      if (const auto [other, Y] = moving_pose(robot, b); other == moving && is_same_pose(Y * s.X, X * g.X)) return &s;
+    }
   return nullptr;
 }
 
@@ -139,8 +150,9 @@ const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name) {
 }
 
 MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name) {
-  const auto found = std::find_if(robot.tendons.begin(), robot.tendons.end(), [&](const MjcfTendon& t) { return t.name == name; });
-  return found == robot.tendons.end() ? nullptr : &*found;
+  for (MjcfTendon& t : robot.tendons)
+    if (t.name == name) return &t;
+  return nullptr;
 }
 
 void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context) {
@@ -188,7 +200,7 @@ void name_mjcf_frames(MjcfRobot& robot) {
   for (MjcfBody& b : robot.bodies)
     for (MjcfGeom& g : b.geoms)
       if (g.wrapped) {
-        if (const MjcfSite* const s = site_of_wrap(b, g)) {
+        if (const MjcfSite* const s = site_of_wrap(robot, b, g)) {
           g.frame = s->frame, g.has_site = true, g.discarded |= stands_for_frame(g);
           continue;
         }

@@ -22,12 +22,13 @@ std::string MjcfWriter::wrapped_geom(const PathElement& e) {
   const FrameRecord& f = m.frames()[e.id];
   const SE3<double> X = load_se3(f.placement);
   const bool cylinder = e.type == DYN_TENDON_ELEMENT_TYPE_CYLINDER;
+  const dynShapeType type = cylinder ? DYN_SHAPE_TYPE_CYLINDER : DYN_SHAPE_TYPE_SPHERE;
   const std::string frame = site(e.id);
   for (const auto& [k, name] : geom_names) {
     const ShapeRecord& s = m.shapes()[k];
     const FrameRecord& carrier = m.frames()[s.frame];
-    if (s.type == (cylinder ? DYN_SHAPE_TYPE_CYLINDER : DYN_SHAPE_TYPE_SPHERE) && s.size[0] == e.value && carrier.joint == f.joint &&
-        wraps_as(name, frame) && is_same_pose(load_se3(carrier.placement) * load_se3(s.placement), X))
+    if (s.type == type && s.size[0] == e.value && carrier.joint == f.joint && wraps_as(name, frame) &&
+        is_same_pose(load_se3(carrier.placement) * load_se3(s.placement), X))
       return name;
   }
   std::string& name = wraps[{e.id, e.value, cylinder}];

@@ -45,7 +45,7 @@ struct DynbHeader {
 static_assert(sizeof(DynbHeader) == 64);  // the block keeps its boundary
 
 inline constexpr char dynb_magic[9] = "DYNB\r\n\x1a\n";  // a transfer as text changes it
-inline constexpr std::uint32_t dynb_version = 4, dynb_byte_order = 0x01020304;
+inline constexpr std::uint32_t dynb_version = 5, dynb_byte_order = 0x01020304;
 std::uint64_t dynb_checksum(const char* from, std::size_t bytes);
 
 // How what a block holds lies in memory: here, or where 3-vectors have three lanes (save_dynb.cpp).

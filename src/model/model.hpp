@@ -209,10 +209,12 @@ struct ModelSizes {
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
   Index materials;
   Index actuators, nu, na, gravity_compensations, drag_boxes;
+  Index contacts, limits, carriers;  // contact points that a step has room for; degrees of freedom that carry two bodies, at most
+  // since version 5 of .dynb
   Index tendons, couplings, paths, path_elements, path_dofs;  // paths: of tendons, of couplings, of actuators
   Index paths_in_space;  // of those: that need placements
   Index path_rows;  // that a step has room for: of each tendon, coupling, and actuator on a path
-  Index contacts, limits, carriers;  // contact points that a step has room for; degrees of freedom that carry two bodies, at most
+  Index padding;    // what follows stays aligned as before
 };
 
 struct Model {

@@ -228,6 +228,9 @@ TEST(Handles, TablesAreComplete) {
           "dyn_actuator_init", "dyn_builder_add_actuator", "dyn_builder_set_gravity_compensation", "dyn_builder_set_medium",
           "dyn_builder_add_pair", "dyn_data_set_control", "dyn_data_apply_wrench", "dyn_data_clear_wrenches",
           "dyn_data_set_gravity",
+          // tests/simulation/tendons_test.cpp
+          "dyn_tendon_init", "dyn_tendon_element_init", "dyn_builder_add_tendon", "dyn_builder_couple_tendons",
+          "dyn_builder_add_actuator_between", "dyn_tendon_path",
           // effects_test.cpp
           "dyn_batch_set_effects",
           // constraint_test.cpp

@@ -58,6 +58,16 @@ inline const ModelFunction model_functions[] = {
      [](auto* m) { return dyn_model_frame_id_of_type(m, "universe", DYN_FRAME_TYPE_OP_FRAME) == -1; }},
     {"dyn_model_joint_info", [](auto* m) { return keeps(dyn_model_joint_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_frame_info", [](auto* m) { return keeps(dyn_model_frame_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_ntendons", [](auto* m) { return dyn_model_ntendons(m) == -1; }},
+    {"dyn_model_tendon_name", [](auto* m) { return dyn_model_tendon_name(m, 0) == nullptr; }},
+    {"dyn_model_tendon_id", [](auto* m) { return dyn_model_tendon_id(m, "t") == -1; }},
+    {"dyn_model_tendon_info", [](auto* m) { return keeps(dyn_model_tendon_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_tendon_element",
+     [](auto* m) {
+       dynTendonElement e;
+       dyn_tendon_element_init(&e, DYN_TENDON_ELEMENT_TYPE_SITE);
+       return dyn_model_tendon_element(m, 0, 0, &e) == DYN_ERROR_HANDLE && e.value == 1;
+     }},
     {"dyn_model_nshapes", [](auto* m) { return dyn_model_nshapes(m) == -1; }},
     {"dyn_model_shape_info", [](auto* m) { return keeps(dyn_model_shape_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_ndisabled_pairs", [](auto* m) { return dyn_model_ndisabled_pairs(m) == -1; }},

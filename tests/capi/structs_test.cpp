@@ -149,7 +149,14 @@ const std::map<std::string, Row> rows = {
          return dyn_contact_solver_solve(r.solver, &p, &s, r.lambda, nullptr, &report);),
     READ(dynQp, dyn_qp_init, H, dynContactProblem p; dyn_contact_problem_init(&p); p.contacts = 1; p.G = r.G; p.g = r.g;
          return dyn_contact_problem_qp(&p, 8, 1, &s);),
-    READ_KIND(dynActuator, dyn_actuator_init, DYN_ACTUATOR_TYPE_MOTOR, act_range, (void)r; Builder b;
+    READ_KIND(dynTendon, dyn_tendon_init, DYN_TENDON_TYPE_FIXED, range, (void)r; Builder b;
+              b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); dynTendonElement e;
+              dyn_tendon_element_init(&e, DYN_TENDON_ELEMENT_TYPE_JOINT); e.name = "j";
+              return dyn_builder_add_tendon(b, "t", &s, &e, 1);),
+    READ_KIND(dynTendonElement, dyn_tendon_element_init, DYN_TENDON_ELEMENT_TYPE_JOINT, side_id, (void)r; Builder b;
+              b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); dynTendon t; dyn_tendon_init(&t, DYN_TENDON_TYPE_FIXED); s.name = "j";
+              return dyn_builder_add_tendon(b, "t", &t, &s, 1);),
+    READ_KIND(dynActuator, dyn_actuator_init, DYN_ACTUATOR_TYPE_MOTOR, muscle, (void)r; Builder b;
               b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); return dyn_builder_add_actuator(b, "m", &s, "j");),
     READ(dynStepOptions, dyn_step_options_init, sleep_speed, return dyn_data_set_step_options(r.m, r.d, &s);),
     READ(dynMeshOptions, dyn_mesh_options_init, relative_to, (void)r; dynMesh* mesh = nullptr;

@@ -7,27 +7,29 @@ from mjcf_pieces import BODY, HINGE
 
 def test_report_and_strict():
     text = """<mujoco><worldbody><body name="a"><joint name="j" margin="1"/><geom size=".1"/></body><body name="b"><freejoint name="f"/><geom size=".1"/></body><camera/><light/></worldbody>
-<tendon><spatial name="t"/></tendon><equality><tendon tendon1="t"/></equality><actuator><muscle name="m" joint="j"/></actuator>
+<deformable><flex name="t"/></deformable><equality><flex flex="t"/></equality><actuator><adhesion name="m" body="a"/></actuator>
 <sensor><jointpos joint="j"/></sensor><custom/></mujoco>"""
     messages = [r.message for r in dyn.load_string(text).report]
-    for part in ("<tendon>", "equality 'tendon_0': <tendon> is not supported", "actuator 'm': <muscle> is not supported",
+    for part in ("<deformable>", "equality 'flex_0': <flex> is not supported", "actuator 'm': <adhesion> is not supported",
                  "<sensor>", "<camera>"):
         assert any(part in m for m in messages), part
-    with pytest.raises(dyn.Error, match="line 2: .*<tendon>"):
+    with pytest.raises(dyn.Error, match="line 2: .*<deformable>"):
         dyn.load_string(text, strict=True)
 
 
 # What acts and is not read: a line of the report each, and with strict an error that names it.
 DROPPED = [
-    ('<worldbody>{b}</worldbody><tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>', "<tendon>: fixed 't'"),
+    ('<worldbody>{b}</worldbody><tendon><fixed name="t" stiffness="1 2"><joint joint="j" coef="1"/></fixed></tendon>',
+     "<fixed stiffness>: terms of higher order"),
     ('<worldbody>{b}</worldbody><deformable><flex name="x"/></deformable>', "<deformable>: flex 'x'"),
     ('<worldbody>{b}</worldbody><extension><plugin plugin="p"/></extension>', "<extension>"),
     ('<worldbody>{b}</worldbody><equality><joint joint1="j"/></equality>', "joint equality without joint2"),
     ('<worldbody>{b}</worldbody><equality><flex flex="x"/></equality>', "<flex> is not supported"),
-    ('<worldbody>{b}</worldbody><actuator><muscle joint="j"/></actuator>', "<muscle> is not supported"),
+    ('<worldbody>{b}</worldbody><actuator><muscle joint="j"/></actuator>', "has no limits: give lengthrange"),
     ('<worldbody>{b}</worldbody><actuator><adhesion body="a"/></actuator>', "<adhesion> is not supported"),
     ('<worldbody>{b}</worldbody><actuator><damper joint="j" kv="1"/></actuator>', "<damper> is not supported"),
-    ('<worldbody>{b}<body><site name="s"/></body></worldbody><actuator><motor site="s"/></actuator>', "it drives no joint"),
+    ('<worldbody>{b}<body><site name="s"/></body></worldbody><actuator><motor cranksite="s" slidersite="s" cranklength="1"/></actuator>',
+     "it drives a slider and crank"),
     ('<worldbody>{b}</worldbody><actuator><general joint="j" dyntype="muscle"/></actuator>',
      "neither a first-order filter nor an integrator"),
     ('<worldbody>{b}</worldbody><actuator><general joint="j" gaintype="affine" gainprm="1 2 0"/></actuator>',
