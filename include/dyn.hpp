@@ -273,6 +273,16 @@ class Model {
   std::string actuator_name(int actuator) const { return name_(dyn_model_actuator_name(get(), actuator)); }
   int actuator_id(const std::string& name) const { return id_(dyn_model_actuator_id(get(), name.c_str())); }
   dynActuator actuator_info(int actuator) const { return info_<dynActuator>(dyn_model_actuator_info, actuator); }
+  int ntendons() const noexcept { return dyn_model_ntendons(get()); }
+  std::string tendon_name(int tendon) const { return name_(dyn_model_tendon_name(get(), tendon)); }
+  int tendon_id(const std::string& name) const { return id_(dyn_model_tendon_id(get(), name.c_str())); }
+  dynTendon tendon_info(int tendon) const { return info_<dynTendon>(dyn_model_tendon_info, tendon); }
+  dynTendonElement tendon_element(int tendon, int element) const {
+    dynTendonElement out{};
+    out.struct_size = sizeof out;
+    check(dyn_model_tendon_element(get(), tendon, element, &out));
+    return out;
+  }
   int report_count() const noexcept { return dyn_model_report_count(get()); }
   dynReportEntry report_entry(int index) const { return info_<dynReportEntry>(dyn_model_report_entry, index); }
 
@@ -565,6 +575,26 @@ class Data {
     Matrix H(6, nv() * nv());
     check(dyn_frame_kinematic_hessian(m(), get(), frame, r, H.data()));
     return H;
+  }
+
+  struct Tendons {
+    Vector length, velocity;
+    Matrix J;  // ntendons x nv
+  };
+  Tendons tendons(Input q = held, Input v = held) {
+    const int n = dyn_model_ntendons(m());
+    Tendons x{Vector(static_cast<std::size_t>(n)), Vector(static_cast<std::size_t>(n)), Matrix(n, nv())};
+    check(dyn_tendons(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), x.length.data(), x.velocity.data(), x.J.data()));
+    return x;
+  }
+  // 3 x n: points of the path of a SPATIAL tendon at the configuration of tendons(); begins: 1 where a branch begins
+  Matrix tendon_path(int tendon, std::vector<std::int32_t>* begins = nullptr) {
+    const int n = dyn_tendon_path(m(), get(), tendon, 0, nullptr, nullptr);
+    if (n < 0) throw Error(DYN_ERROR_ARGUMENT);
+    Matrix points(3, n);
+    if (begins) begins->resize(static_cast<std::size_t>(n));
+    dyn_tendon_path(m(), get(), tendon, n, points.data(), begins ? begins->data() : nullptr);
+    return points;
   }
 
   // centre of mass; with v and a also the fields "vcom" and "acom"
@@ -1461,8 +1491,20 @@ class Builder {
   Builder& add_pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {
     return ok(dyn_builder_add_pair(get(), shape1.c_str(), shape2.c_str(), material));
   }
-  Builder& add_actuator(const std::string& name, const dynActuator& a, const std::string& joint) {
-    return ok(dyn_builder_add_actuator(get(), name.c_str(), &a, joint.c_str()));
+  // target: a joint, a tendon or a frame; reference: with the transmission SITE, the frame that takes the opposite wrench
+  Builder& add_actuator(const std::string& name, const dynActuator& a, const std::string& target,
+                        const std::string& reference = "") {
+    return ok(reference.empty()
+                  ? dyn_builder_add_actuator(get(), name.c_str(), &a, target.c_str())
+                  : dyn_builder_add_actuator_between(get(), name.c_str(), &a, target.c_str(), reference.c_str()));
+  }
+  Builder& add_tendon(const std::string& name, const dynTendon& tendon, const std::vector<dynTendonElement>& elements) {
+    return ok(dyn_builder_add_tendon(get(), name.c_str(), &tendon, elements.data(), static_cast<int>(elements.size())));
+  }
+  // tendon2 "": L1 - L1_0 is coefficients[0]
+  Builder& couple_tendons(const std::string& name, const std::string& tendon1, const std::string& tendon2,
+                          const std::array<double, 5>& coefficients) {
+    return ok(dyn_builder_couple_tendons(get(), name.c_str(), tendon1.c_str(), above(tendon2), coefficients.data()));
   }
   Builder& set_gravity_compensation(const std::string& body, double share = 1) {
     return ok(dyn_builder_set_gravity_compensation(get(), body.c_str(), share));
