@@ -118,6 +118,14 @@ T tendon_energy(const Model& m, const Data<T>& d) {
   return sum;
 }
 
+// Kinetic energy of what moves with tendons, J; paths must have been measured.
+template <class T>
+T tendon_kinetic_energy(const Model& m, const Data<T>& d) {
+  T twice = T(0);
+  for_each_tendon(m, d, [&](const dynTendon& t, Index, T, T rate) { twice += T(t.armature) * rate * rate; });
+  return T(0.5) * twice;
+}
+
 // Returns tau plus the forces of all actuators and tendons at the state in d.
 template <class T>
 const T* actuated(const Model& m, Data<T>& d, const T* tau) {

@@ -5,7 +5,6 @@
 #include "algorithm/paths.hpp"
 #include "model/block.hpp"
 #include "model/builder_impl.hpp"
-#include "simulation/data_layout.hpp"
 
 namespace dyn {
 

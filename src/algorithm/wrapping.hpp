@@ -60,7 +60,7 @@ Vec2<T> nearest(const Vec2<T>& a, const Vec2<T>& b) {
 
 }  // namespace detail
 
-// Around the outside, on the shorter side, or on that of the direction `side`.
+// Around the outside, on the shorter side. Where the centre lies between the segment and the direction `side`, on the far one.
 template <class T>
 Arc<T> wrap_outside(const Vec2<T>& a, const Vec2<T>& b, T r, const Vec2<T>* side) {
   using namespace detail;
@@ -71,15 +71,17 @@ Arc<T> wrap_outside(const Vec2<T>& a, const Vec2<T>& b, T r, const Vec2<T>* side
   const T a2 = dot(a, a), b2 = dot(b, b), r2 = r * r;
   if (a2 < r2 || b2 < r2 || r < T(smallest_wrap) || dot(b - a, b - a) < T(smallest_wrap)) return straight;
   const Vec2<T> at = nearest(a, b);
-  if (dot(at, at) > r2 && !(side && dot(*side, at) < T(0))) return straight;
+  const T turns = det(a, b);
+  const bool far = side && turns * det(b, *side) > T(0) && turns * det(*side, a) > T(0);
+  if (dot(at, at) > r2 && !far) return straight;
   Arc<T> best = straight;
   T most = T(-HUGE_VAL);
   for (const T turn : {T(1), T(-1)}) {  // clockwise, and the other way
     const T at_a = turn * r * sqrt(a2 - r2), at_b = -turn * r * sqrt(b2 - r2);
     const Vec2<T> first = (a * r2 + Vec2<T>{a.y, -a.x} * at_a) * (T(1) / a2), last = (b * r2 + Vec2<T>{b.y, -b.x} * at_b) * (T(1) / b2);
-    const Vec2<T> sum = first + last, apart = first - last;
+    const Vec2<T> apart = first - last;
     const bool crossed = cross_each_other(a, first, b, last);
-    const T good = crossed ? T(-1e4) : side ? dot(sum, *side) / std::max(size(sum), T(smallest_wrap)) : -dot(apart, apart);
+    const T good = crossed ? T(-1e4) : far ? turn * turns : -dot(apart, apart);
     if (!(good > most)) continue;
     T angle = atan2(abs(det(first, last)), dot(first, last));
     if (turn * det(first, last) > T(0)) angle = T(2 * 3.14159265358979323846) - angle;

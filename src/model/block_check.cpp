@@ -198,6 +198,8 @@ bool BlockChecker::actuators() {
 
 bool BlockChecker::path_element(const PathElement& e) {
   if (!require(is_value(e.type) && std::isfinite(e.value) && is_finite(e.X) && is_finite(e.side), "a number of a path")) return false;
+  const bool in_space = e.type != DYN_TENDON_ELEMENT_TYPE_PULLEY && e.type != DYN_TENDON_ELEMENT_TYPE_JOINT;
+  if (!require(in_space || e.side_id == -1, "side of a path")) return false;
   if (e.type == DYN_TENDON_ELEMENT_TYPE_PULLEY) return require(e.value > 0, "the divisor of a path");
   if (e.type == DYN_TENDON_ELEMENT_TYPE_JOINT) {
     if (!index(e.id, n.joints, "joint of a path")) return false;

@@ -96,9 +96,8 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   } else if (spec.transmission == DYN_TRANSMISSION_TENDON) {
     entry.target = impl->find_tendon(target, who);
   } else {
-    if (target.empty()) refuse(DYN_ERROR_ARGUMENT, who + ": it needs a frame");
-    entry.target = impl->find({target, 0}, who);
-    entry.reference = reference.empty() ? -1 : impl->find({reference, 0}, who);
+    entry.target = impl->find_frame(target, who);
+    entry.reference = reference.empty() ? -1 : impl->find_frame(reference, who);
     for (const double w : spec.wrench) check_number(who, "wrench", w, true);
     if (spec.gear != 1) refuse(DYN_ERROR_INVALID, who + ": gear is " + number(spec.gear) + ": with SITE, wrench says it all");
   }

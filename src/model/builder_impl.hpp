@@ -139,6 +139,7 @@ struct Builder::Impl {
   std::vector<PairEntry> pairs;
 
   int find(const Parent& parent, const std::string& who) const;
+  int find_frame(const std::string& name, const std::string& who) const;  // that something acts on or runs along
   void add_frame(FrameEntry entry, const std::string& who);
   void add_joint(const JointSpec& spec);
   void check_configuration_name(const std::string& name) const;

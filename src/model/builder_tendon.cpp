@@ -72,6 +72,10 @@ void Builder::Impl::check_coupling_name(const std::string& name) const {
   for (const TendonCoupling& c : couplings)
     if (c.name == name) refuse(DYN_ERROR_NAME, "coupling '" + name + "' is there already: choose another name");
 }
+int Builder::Impl::find_frame(const std::string& name, const std::string& who) const {
+  if (!frame_index.contains(name)) refuse(DYN_ERROR_NAME, who + ": there is no frame '" + name + "': add it first");
+  return find({name, 0}, who);
+}
 int Builder::Impl::find_tendon(const std::string& name, const std::string& who) const {
   for (std::size_t k = 0; k < tendons.size(); ++k)
     if (tendons[k].name == name) return int(k);
@@ -104,8 +108,8 @@ void Builder::tendon(const std::string& name, const dynTendon& spec, const std::
         refuse(DYN_ERROR_INVALID, at + ": joint '" + e.name + "' has " + std::to_string(spec_nq(found->spec)) + " coordinates: one is needed");
       out.id = int(found - impl->joints.begin());
     } else if (!pulley) {
-      out.id = impl->find({e.name, 0}, at);
-      if (!e.side.empty()) out.side = impl->find({e.side, 0}, at);
+      out.id = impl->find_frame(e.name, at);
+      if (!e.side.empty()) out.side = impl->find_frame(e.side, at);
     }
     entry.elements.push_back(out);
   }

@@ -59,7 +59,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   forward_kinematics<1>(m, d);
   double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
-  if (m.n.paths > 0) measure_paths(m, d);
+  if (m.n.paths > 0) measure_paths(m, d), x.energy += tendon_kinetic_energy(m, d);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     const double force = actuator_force(r, d);
     add_actuator_force(m, d, r, force, t), x.power.actuators += r.spec.gear * force * stroke_of(r, d).v;
