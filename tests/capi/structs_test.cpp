@@ -153,7 +153,7 @@ const std::map<std::string, Row> rows = {
               b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); dynTendonElement e;
               dyn_tendon_element_init(&e, DYN_TENDON_ELEMENT_TYPE_JOINT); e.name = "j";
               return dyn_builder_add_tendon(b, "t", &s, &e, 1);),
-    READ_KIND(dynTendonElement, dyn_tendon_element_init, DYN_TENDON_ELEMENT_TYPE_JOINT, side_id, (void)r; Builder b;
+    READ_KIND(dynTendonElement, dyn_tendon_element_init, DYN_TENDON_ELEMENT_TYPE_JOINT, id, (void)r; Builder b;
               b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); dynTendon t; dyn_tendon_init(&t, DYN_TENDON_TYPE_FIXED); s.name = "j";
               return dyn_builder_add_tendon(b, "t", &t, &s, 1);),
     READ_KIND(dynActuator, dyn_actuator_init, DYN_ACTUATOR_TYPE_MOTOR, muscle, (void)r; Builder b;
