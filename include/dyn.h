@@ -1903,7 +1903,7 @@ typedef struct dynTendon {
   double stiffness, rest[2]; /* N/m; m */
   double damping;            /* N s/m: the force -damping L' */
   double friction;           /* N: dry friction, exact in steps */
-  double armature;           /* kg: inertia of what moves with L; in Euler steps and steps with contacts */
+  double armature;           /* kg: inertia along L, in Euler steps; without the force of changing arms */
   double range[2];           /* L stays within it; default: infinite */
   int32_t elements;          /* of a model: how many there are */
 } dynTendon;

@@ -262,6 +262,7 @@ bool BlockChecker::elimination() {
     return require(m.dof_depth()[k] == depth && m.dof_run()[k] == (k > 0 && p == k - 1 ? m.dof_run()[k - 1] : k),
                    "depths of the elimination tree");
   });
+  for (Index k = 0; k < n.paths; ++k) carriers = std::max(carriers, m.paths()[k].dofs);
   if (!ordered || !close(-1, nv) || !require(carriers == n.carriers, "depths of the elimination tree")) return false;
   if (!each(nv, [&](Index k) {
         const bool forks = k + 1 < nv && parent[k + 1] == k && end[k + 1] < end[k];
