@@ -1905,7 +1905,7 @@ typedef struct dynTendon {
   double friction;           /* N: dry friction, exact in steps */
   double armature;           /* kg: inertia along L, in Euler steps; without the force of changing arms */
   double range[2];           /* L stays within it; default: infinite */
-  int32_t elements;          /* of a model: how many there are */
+  int32_t elements, angular; /* of a model: how many there are; non-zero: L is an angle */
 } dynTendon;
 DYN_API void dyn_tendon_init(dynTendon* tendon, uint32_t struct_size, dynTendonType type);
 #define dyn_tendon_init(x, type) dyn_tendon_init(x, sizeof(dynTendon), type)

@@ -72,20 +72,22 @@ Arc<T> wrap_outside(const Vec2<T>& a, const Vec2<T>& b, T r, const Vec2<T>* side
   if (a2 < r2 || b2 < r2 || r < T(smallest_wrap) || dot(b - a, b - a) < T(smallest_wrap)) return straight;
   const Vec2<T> at = nearest(a, b);
   const T turns = det(a, b);
+  const bool through = side && abs(turns) <= T(1e-12) * sqrt(a2 * b2);  // the centre: both ways are as long
   const bool far = side && turns * det(b, *side) > T(0) && turns * det(*side, a) > T(0);
   if (dot(at, at) > r2 && !far) return straight;
+  // angles between a and b, and of it beside the straight pieces
+  const T between = atan2(abs(turns), dot(a, b)), free = atan2(sqrt(a2 - r2), r) + atan2(sqrt(b2 - r2), r);
   Arc<T> best = straight;
   T most = T(-HUGE_VAL);
   for (const T turn : {T(1), T(-1)}) {  // clockwise, and the other way
     const T at_a = turn * r * sqrt(a2 - r2), at_b = -turn * r * sqrt(b2 - r2);
     const Vec2<T> first = (a * r2 + Vec2<T>{a.y, -a.x} * at_a) * (T(1) / a2), last = (b * r2 + Vec2<T>{b.y, -b.x} * at_b) * (T(1) / b2);
-    const Vec2<T> apart = first - last;
+    const Vec2<T> sum = first + last, apart = first - last;
     const bool crossed = cross_each_other(a, first, b, last);
-    const T good = crossed ? T(-1e4) : far ? turn * turns : -dot(apart, apart);
+    const T good = crossed ? T(-1e4) : through ? dot(sum, *side) : far ? turn * turns : -dot(apart, apart);
     if (!(good > most)) continue;
-    T angle = atan2(abs(det(first, last)), dot(first, last));
-    if (turn * det(first, last) > T(0)) angle = T(2 * 3.14159265358979323846) - angle;
-    most = good, best = {!crossed, first, last, r * angle};
+    const T around = turn * turns > T(0) ? T(2 * 3.14159265358979323846) - between : between;
+    most = good, best = {!crossed, first, last, r * std::max(T(0), around - free)};
   }
   return best.touches ? best : straight;
 }

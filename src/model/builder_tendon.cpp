@@ -170,6 +170,7 @@ void Compiler::add_paths() {
     for (const TendonElementEntry& e : t.elements) add_element(e);
     a.paths.back().angular =
         fixed && a.bodies[std::size_t(a.path_elements[std::size_t(a.paths.back().first)].body)].type != BodyType::Prismatic;
+    a.tendons.back().spec.angular = a.paths.back().angular;
     if (fixed && t.elements.size() == 1) a.paths.back().joint = a.path_elements.back().id;
   }
   for (const TendonCoupling& c : in.couplings) {
