@@ -16,7 +16,8 @@ bool exists(const char* function, const Model& m, int actuator) {
   return false;
 }
 
-dynStatus add_actuator(const char* function, dynBuilder* builder, const char* name, const dynActuator* actuator, const char* target,
+dynStatus add_actuator(const char* function, dynBuilder* builder, const char* name, const dynActuator* actuator,
+                       const char* target,
                        const char* reference) {
   if (const dynStatus s = check(builder)) return s;
   if (!actuator) return fail(DYN_ERROR_ARGUMENT, "%s: actuator is NULL: it is required", function);

@@ -85,7 +85,8 @@ constexpr Row others[] = {
     {DYN_EFFECT_TENDONS, "", [](const Model& m) { return int(m.n.tendons + m.n.couplings); }, acts<DYN_EFFECT_TENDONS>,
      [](const Model& m, dynParts parts) {
        return bytes_of(m, parts, [](Model& x) {
-         x.effects &= ~std::uint32_t(DYN_EFFECT_TENDONS), x.n.tendons = x.n.couplings = x.n.paths = x.n.path_dofs = x.n.path_rows = 0;
+         x.effects &= ~std::uint32_t(DYN_EFFECT_TENDONS), x.n.tendons = x.n.couplings = x.n.paths = x.n.path_dofs =
+             x.n.path_rows = 0;
        });
      }},
     {0, "wrenches", [](const Model& m) { return int(m.n.joints - 1); }, acts<acting_wrenches>,

@@ -81,7 +81,8 @@ Arc<T> wrap_outside(const Vec2<T>& a, const Vec2<T>& b, T r, const Vec2<T>* side
   T most = T(-HUGE_VAL);
   for (const T turn : {T(1), T(-1)}) {  // clockwise, and the other way
     const T at_a = turn * r * sqrt(a2 - r2), at_b = -turn * r * sqrt(b2 - r2);
-    const Vec2<T> first = (a * r2 + Vec2<T>{a.y, -a.x} * at_a) * (T(1) / a2), last = (b * r2 + Vec2<T>{b.y, -b.x} * at_b) * (T(1) / b2);
+    const Vec2<T> first = (a * r2 + Vec2<T>{a.y, -a.x} * at_a) * (T(1) / a2),
+                  last = (b * r2 + Vec2<T>{b.y, -b.x} * at_b) * (T(1) / b2);
     const Vec2<T> sum = first + last, apart = first - last;
     const bool crossed = cross_each_other(a, first, b, last);
     const T good = crossed ? T(-1e4) : through ? dot(sum, *side) : far ? turn * turns : -dot(apart, apart);

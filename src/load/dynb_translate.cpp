@@ -24,11 +24,13 @@ struct Numbers {
 // What came with version 5: arrays of paths, and the ends of dynActuator and of ActuatorRecord.
 constexpr bool is_path_field(Model::Field field) {
   using F = Model::Field;
-  return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs || field == F::path_parents;
+  return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs ||
+         field == F::path_parents;
 }
 constexpr std::size_t path_fields = 5;
 constexpr std::size_t old_actuator_spec_size = offsetof(dynActuator, transmission);
-constexpr std::size_t old_actuator_size = old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);
+constexpr std::size_t old_actuator_size =
+    old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);
 
 // What a file holds.
 struct Written {
@@ -50,7 +52,8 @@ struct Written {
     return round_up(header_size() + fields * sizeof(std::uint32_t), alignof(Model));
   }
   constexpr std::size_t element_size(Model::Field field, std::size_t size) const {
-    return field == Model::Field::joints ? joint_size() : field == Model::Field::actuators && !has_paths() ? old_actuator_size : size;
+    return field == Model::Field::joints ? joint_size()
+           : field == Model::Field::actuators && !has_paths() ? old_actuator_size : size;
   }
   constexpr std::size_t joint_size() const {
     return round_up(offsetof(JointRecord, armature) + (coefficients + 1) * sizeof(double), alignof(JointRecord));
@@ -146,7 +149,8 @@ class Translation {
   std::string run() {
     constexpr std::size_t sizes = offsetof(Model, n);
     std::memcpy(memory_, block_, sizes + w_.sizes_size());
-    std::memcpy(memory_ + sizes + sizeof(ModelSizes), block_ + sizes + w_.sizes_size(), w_.header_size() - sizes - w_.sizes_size());
+    std::memcpy(memory_ + sizes + sizeof(ModelSizes), block_ + sizes + w_.sizes_size(),
+        w_.header_size() - sizes - w_.sizes_size());
     Model& m = *reinterpret_cast<Model*>(memory_);
     const ModelSizes& n = m.n;
     Index counts[sizeof(ModelSizes) / sizeof(Index)];

@@ -94,7 +94,8 @@ void read_range(const Reader& reader, const Element& e, const char* attribute, c
 }
 
 std::optional<std::array<double, 2>> range_of(const Transmission& by) {
-  if (by.joint && is_scalar(*by.joint) && !by.joint->spec.lower.empty()) return std::array<double, 2>{by.joint->spec.lower[0], by.joint->spec.upper[0]};
+  if (by.joint && is_scalar(*by.joint) && !by.joint->spec.lower.empty())
+    return std::array<double, 2>{by.joint->spec.lower[0], by.joint->spec.upper[0]};
   if (by.tendon && std::isfinite(by.tendon->spec.range[0]) && std::isfinite(by.tendon->spec.range[1]))
     return std::array<double, 2>{by.tendon->spec.range[0], by.tendon->spec.range[1]};
   return std::nullopt;

@@ -180,7 +180,8 @@ bool BlockChecker::actuators() {
       if (const EuclideanSpan& span = m.euclidean_spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count)
         q = span.first_q + r.v - span.first_v;
     const bool filtered = has_activation(a);
-    if (!require(r.v == (coordinate ? j.idx_v + a.component : -1) && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act,
+    if (!require(r.v == (coordinate ? j.idx_v + a.component : -1) && r.q == q && r.act == (filtered ? na : -1) &&
+                     a.idx_act == r.act,
                  "coordinates of an actuator"))
       return false;
     na += filtered;
@@ -197,7 +198,8 @@ bool BlockChecker::actuators() {
 }
 
 bool BlockChecker::path_element(const PathElement& e) {
-  if (!require(is_value(e.type) && std::isfinite(e.value) && is_finite(e.X) && is_finite(e.side), "a number of a path")) return false;
+  if (!require(is_value(e.type) && std::isfinite(e.value) && is_finite(e.X) && is_finite(e.side), "a number of a path"))
+    return false;
   const bool in_space = e.type != DYN_TENDON_ELEMENT_TYPE_PULLEY && e.type != DYN_TENDON_ELEMENT_TYPE_JOINT;
   if (!require(in_space || e.side_id == -1, "side of a path")) return false;
   if (e.type == DYN_TENDON_ELEMENT_TYPE_PULLEY) return require(e.value > 0, "the divisor of a path");
@@ -214,7 +216,8 @@ bool BlockChecker::path_element(const PathElement& e) {
 
 bool BlockChecker::path(Index k) {
   const PathRecord& p = m.paths()[k];
-  if (!require(are_finite(p.wrench) && are_finite(p.polynomial) && are_finite(p.neutral), "a number of a path") || !text(p.name) ||
+  if (!require(are_finite(p.wrench) && are_finite(p.polynomial) && are_finite(p.neutral), "a number of a path") ||
+      !text(p.name) ||
       !index(p.joint, n.joints, "joint of a path") || !index(p.first_dof, std::int64_t(n.path_dofs) + 1, "path") ||
       !index(p.dofs, std::int64_t(n.path_dofs) - p.first_dof + 1, "path"))
     return false;

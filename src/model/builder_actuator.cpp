@@ -35,7 +35,8 @@ void set_law(const dynActuator& x, ActuatorRecord& r) {
 }
 
 void check_muscle(const std::string& who, const dynMuscle& x) {
-  const std::pair<const char*, double> positive[] = {{"force", x.force}, {"vmax", x.vmax}, {"t_act", x.t_act}, {"t_deact", x.t_deact}};
+  const std::pair<const char*, double> positive[] = {
+      {"force", x.force}, {"vmax", x.vmax}, {"t_act", x.t_act}, {"t_deact", x.t_deact}};
   for (const auto& [what, value] : positive) {
     check_number(who, what, value, false);
     if (value == 0) refuse(DYN_ERROR_INVALID, who + ": " + what + " is 0: it must be positive");
@@ -46,7 +47,8 @@ void check_muscle(const std::string& who, const dynMuscle& x) {
   if (!(x.range[0] < x.range[1] && x.length_range[0] < x.length_range[1]))
     refuse(DYN_ERROR_INVALID, who + ": range and length_range need two different ends");
   if (!(x.lmin < 1 && 1 < x.lmax && std::isfinite(x.lmin) && std::isfinite(x.lmax)))
-    refuse(DYN_ERROR_INVALID, who + ": lmin and lmax are " + number(x.lmin) + " and " + number(x.lmax) + ": 1 must lie between them");
+    refuse(DYN_ERROR_INVALID, who + ": lmin and lmax are " + number(x.lmin) + " and " + number(x.lmax) +
+        ": 1 must lie between them");
   if (!(x.fvmax >= 1)) refuse(DYN_ERROR_INVALID, who + ": fvmax is " + number(x.fvmax) + ": it is at least 1");
 }
 

@@ -108,7 +108,8 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
   }
   for (ActuatorEntry& a : other.actuators) {
     const dynTransmission by = a.spec.transmission;
-    a.target = by == DYN_TRANSMISSION_SITE ? place(a.target) : a.target + (by == DYN_TRANSMISSION_JOINT ? before : tendons_before);
+    a.target = by == DYN_TRANSMISSION_SITE ? place(a.target)
+                                             : a.target + (by == DYN_TRANSMISSION_JOINT ? before : tendons_before);
     if (a.reference >= 0) a.reference = place(a.reference);
     a.name = prefix + a.name;
     next.check_actuator_name(a.name);

@@ -129,7 +129,8 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   for (Index k = 0; k < m.n.actuators; ++k) {
     const ActuatorRecord& r = m.actuators()[k];
     const dynTransmission by = r.spec.transmission;
-    const int target = by == DYN_TRANSMISSION_JOINT ? r.spec.joint - 1 : by == DYN_TRANSMISSION_TENDON ? r.spec.tendon : r.spec.frame;
+    const int target = by == DYN_TRANSMISSION_JOINT ? r.spec.joint - 1
+                       : by == DYN_TRANSMISSION_TENDON ? r.spec.tendon : r.spec.frame;
     impl->actuators.push_back({m.string(r.name), r.spec, target, r.spec.reference});
   }
   for (Index k = 0; k < m.n.pairs; ++k) {

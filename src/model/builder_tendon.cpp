@@ -51,7 +51,8 @@ void check_branches(const std::string& who, const std::vector<TendonElement>& el
     if (t == DYN_TENDON_ELEMENT_TYPE_SITE) {
       ++sites, wraps = false;
     } else if (is_wrap(t)) {
-      if (sites == 0 || wraps) refuse(DYN_ERROR_INVALID, who + ": element " + std::to_string(k) + " wraps: a site must precede it");
+      if (sites == 0 || wraps)
+        refuse(DYN_ERROR_INVALID, who + ": element " + std::to_string(k) + " wraps: a site must precede it");
       wraps = true;
     } else if (k > 0) {
       end_branch("element " + std::to_string(k));
@@ -91,10 +92,12 @@ void Builder::tendon(const std::string& name, const dynTendon& spec, const std::
   for (std::size_t k = 0; k < elements.size(); ++k) {
     const TendonElement& e = elements[k];
     const std::string at = who + ": element " + std::to_string(k);
-    if (!is_value(e.type)) refuse(DYN_ERROR_ARGUMENT, at + ": type " + std::to_string(int(e.type)) + " is no dynTendonElementType");
+    if (!is_value(e.type))
+      refuse(DYN_ERROR_ARGUMENT, at + ": type " + std::to_string(int(e.type)) + " is no dynTendonElementType");
     const bool joint = e.type == DYN_TENDON_ELEMENT_TYPE_JOINT, pulley = e.type == DYN_TENDON_ELEMENT_TYPE_PULLEY;
     if (joint != (spec.type == DYN_TENDON_TYPE_FIXED))
-      refuse(DYN_ERROR_INVALID, at + (joint ? " is a joint: only FIXED tendons have those" : " is no joint: FIXED tendons have nothing else"));
+      refuse(DYN_ERROR_INVALID, at + (joint ? " is a joint: only FIXED tendons have those"
+                                              : " is no joint: FIXED tendons have nothing else"));
     if (!std::isfinite(e.value)) refuse(DYN_ERROR_NONFINITE, at + ": value is " + number(e.value) + ": give a finite number");
     if ((pulley || is_wrap(e.type)) && !(e.value > 0))
       refuse(DYN_ERROR_INVALID, at + ": value is " + number(e.value) + ": it must be positive");
@@ -102,10 +105,12 @@ void Builder::tendon(const std::string& name, const dynTendon& spec, const std::
     if (!e.side.empty() && !is_wrap(e.type)) refuse(DYN_ERROR_ARGUMENT, at + ": only spheres and cylinders have a side");
     TendonElementEntry out{e.type, -1, -1, e.value};
     if (joint) {
-      const auto found = std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& j) { return j.spec.name == e.name; });
+      const auto found = std::find_if(impl->joints.begin(), impl->joints.end(),
+                                      [&](const JointEntry& j) { return j.spec.name == e.name; });
       if (found == impl->joints.end()) refuse(DYN_ERROR_NAME, at + ": there is no moving joint '" + e.name + "'");
       if (spec_nq(found->spec) != 1)
-        refuse(DYN_ERROR_INVALID, at + ": joint '" + e.name + "' has " + std::to_string(spec_nq(found->spec)) + " coordinates: one is needed");
+        refuse(DYN_ERROR_INVALID, at + ": joint '" + e.name + "' has " + std::to_string(spec_nq(found->spec)) +
+            " coordinates: one is needed");
       out.id = int(found - impl->joints.begin());
     } else if (!pulley) {
       out.id = impl->find_frame(e.name, at);

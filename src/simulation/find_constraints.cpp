@@ -124,7 +124,8 @@ struct Finder {
       const auto tree = [&](Index n) {
         return w.tree_of[body_of_dof(m, m.has_mimic ? m.own_v()[support[n]] : support[n])];
       };
-      w.active[count++] = {&s, support, Y, kind, kind == RowKind::Box ? m.n.limits + row : -1, tree(s.support_count - 1), tree(0), 0,
+      w.active[count++] = {&s, support, Y, kind, kind == RowKind::Box ? m.n.limits + row : -1, tree(s.support_count - 1),
+          tree(0), 0,
                            false, false};
       ++added;
     }

@@ -133,7 +133,8 @@ void record_impulses(const Island& x) {
     if (of_path(s.c)) {
       c0[0] = path_rate(x.m, x.d, s, x.v_before);
     } else if (joints) {
-      c0[0] = of_ball(s.c) ? box_rate(x.m, x.d, s, x.v_before) : s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ? s.g2 * x.v_before[s.c.v2] : 0);
+      c0[0] = of_ball(s.c) ? box_rate(x.m, x.d, s, x.v_before) : s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ?
+          s.g2 * x.v_before[s.c.v2] : 0);
     } else {
       const auto rate = Six::load(s.F1).dot(before(s.c.body1)) + Six::load(s.F2).dot(before(s.c.body2));
       for (Index r = 0; r < s.rows; ++r) c0[r] = rate[int(r)];

@@ -69,7 +69,8 @@ PathForce<T> path_force_of(const ActuatorRecord& r, const Data<T>& d, T w) {
 template <class T>
 PathForce<T> path_force_of(const dynTendon& t, T length, T rate) {
   using effect::Tendons;
-  return {Tendons::force(t, length, rate), T(Tendons::slope(t, length)), T(t.damping), T(t.armature), T(-HUGE_VAL), T(HUGE_VAL), 0};
+  return {Tendons::force(t, length, rate), T(Tendons::slope(t, length)), T(t.damping), T(t.armature), T(-HUGE_VAL), T(HUGE_VAL),
+      0};
 }
 
 // Those that are no rows, to tau.

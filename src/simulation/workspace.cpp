@@ -47,7 +47,8 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.instances, own), f(w.support, own * carriers), f(w.Y, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
-  f(w.limit_forces, remembered_rows(m)), f(w.previous_limit_forces, remembered_rows(m)), f(w.saved_limit_forces, remembered_rows(m));
+  f(w.limit_forces, remembered_rows(m)), f(w.previous_limit_forces, remembered_rows(m)), f(w.saved_limit_forces,
+      remembered_rows(m));
   f(w.path_rows, m.n.path_rows);
   f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
   f(w.blocks, slots), f(w.cones, slots), f(w.by_dof, m.n.nv), f(w.tree_speeds, 2 * m.n.bodies);

@@ -173,7 +173,8 @@ TEST(Freshness, StaleFreshStale) {
     Prepared other(row, m, s);
     other.x.q = nullptr;
     ASSERT_EQ(DYN_OK, other(m, d)) << dyn_last_error();
-    EXPECT_FALSE(!first.empty() && depends("q") && same_bits(first, field(m, d, info.name)) && std::string(info.name) != "kinetic" &&
+    EXPECT_FALSE(!first.empty() && depends("q") && same_bits(first, field(m, d, info.name)) && std::string(info.name) !=
+        "kinetic" &&
                  std::string(info.name) != "lambda")
         << who;  // no constraint, no force
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()));

@@ -232,7 +232,8 @@ TEST(Tendons, OneStringJoinsThreeTrees) {
   const dynTendonElement elements[] = {site("a"), site("b"), site("c")};
   ASSERT_EQ(DYN_OK, dyn_builder_add_tendon(scene, "string", &t, elements, 3)) << dyn_last_error();
   Simulation run(scene.finish());
-  run.set({0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 0, 1}, {-1, 0, 0, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0});
+  run.set({0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 0, 1}, {-1, 0, 0, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 2, 0, 0, 0,
+      0, 0});
   double length = 0;
   for (int k = 0; k < 400; ++k) {
     run.steps(1);
