@@ -35,6 +35,7 @@ DYN_BEGINS(Body, 4, joint);
 DYN_BEGINS(SE3<double>, 4, p);
 DYN_BEGINS(JointRecord, 3, spring_reference);
 DYN_BEGINS(FrameRecord, 4, placement);
+DYN_BEGINS(PathElement, 5, dof);
 DYN_BEGINS(GravityCompensation, 1, link);
 DYN_BEGINS(DragBox, 4, body);
 DYN_BEGINS(shape::Hull, 1, extent);
@@ -90,6 +91,7 @@ std::string image(const Model& m, bool names) {
   std::string block(sizeof(Model), '\0');
   const auto pad = [&](std::size_t boundary) { block.resize((block.size() + boundary - 1) / boundary * boundary); };
 #define FIELD(type, field, count, sentence)                                                          \
+  static_assert(NarrowLayout::alignment<type> <= alignof(double), "its 3-vectors are not listed");     \
   pad(Layout::template alignment<type> > alignof(double) ? 64 : alignof(double));                    \
   head.offset[std::size_t(Model::Field::field)] = std::uint32_t(block.size() / 8);                   \
   for (std::size_t k = 0, at = block.size(), end = std::size_t(count); k < end; ++k) {               \
