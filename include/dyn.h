@@ -1209,7 +1209,8 @@ typedef enum dynConstraintType {
   /* 6 - nv rows, linear then angular: a joint of joint_type closes a loop, with first as the child of
      second. */
   DYN_CONSTRAINT_TYPE_LOOP = 6,
-  /* 1 row: q_first = c0 + c1 q_second + c2 q_second^2 + ..., for joints of one coordinate. */
+  /* 1 row: q_first = c0 + c1 q_second + c2 q_second^2 + ..., for joints of one coordinate. second may be 0
+     (the builder: "universe"): then q_first = c0. */
   DYN_CONSTRAINT_TYPE_COUPLING = 7,
   /* 1 row: joint first stays within its limits; lambda >= 0 at the lower one, <= 0 at the upper one, else
      0. */

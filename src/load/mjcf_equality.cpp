@@ -120,14 +120,11 @@ void add_mjcf_equalities(Builder& builder, MjcfRobot& robot) {
     }
     if (e.kind == "joint") {
       const MjcfJoint& first = joint_named(robot, e, e.first);
-      if (e.second.empty()) {
-        e.place.physics("a joint equality without joint2 is not supported: the joint stays free");
-        continue;
-      }
-      const MjcfJoint& second = joint_named(robot, e, e.second);
-      shift_polynomial(e.numbers, second.reference, c.coefficients);
+      if (e.second.empty()) std::fill_n(c.coefficients, 5, 0.0), c.coefficients[0] = e.numbers[0];
+      else shift_polynomial(e.numbers, joint_named(robot, e, e.second).reference, c.coefficients);
       c.coefficients[0] += first.reference;
-      with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
+      const std::string second = e.second.empty() ? "universe" : e.second;
+      with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {second, 0}); });
       continue;
     }
     if (e.sites) {

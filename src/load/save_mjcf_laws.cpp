@@ -130,11 +130,16 @@ void MjcfWriter::add_constraints() {
     put(e, "name", name);
     if (!c.enabled) put(e, "active", std::string("false"));
     if (coupling) {
-      const Piece &first = piece(c.first, 0), &second = piece(c.second, 0);
-      std::array<double, 5> polynomial;  // of the coordinates from where they are drawn
-      shift_polynomial(c.coefficients, -reference(second.joint, second.simple), polynomial.data());
+      const Piece& first = piece(c.first, 0);
+      std::array<double, 5> polynomial = {c.coefficients[0]};  // of the coordinates from where they are drawn
+      put(e, "joint1", first.simple.name);
+      if (c.second != 0) {
+        const Piece& second = piece(c.second, 0);
+        shift_polynomial(c.coefficients, -reference(second.joint, second.simple), polynomial.data());
+        put(e, "joint2", second.simple.name);
+      }
       polynomial[0] -= reference(first.joint, first.simple);
-      put(e, "joint1", first.simple.name), put(e, "joint2", second.simple.name), put(e, "polycoef", std::span(polynomial));
+      put(e, "polycoef", std::span(polynomial));
     } else {
       put(e, "site1", site(c.first, c.placement1, name + "_1")), put(e, "site2", site(c.second, c.placement2, name + "_2"));
     }

@@ -38,8 +38,10 @@ void UrdfWriter::add_constraints() {
                     : frame_name(at));
       put_origin(x, load_se3(placement));
     };
+    const bool coupled = c.type == DYN_CONSTRAINT_TYPE_COUPLING;
     end("first", c.first, c.placement1, true),
-        end("second", c.second, c.placement2, c.second == 0 && !of_joints && !floating && !is_identity(c.placement2));
+        end("second", c.second, c.placement2,
+            coupled || (c.second == 0 && !of_joints && !floating && !is_identity(c.placement2)));
     if (c.type == DYN_CONSTRAINT_TYPE_LOOP)
       put(*e.InsertNewChildElement("axis"), "xyz", std::span(c.axis)),
           put(*e.InsertNewChildElement("axis2"), "xyz", std::span(c.axis2));

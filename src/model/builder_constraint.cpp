@@ -34,7 +34,8 @@ void Builder::constraint(const std::string& name, const dynConstraint& spec, con
   ConstraintEntry entry{name, spec, -1, -1};
   if (between_joints(spec.type)) {
     entry.first = find_joint(impl->joints, first.name, who);
-    if (spec.type == DYN_CONSTRAINT_TYPE_COUPLING) entry.second = find_joint(impl->joints, second.name, who);
+    if (spec.type == DYN_CONSTRAINT_TYPE_COUPLING && second.name != "universe")
+      entry.second = find_joint(impl->joints, second.name, who);
   } else {
     auto frame = [&](const Parent& p) { return p.name.empty() || p.name == "universe" ? 0 : impl->find(p, who); };
     entry.first = frame(first), entry.second = frame(second);

@@ -81,9 +81,9 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   });
   std::erase_if(constraints, [&](ConstraintEntry& c) {
     const std::vector<int>& at = between_joints(c.spec.type) ? joint : frame;
+    const bool alone = between_joints(c.spec.type) && c.second < 0;
     c.first = c.first < 0 ? c.first : at[std::size_t(c.first)], c.second = c.second < 0 ? c.second : at[std::size_t(c.second)];
-    if (c.first < 0 || (c.second < 0 && (!between_joints(c.spec.type) || c.spec.type == DYN_CONSTRAINT_TYPE_COUPLING)))
-      return true;
+    if (c.first < 0 || (c.second < 0 && !alone)) return true;
     // two frames that a locked joint has made one body
     return !between_joints(c.spec.type) && frames[std::size_t(c.first)].joint == frames[std::size_t(c.second)].joint;
   });

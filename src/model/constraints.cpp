@@ -123,7 +123,7 @@ dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message
   const Refusal refuse{message, room};
   if (const dynStatus status = check_constraint_numbers(s, message, room)) return status;
   if (s.type == DYN_CONSTRAINT_TYPE_NONE) return DYN_OK;
-  const bool two = !between_joints(s.type) || s.type == DYN_CONSTRAINT_TYPE_COUPLING;
+  const bool two = !between_joints(s.type) || (s.type == DYN_CONSTRAINT_TYPE_COUPLING && s.second != 0);
   if (!between_joints(s.type)) {
     for (const int frame : {s.first, s.second})
       if (frame < 0 || frame >= m.n.frames)
@@ -166,7 +166,7 @@ Constraint resolve_constraint(const Model& m, const dynConstraint& s) {
       body = j.last_body, q = j.idx_q, v = m.bodies()[body].idx_v;
     };
     coordinate(s.first, c.body1, c.q1, c.v1);
-    if (s.type == DYN_CONSTRAINT_TYPE_COUPLING) coordinate(s.second, c.body2, c.q2, c.v2);
+    if (s.type == DYN_CONSTRAINT_TYPE_COUPLING && s.second != 0) coordinate(s.second, c.body2, c.q2, c.v2);
     c.lower = m.lower_limit()[c.q1], c.upper = m.upper_limit()[c.q1];
     c.force = s.force;
     std::copy(s.coefficients, s.coefficients + 5, c.coefficients);

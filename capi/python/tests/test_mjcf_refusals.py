@@ -23,7 +23,6 @@ DROPPED = [
      "<fixed stiffness>: terms of higher order"),
     ('<worldbody>{b}</worldbody><deformable><flex name="x"/></deformable>', "<deformable>: flex 'x'"),
     ('<worldbody>{b}</worldbody><extension><plugin plugin="p"/></extension>', "<extension>"),
-    ('<worldbody>{b}</worldbody><equality><joint joint1="j"/></equality>', "joint equality without joint2"),
     ('<worldbody>{b}</worldbody><equality><flex flex="x"/></equality>', "<flex> is not supported"),
     ('<worldbody>{b}</worldbody><actuator><muscle joint="j"/></actuator>', "has no limits: give lengthrange"),
     ('<worldbody>{b}</worldbody><actuator><adhesion body="a"/></actuator>', "<adhesion> is not supported"),
