@@ -136,6 +136,8 @@ dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name)
   Data<double>& d = call.d();
   if (d.step) simulation::wake_all(m, d);
   set_to_configuration(m, d, k);
+  place_mocaps(m, d, k);
+  for (Index i = 0; i < m.n.mocaps; ++i) simulation::mocap_moved(m, d, i);
   for (std::uint64_t& version : d.version) version = ++data->body->counter;
   if (!d.step) return DYN_OK;
   d.step->contact_count = 0, d.step->advancement_cache.square = 0;
@@ -205,9 +207,10 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
   const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames,
                        nparameters = parameter_count(call.m()), npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows,
-                       nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators, ntendons = call.m().n.tendons;
+                       nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators, ntendons = call.m().n.tendons,
+                       nmocaps = call.m().n.mocaps;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators,
-      (void)ntendons;
+      (void)ntendons, (void)nmocaps;
   dynArray array{};
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
     array.rows = int32_t(height), array.cols = int32_t(width),

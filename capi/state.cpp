@@ -1,4 +1,5 @@
 // The state of a simulation, kept and brought back bit for bit.
+#include "simulation/mocap.hpp"
 #include "simulation/workspace.hpp"
 #include "guard.hpp"
 
@@ -17,18 +18,19 @@ struct Header {
 
 std::size_t numbers(const Model& m) {
   return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na) +
-         std::size_t(simulation::remembered_rows(m));
+         std::size_t(simulation::remembered_rows(m)) + 12 * std::size_t(m.n.mocaps);
 }
 std::size_t bytes(const Model& m) {
   return sizeof(Header) + (numbers(m) + std::size_t(simulation::resting_trees(m))) * sizeof(double) +
          std::size_t(m.n.contacts) * sizeof(dynContactForce);
 }
 
-// f(array of the data, numbers) for q, v, a, tau, controls and their filters, forces of limits, and how long trees have been slow
+// f(array of the data, numbers) for q, v, a, tau, controls and their filters, forces of limits, and how long trees have been slow; of mocap bodies, placements
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);
   f(d.step->limit_forces, simulation::remembered_rows(m));
+  f(d.mocap, 12 * m.n.mocaps);
   f(d.step->sleep.slow_time, d.step->sleep.count);
 }
 
@@ -104,6 +106,10 @@ dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const voi
     n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double);
   });
   for (std::uint64_t& version : d.version) version = ++data->body->counter;
+  for (Index k = 0; k < m.n.mocaps; ++k) {
+    place_mocap(m, d, k, d.mocap + 12 * k);
+    simulation::mocap_moved(m, d, k, false);
+  }
   d.time[0] = header.time;
   d.step->contact_count = Index(header.contacts), d.step->advancement_cache.square = 0;
   if (header.contacts) std::memcpy(d.step->contacts, at, std::size_t(header.contacts) * sizeof(dynContactForce));

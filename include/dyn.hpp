@@ -273,6 +273,9 @@ class Model {
   std::string actuator_name(int actuator) const { return name_(dyn_model_actuator_name(get(), actuator)); }
   int actuator_id(const std::string& name) const { return id_(dyn_model_actuator_id(get(), name.c_str())); }
   dynActuator actuator_info(int actuator) const { return info_<dynActuator>(dyn_model_actuator_info, actuator); }
+  int nmocaps() const noexcept { return dyn_model_nmocaps(get()); }
+  int mocap_id(const std::string& name) const { return id_(dyn_model_mocap_id(get(), name.c_str())); }
+  int mocap_frame(int mocap) const { return id_(dyn_model_mocap_frame(get(), mocap)); }
   int ntendons() const noexcept { return dyn_model_ntendons(get()); }
   std::string tendon_name(int tendon) const { return name_(dyn_model_tendon_name(get(), tendon)); }
   int tendon_id(const std::string& name) const { return id_(dyn_model_tendon_id(get(), name.c_str())); }
@@ -1509,6 +1512,7 @@ class Builder {
   Builder& set_gravity_compensation(const std::string& body, double share = 1) {
     return ok(dyn_builder_set_gravity_compensation(get(), body.c_str(), share));
   }
+  Builder& set_mocap(const std::string& body) { return ok(dyn_builder_set_mocap(get(), body.c_str())); }
   Builder& set_medium(double density, double viscosity, Input wind = none) {
     return ok(dyn_builder_set_medium(get(), density, viscosity, wind.of(3, "wind")));
   }

@@ -69,8 +69,8 @@ struct FramePose {
 template <class T>
 inline FramePose<T> frame_pose(const Model& m, const Data<T>& d, Index frame) {
   const FrameRecord& f = m.frames()[frame];
-  const Vec3<T> o = d.R[f.body] * cast<T>(f.X.p);
-  return {f.body, d.R[f.body] * cast<T>(f.X.R), d.p[f.body] + o, o};
+  const Vec3<T> o = d.R[f.place] * cast<T>(f.X.p);
+  return {f.body, d.R[f.place] * cast<T>(f.X.R), d.p[f.place] + o, o};
 }
 
 // A motion known at the frame's origin in world axes, in the asked reference.

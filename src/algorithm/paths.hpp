@@ -25,16 +25,16 @@ struct PathPieces {
   const Model& m;
   const Data<T>& d;
 
-  Vec3<T> position(Index body, const Vec3<double>& at) const { return d.p[body] + d.R[body] * cast<T>(at); }
-  PathPoint<T> site(const PathElement& e) const { return {position(e.body, e.X.p), e.body}; }
+  Vec3<T> position(Index place, const Vec3<double>& at) const { return d.p[place] + d.R[place] * cast<T>(at); }
+  PathPoint<T> site(const PathElement& e) const { return {position(e.place, e.X.p), e.body}; }
 
   // The way from a to b around the element.
   Wrap<T> around(const PathElement& e, const PathPoint<T>& a, const PathPoint<T>& b) const {
-    const Mat3<T> R = d.R[e.body] * cast<T>(e.X.R);
-    const Vec3<T> centre = position(e.body, e.X.p);
+    const Mat3<T> R = d.R[e.place] * cast<T>(e.X.R);
+    const Vec3<T> centre = position(e.place, e.X.p);
     const auto local = [&](const Vec3<T>& x) { return transpose_times(R, x - centre); };
     Vec3<T> side = Vec3<T>::zero();
-    if (e.side_id >= 0) side = local(position(e.side_body, e.side));
+    if (e.side_id >= 0) side = local(position(e.side_place, e.side));
     Wrap<T> w = wrap_around(e.type == DYN_TENDON_ELEMENT_TYPE_CYLINDER, local(a.x), local(b.x), T(e.value),
                             e.side_id >= 0 ? &side : nullptr);
     w.first = centre + R * w.first, w.last = centre + R * w.last;
@@ -137,11 +137,11 @@ T site_path(const Model& m, const Data<T>& d, const PathRecord& p, T* row) {
   const PathPoint<T> site = at.site(e[0]);
   const bool referred = p.elements > 1;
   const PathPoint<T> reference = referred ? at.site(e[1]) : PathPoint<T>{Vec3<T>::zero(), 0};
-  const Mat3<T> R = d.R[e[referred].body] * cast<T>(e[referred].X.R);
+  const Mat3<T> R = d.R[e[referred].place] * cast<T>(e[referred].X.R);
   const auto wrench = [&](int i) { return Vec3<T>::make(T(p.wrench[i]), T(p.wrench[i + 1]), T(p.wrench[i + 2])); };
   add_pair(m, d, R * wrench(0), R * wrench(3), site, reference, row);
   if (!referred) return T(0);
-  const Mat3<T> turned = transpose(R) * (d.R[e[0].body] * cast<T>(e[0].X.R));
+  const Mat3<T> turned = transpose(R) * (d.R[e[0].place] * cast<T>(e[0].X.R));
   return dot(wrench(0), transpose_times(R, site.x - reference.x)) + dot(wrench(3), log3(turned));
 }
 

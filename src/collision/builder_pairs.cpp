@@ -82,7 +82,9 @@ template <class F>
 void for_each_guess(const Model& m, Data<double>& d, F&& f) {
   const auto look = [&](Index a, Index b) {
     const ShapeRecord &x = m.shapes()[m.geoms()[a].shape], &y = m.shapes()[m.geoms()[b].shape];
-    if (collision::filter_of(x, y) == PairFilter::Guess && !apart(m, d, a, b)) f(a, b);
+    if (collision::filter_of(x, y) == PairFilter::Guess && !apart(m, d, a, b) && !collision::on_mocap(m, a) &&
+        !collision::on_mocap(m, b))
+      f(a, b);
   };
   if (lists_pairs(m)) {
     for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)

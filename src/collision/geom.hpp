@@ -57,6 +57,11 @@ inline Index geom_of_shape(const Model& m, Index shape) {
   return g != end && g->shape == shape ? Index(g - begin) : -1;
 }
 
+// Whether a mocap body carries it.
+inline bool on_mocap(const Model& m, Index geom) {
+  return m.frames()[m.shapes()[m.geoms()[geom].shape].frame].place >= m.n.bodies;
+}
+
 using shape::geometry_of;
 using shape::size_count;
 

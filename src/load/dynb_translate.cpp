@@ -21,13 +21,13 @@ struct Numbers {
 #include "effect/coefficients.def"
 };
 
-// What came with version 5: arrays of paths, and the ends of dynActuator and of ActuatorRecord.
+// What came with version 5: arrays of paths and of mocap bodies, and the ends of dynActuator and of ActuatorRecord.
 constexpr bool is_path_field(Model::Field field) {
   using F = Model::Field;
   return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs ||
-         field == F::path_parents;
+         field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps;
 }
-constexpr std::size_t path_fields = 5;
+constexpr std::size_t path_fields = 7;
 constexpr std::size_t old_actuator_spec_size = offsetof(dynActuator, transmission);
 constexpr std::size_t old_actuator_size =
     old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);
@@ -202,12 +202,22 @@ class Translation {
     if (field == Model::Field::joints) return append_joints(next(w_.joint_size(), count), count);
     if (field == Model::Field::actuators && !w_.has_paths()) return append_actuators(next(old_actuator_size, count), count);
     out_.append(next(element, count), element * count);
+    if (field == Model::Field::frames && !w_.has_paths()) set_places(count);
     if (field == Model::Field::simulation) {
       char* const to = out_.data() + out_.size() - sizeof(SimulationRecord) + offsetof(SimulationRecord, effects);
       std::uint32_t effects;
       std::memcpy(&effects, to, sizeof effects);
       effects = known_effects(effects, w_);
       std::memcpy(to, &effects, sizeof effects);
+    }
+  }
+
+  // Of the frames at the end of out_.
+  void set_places(std::size_t count) {
+    char* at = out_.data() + out_.size() - count * sizeof(FrameRecord);
+    for (std::size_t k = 0; k < count; ++k, at += sizeof(FrameRecord)) {
+      std::memcpy(at + offsetof(FrameRecord, place), at + offsetof(FrameRecord, body), sizeof(Index));
+      std::memset(at + offsetof(FrameRecord, padding), 0, sizeof(Index));
     }
   }
 

@@ -68,6 +68,7 @@ void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const Mj
     builder.body(body.name, attachment.parent, placement(attachment.X), mass.mass, {mass.com[0], mass.com[1], mass.com[2]},
                  inertia);
     if (body.compensation != 0) builder.gravity_compensation(body.name, body.compensation);
+    if (body.mocap) builder.mocap(body.name);
   });
 }
 

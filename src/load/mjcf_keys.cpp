@@ -80,6 +80,30 @@ std::vector<double> filled(const MjcfKey& key, const char* what, const std::vect
   return otherwise;
 }
 
+// Mocap bodies in the order of the file. A zero quaternion is the identity.
+std::vector<std::pair<std::string, Placement>> mocaps_of(const MjcfRobot& robot, const MjcfKey& key) {
+  std::vector<double> mpos, mquat;
+  for (const MjcfBody& body : robot.bodies)
+    if (body.mocap) {
+      const Quaternion<double> u = quaternion(body.X.R);
+      mpos.insert(mpos.end(), {body.X.p[0], body.X.p[1], body.X.p[2]});
+      mquat.insert(mquat.end(), {u.w, u.v[0], u.v[1], u.v[2]});
+    }
+  mpos = filled(key, "mpos", key.mpos, mpos, "3 nmocap"), mquat = filled(key, "mquat", key.mquat, mquat, "4 nmocap");
+  std::vector<std::pair<std::string, Placement>> out;
+  if (key.mpos.empty() && key.mquat.empty()) return out;
+  const double *p = mpos.data(), *u = mquat.data();
+  for (const MjcfBody& body : robot.bodies) {
+    if (!body.mocap) continue;
+    const bool none = u[0] == 0 && u[1] == 0 && u[2] == 0 && u[3] == 0;
+    Placement X;
+    store_se3(SE3<double>{none ? Mat3<double>::identity() : from_quaternion(u[0], u[1], u[2], u[3]), load3(p)}, X.data());
+    out.emplace_back(body.name, X);
+    p += 3, u += 4;
+  }
+  return out;
+}
+
 ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const ByJoint& q) {
   size_t nv = 0, na = 0;
   for (const MjcfBody& body : robot.bodies)
@@ -102,6 +126,7 @@ ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const By
     next += a.activations;
     if (!a.inert || nv > 0) state.actuators.emplace_back(a.name, x);
   }
+  state.mocaps = mocaps_of(robot, key);
   return state;
 }
 
@@ -114,14 +139,11 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
     name = context.name(name);
     const Reader reader = file.source.reader(*c, "key " + load::in_quotes(name));
     reader.unread(*c, {"name", "class", "qpos", "time", "qvel", "act", "ctrl", "mpos", "mquat"}, {});
-    for (const char* unused : {"mpos", "mquat"})
-      if (c->Attribute(unused))
-        reader.report.info(line(*c), reader.owner + ": " + unused + " is not used: mocap bodies are fixed");
     MjcfKey key{{&reader.report, line(*c), reader.owner}, name, {}};
     const auto read = [&](const char* attribute, std::vector<double>& to) {
       to = reader.numbers(*c, attribute).value_or(std::vector<double>());
     };
-    read("qpos", key.qpos), read("qvel", key.qvel), read("act", key.act), read("ctrl", key.ctrl);
+    read("qpos", key.qpos), read("qvel", key.qvel), read("act", key.act), read("ctrl", key.ctrl), read("mpos", key.mpos), read("mquat", key.mquat);
     key.time = reader.optional_number(*c, "time").value_or(0);
     file.robot.keys.push_back(std::move(key));
   }

@@ -91,6 +91,7 @@ struct MjcfBody {
   std::vector<MjcfSite> sites;
   MjcfMassRules rules;  // of the file it stands in
   double compensation = 0;
+  bool mocap = false;
 };
 
 inline bool mass_from_geoms(const MjcfBody& b) {
@@ -141,7 +142,7 @@ struct MjcfPair {
 struct MjcfKey {
   MjcfPlace place;
   std::string name;
-  std::vector<double> qpos, qvel = {}, act = {}, ctrl = {};
+  std::vector<double> qpos, qvel = {}, act = {}, ctrl = {}, mpos = {}, mquat = {};
   double time = 0;
 };
 

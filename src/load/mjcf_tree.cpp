@@ -136,7 +136,7 @@ void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList&
     if (context.body != 0) reader.fail(DYN_ERROR_INVALID, e, "a mocap body is a child of the world");
     if (!file.source.children(e, "joint").empty() || !file.source.children(e, "freejoint").empty())
       reader.fail(DYN_ERROR_INVALID, e, "a mocap body has no joints");
-    body.place.physics("a mocap body stands still: it is fixed to the world");
+    body.mocap = true;
   }
   if (attribute(e, "sleep") == "init") body.place.physics("it does not begin asleep");
   if (body.name == "world" || body.name == "universe") reader.fail(DYN_ERROR_NAME, e, "the world has this name");

@@ -34,7 +34,7 @@ DYN_BEGINS(Vec3<double>, 1, v);
 DYN_BEGINS(Body, 4, joint);
 DYN_BEGINS(SE3<double>, 4, p);
 DYN_BEGINS(JointRecord, 3, spring_reference);
-DYN_BEGINS(FrameRecord, 4, placement);
+DYN_BEGINS(FrameRecord, 4, padding);
 DYN_BEGINS(PathElement, 5, dof);
 DYN_BEGINS(GravityCompensation, 1, link);
 DYN_BEGINS(DragBox, 4, body);

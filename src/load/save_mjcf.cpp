@@ -275,10 +275,16 @@ void MjcfWriter::add_content(Index joint, Index main) {
   for (const Index f : on[size_t(joint)]) {
     const FrameRecord& r = m.frames()[f];
     if (r.type == DYN_FRAME_TYPE_JOINT || f == main) continue;
-    const Pose X = attachment.X.inverse() * load_se3(r.placement);
-    XmlElement& e = *attachment.element->InsertNewChildElement(r.type == DYN_FRAME_TYPE_BODY ? "body" : "site");
+    Attachment on = attachment;  // or the mocap body that carries it
+    if (r.place >= m.n.bodies)
+      if (const Index carrier = m.mocaps()[r.place - m.n.bodies]; carrier != f)
+        on = {mocap_elements[size_t(carrier)], load_se3(m.frames()[carrier].placement)};
+    const Pose X = on.X.inverse() * load_se3(r.placement);
+    XmlElement& e = *on.element->InsertNewChildElement(r.type == DYN_FRAME_TYPE_BODY ? "body" : "site");
     put(e, "name", r.type == DYN_FRAME_TYPE_BODY ? body_name(f) : frame_name(f));
     put_pose(e, X);
+    if (r.place >= m.n.bodies && m.mocaps()[r.place - m.n.bodies] == f)
+      put(e, "mocap", std::string("true")), mocap_elements[size_t(f)] = &e;
     if (r.type == DYN_FRAME_TYPE_BODY) add_link(e, f);
     if (r.type == DYN_FRAME_TYPE_FIXED_JOINT) losses.note("fixed joints become sites", frame_name(f));
     if (r.type == DYN_FRAME_TYPE_SENSOR) losses.note("frames of sensors become sites", frame_name(f));

@@ -82,6 +82,7 @@ class MjcfWriter {
   XmlElement* root;
   std::vector<std::vector<Index>> on, children;  // frames and joints of each joint
   std::vector<Attachment> attachments;                 // by joint
+  std::vector<XmlElement*> mocap_elements = std::vector<XmlElement*>(size_t(m.n.frames));  // by frame
   std::vector<Piece> pieces;                     // in the file's order
   std::vector<Index> written_actuators;
   std::map<Index, std::string> body_names;       // of BODY frames

@@ -168,6 +168,13 @@ void MjcfWriter::add_keys() {
     XmlElement& key = *section("keyframe").InsertNewChildElement("key");
     put(key, "name", names.claim(name)), put(key, "qpos", qpos_of(k));
     put_state(key, k);
+    std::vector<double> mpos, mquat;
+    for (Index i = 0; i < m.n.mocaps; ++i) {
+      const SE3<double> X = load_se3(m.configuration_mocaps() + 12 * (std::ptrdiff_t(k) * m.n.mocaps + i));
+      const Quaternion<double> u = quaternion(X.R);
+      mpos.insert(mpos.end(), {X.p[0], X.p[1], X.p[2]}), mquat.insert(mquat.end(), {u.w, u.v[0], u.v[1], u.v[2]});
+    }
+    if (m.n.mocaps > 0) put(key, "mpos", mpos), put(key, "mquat", mquat);
   }
 }
 

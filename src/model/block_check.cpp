@@ -119,10 +119,19 @@ bool BlockChecker::frames() {
     return require(r.link == (r.type == DYN_FRAME_TYPE_BODY ? links++ : -1), "link of a frame") &&
            require(r.type != DYN_FRAME_TYPE_JOINT || r.joint > 0, "joint of a frame") &&
            require(r.body == m.joints()[r.joint].last_body, "body of a frame") &&
+           require(r.place == r.body || (r.body == 0 && r.place >= n.bodies && r.place < n.bodies + n.mocaps), "place of a frame") &&
            require(is_finite(r.X) && are_finite(r.placement), "placement of a frame");
   });
   if (!good || !require(m.frames()[0].joint == 0 && m.frames()[0].link == -1, "the frame of the universe") ||
       !require(links == n.links, "links of the frames")) return false;
+  if (!each(n.mocaps, [&](Index k) {
+        const Index f = m.mocaps()[k];
+        return index(f, n.frames, "frame of a mocap body") &&
+               require(m.frames()[f].link >= 0 && m.frames()[f].place == n.bodies + k, "a mocap body");
+      }))
+    return false;
+  for (std::ptrdiff_t k = 0; k < 12 * std::ptrdiff_t(n.configurations) * n.mocaps; ++k)
+    if (!require(std::isfinite(m.configuration_mocaps()[k]), "placement of a mocap body")) return false;
   const auto on_a_body = [&](const auto& r) {
     return require(r.joint > 0, "a joint of a weight") && index(r.joint, n.joints, "joint of a weight") &&
         require(r.body == m.joints()[r.joint].last_body, "body of a weight");
@@ -206,12 +215,12 @@ bool BlockChecker::path_element(const PathElement& e) {
   if (e.type == DYN_TENDON_ELEMENT_TYPE_JOINT) {
     if (!index(e.id, n.joints, "joint of a path")) return false;
     const JointRecord& j = m.joints()[e.id];
-    return require(e.q == j.idx_q && e.dof == j.idx_v && e.body == j.last_body, "joint of a path") &&
+    return require(e.q == j.idx_q && e.dof == j.idx_v && e.body == j.last_body && e.place == e.body, "joint of a path") &&
            index(e.q, n.nq, "coordinate of a path") && index(e.dof, n.nv, "degree of freedom of a path");
   }
-  return index(e.id, n.frames, "frame of a path") && require(e.body == m.frames()[e.id].body, "body of a path") &&
+  return index(e.id, n.frames, "frame of a path") && require(e.body == m.frames()[e.id].body && e.place == m.frames()[e.id].place, "body of a path") &&
          (e.side_id < 0 || (index(e.side_id, n.frames, "side of a path") &&
-                            require(e.side_body == m.frames()[e.side_id].body, "side of a path")));
+                            require(e.side_place == m.frames()[e.side_id].place, "side of a path")));
 }
 
 bool BlockChecker::path(Index k) {

@@ -409,6 +409,13 @@ void Builder::configuration_of_joints(const std::string& name,
     check_finite(who, x.control.data(), x.control.size()), check_finite(who, &x.activation, 1);
     entry.actuators[actuator] = x;
   }
+  for (const auto& [body, X] : state.mocaps) {
+    const std::string who = "configuration '" + name + "', mocap body '" + body + "'";
+    if (!impl->frames[std::size_t(impl->find({body, DYN_FRAME_TYPE_BODY}, who))].mocap)
+      refuse(DYN_ERROR_INVALID, who + ": this body is no mocap body");
+    check_finite(who, X.data(), X.size());
+    entry.mocaps[body] = X;
+  }
   check_finite("configuration '" + name + "': time", &state.time, 1);
   entry.time = state.time;
   impl->configurations.push_back(std::move(entry));

@@ -85,6 +85,7 @@ struct ConfigurationState {
   };
   std::vector<std::pair<std::string, std::vector<double>>> v;  // by joints
   std::vector<std::pair<std::string, Actuator>> actuators;
+  std::vector<std::pair<std::string, Placement>> mocaps;  // none: as in the model
   double time = 0;
 };
 
@@ -143,6 +144,7 @@ class Builder {
   // target: the name of a joint, tendon or frame; reference: of a frame, or "". (builder_actuator.cpp)
   void actuator(const std::string& name, const dynActuator& spec, const std::string& target, const std::string& reference = "");
   void gravity_compensation(const std::string& body, double share);
+  void mocap(const std::string& body);  // a link fixed to the world, whose pose data sets
   void medium(double density, double viscosity, const std::array<double, 3>& wind);
   // Two collision shapes, by their names, that are tested whatever the filter says. material: nullptr, that of the shapes.
   void pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material);

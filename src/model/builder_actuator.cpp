@@ -125,6 +125,18 @@ void Builder::gravity_compensation(const std::string& body, double share) {
   impl->frames[std::size_t(impl->find({body, DYN_FRAME_TYPE_BODY}, who))].compensation = share;
 }
 
+void Builder::mocap(const std::string& body) {
+  const std::string who = "mocap body '" + body + "'";
+  FrameEntry& f = impl->frames[std::size_t(impl->find({body, DYN_FRAME_TYPE_BODY}, who))];
+  if (f.joint >= 0)
+    refuse(DYN_ERROR_INVALID, who + ": joint '" + impl->joints[std::size_t(f.joint)].spec.name +
+                                  "' moves it: only a link that is fixed to the world can be a mocap body");
+  for (int k = f.parent; k > 0; k = impl->frames[std::size_t(k)].parent)
+    if (impl->frames[std::size_t(k)].mocap)
+      refuse(DYN_ERROR_INVALID, who + ": it hangs on mocap body '" + impl->frames[std::size_t(k)].name + "', which moves it");
+  f.mocap = true;
+}
+
 void Builder::medium(double density, double viscosity, const std::array<double, 3>& wind) {
   check_number("medium", "density", density, false), check_number("medium", "viscosity", viscosity, false);
   for (const double w : wind) check_number("medium", "wind", w, true);

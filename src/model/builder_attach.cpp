@@ -131,6 +131,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     at->v_by_joint.resize(std::size_t(before));
     at->v_by_joint.insert(at->v_by_joint.end(), c.v_by_joint.begin(), c.v_by_joint.end());
     for (const auto& [actuator, state] : c.actuators) at->actuators[prefix + actuator] = state;
+    for (const auto& [body, X] : c.mocaps) at->mocaps[prefix + body] = X;
     at->time = std::max(at->time, c.time);
   }
   if (next.initial == "neutral") next.initial = other.initial;

@@ -52,6 +52,7 @@ struct Compiler {
   void add_parts(const JointEntry& e, JointRecord& r);
   void add_coefficients(const JointSpec& s, const Leader& l, JointRecord& r);
   // builder_links.cpp
+  void place_on_mocap(const FrameEntry& f, FrameRecord& r);
   void add_frames();            // and the inertia of links
   void add_wanted_pairs();      // before shapes: their materials come first
   void add_shapes();

@@ -78,7 +78,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
       e.compensation = m.compensation(r.link);
       e.Y = act(e.X, Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)));
     }
-    e.parent = r.parent;
+    e.parent = r.parent, e.mocap = std::find(m.mocaps(), m.mocaps() + m.n.mocaps, f) != m.mocaps() + m.n.mocaps;
     impl->frame_index[e.name].push_back(int(f));
     impl->frames.push_back(std::move(e));
   }
@@ -155,6 +155,9 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
       if (r.act >= 0) x.activation = act[r.act];
     }
     c.time = act[m.n.na];
+    for (Index i = 0; i < m.n.mocaps; ++i)
+      c.mocaps[m.string(m.frames()[m.mocaps()[i]].name)] =
+          placement_of(m.configuration_mocaps() + 12 * (std::ptrdiff_t(k) * m.n.mocaps + i));
     impl->configurations.push_back(std::move(c));
   }
   impl->simulation = *m.simulation(), impl->initial = m.string(m.configuration_names()[m.simulation()->initial]);

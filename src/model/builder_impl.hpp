@@ -47,6 +47,7 @@ struct FrameEntry {
   std::array<double, 9> inertia{};
   double compensation = 0;  // share of its weight that is held
   int parent = 0;           // the frame that it hangs on
+  bool mocap = false;       // of a link fixed to the world: the caller sets its pose
 };
 
 struct ShapeEntry {
@@ -64,6 +65,7 @@ struct ConfigurationEntry {
   std::vector<std::vector<double>> v_by_joint = {};  // none: zero
   std::map<std::string, ConfigurationState::Actuator> actuators = {};
   double time = 0;
+  std::map<std::string, Placement> mocaps = {};  // none: as in the model
 };
 
 struct ReportEntry {

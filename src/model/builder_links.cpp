@@ -47,6 +47,23 @@ struct Surfaces {
 
 }  // namespace
 
+// A mocap body carries what hangs on it.
+void Compiler::place_on_mocap(const FrameEntry& f, FrameRecord& r) {
+  const Index carrier = f.parent > 0 ? a.frames[std::size_t(f.parent)].place : 0;
+  const bool carried = carrier >= Index(a.bodies.size());
+  const std::string who = "'" + f.name + "'";
+  if ((f.mocap || carried) && f.joint >= 0)
+    throw Error(DYN_ERROR_UNSUPPORTED,
+                f.mocap ? "mocap body " + who + ": a joint moves it: only a link that is fixed to the world can be a mocap body"
+                        : who + " hangs on mocap body '" + in.frames[std::size_t(a.mocaps[std::size_t(carrier) - a.bodies.size()])].name +
+                              "': only what is fixed to a mocap body can be carried by it");
+  if (carried) r.place = carrier;
+  if (f.mocap && carried) throw Error(DYN_ERROR_INVALID, "mocap body " + who + " hangs on another mocap body");
+  if (!f.mocap) return;
+  r.place = Index(a.bodies.size() + a.mocaps.size());
+  a.mocaps.push_back(Index(a.frames.size()));
+}
+
 void Compiler::add_frames() {
   for (const FrameEntry& f : in.frames) {
     const JointRecord& joint = a.joints[f.joint < 0 ? 0 : std::size_t(id[std::size_t(f.joint)])];
@@ -55,7 +72,8 @@ void Compiler::add_frames() {
     r.name = text.add(f.name);
     r.type = f.type;
     r.joint = f.joint < 0 ? 0 : id[std::size_t(f.joint)], r.parent = Index(f.parent);
-    r.body = joint.last_body;
+    r.body = r.place = joint.last_body;
+    place_on_mocap(f, r);
     store_se3(f.X, r.placement);
     r.link = -1;
     if (f.type == DYN_FRAME_TYPE_BODY) {
@@ -74,6 +92,7 @@ void Compiler::add_frames() {
     const Inertia<double> Y = f.Y.rotated(joint.C);
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
   }
+  n.mocaps = Index(a.mocaps.size());
   n.frames = Index(a.frames.size()), n.gravity_compensations = Index(a.gravity_compensations.size()),
   n.drag_boxes = Index(a.drag_boxes.size());
 }
@@ -167,6 +186,15 @@ void Compiler::add_configurations() {
 }
 
 void Compiler::add_configuration_states() {
+  for (Index k = 0; k < n.configurations; ++k)
+    for (const Index f : a.mocaps) {
+      const double* X = a.frames[std::size_t(f)].placement;
+      if (k > 0) {
+        const auto& given = in.configurations[std::size_t(k) - 1].mocaps;
+        if (const auto at = given.find(in.frames[std::size_t(f)].name); at != given.end()) X = at->second.data();
+      }
+      a.configuration_mocaps.insert(a.configuration_mocaps.end(), X, X + 12);
+    }
   const std::size_t size = std::size_t(n.nv + n.nu + n.na + 1);
   a.configuration_states.assign(size * std::size_t(n.configurations), 0.0);
   double* v = a.configuration_states.data();

@@ -152,15 +152,15 @@ void Compiler::add_paths() {
     x.type = e.type, x.value = e.value, x.id = x.side_id = x.q = x.dof = -1;
     if (e.type == DYN_TENDON_ELEMENT_TYPE_JOINT) {
       const JointRecord& j = a.joints[std::size_t(id[std::size_t(e.id)])];
-      x.id = id[std::size_t(e.id)], x.q = j.idx_q, x.dof = j.idx_v, x.body = j.last_body;
+      x.id = id[std::size_t(e.id)], x.q = j.idx_q, x.dof = j.idx_v, x.body = x.place = j.last_body;
       add_carriers(x.body), moved_by.back().insert(x.dof);
     } else if (e.type != DYN_TENDON_ELEMENT_TYPE_PULLEY) {
       const FrameRecord& f = a.frames[std::size_t(e.id)];
-      x.id = Index(e.id), x.X = f.X, x.body = f.body;
+      x.id = Index(e.id), x.X = f.X, x.body = f.body, x.place = f.place;
       add_carriers(x.body);
       if (e.side >= 0) {
         const FrameRecord& s = a.frames[std::size_t(e.side)];
-        x.side_id = Index(e.side), x.side = s.X.p, x.side_body = s.body;
+        x.side_id = Index(e.side), x.side = s.X.p, x.side_place = s.place;
       }
     }
     a.path_elements.push_back(x);

@@ -1,6 +1,8 @@
 // From what users say of a constraint to a slot of the data.
 #pragma once
 
+#include <type_traits>
+
 #include "constraint/list.hpp"
 #include "model/data.hpp"
 
@@ -27,6 +29,20 @@ void number_rows(const Model& m, Data<T>& d) {
   }
 }
 
+// The anchors of a constraint between frames, where mocap bodies carry them.
+template <class T>
+void place_anchors(const Model& m, Data<T>& d, Index slot) {
+  const dynConstraint& spec = d.constraint_specs[slot];
+  if (m.n.mocaps == 0 || spec.type == DYN_CONSTRAINT_TYPE_NONE || between_joints(spec.type)) return;
+  if constexpr (std::is_same_v<T, double>) {
+    const Constraint fixed = resolve_constraint(m, spec);
+    Constraint& c = d.slots[slot].c;
+    const Index place1 = m.frames()[spec.first].place, place2 = m.frames()[spec.second].place;
+    if (place1 >= m.n.bodies) c.X1 = SE3<double>{d.R[place1], d.p[place1]} * fixed.X1;
+    if (place2 >= m.n.bodies) c.X2 = SE3<double>{d.R[place2], d.p[place2]} * fixed.X2;
+  }
+}
+
 template <class T>
 void set_constraint(const Model& m, Data<T>& d, Index slot, const dynConstraint& spec) {
   d.slots[slot] = ConstraintInstance<T>{};
@@ -34,6 +50,7 @@ void set_constraint(const Model& m, Data<T>& d, Index slot, const dynConstraint&
   d.slots[slot].enabled = spec.enabled != 0;
   d.constraint_specs[slot] = spec;
   d.constraint_specs[slot].struct_size = sizeof spec;
+  place_anchors(m, d, slot);
 }
 
 template <class T>

@@ -76,6 +76,8 @@ struct FrameRecord {
   Index link;            // BODY: its number among the links; otherwise -1
   Index parent;          // the frame that it hangs on; of the universe: 0
   double placement[12];  // in the joint's frame
+  Index place;           // its number among Data::R: the body, or n.bodies + the number of the mocap body that it is on
+  Index padding;
 };
 
 // Of a link itself, in its frame.
@@ -132,8 +134,8 @@ struct PathElement {
   Vec3<double> side;   // the side's origin in its body's internal frame
   double value;
   dynTendonElementType type;
-  Index id, body;            // joint or frame; -1: none
-  Index side_id, side_body;  // frame; -1: none
+  Index id, body, place;      // joint or frame; -1: none. place: as in FrameRecord
+  Index side_id, side_place;  // frame; -1: none
   Index q, dof;              // the user's
 };
 
@@ -214,7 +216,7 @@ struct ModelSizes {
   Index tendons, couplings, paths, path_elements, path_dofs;  // paths: of tendons, of couplings, of actuators
   Index paths_in_space;  // of those: that need placements
   Index path_rows;  // that a step has room for: of each tendon, coupling, and actuator on a path
-  Index padding;    // what follows stays aligned as before
+  Index mocaps;
 };
 
 struct Model {

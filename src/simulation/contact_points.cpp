@@ -50,7 +50,7 @@ struct Ball {
 };
 Ball within(const Model& m, const Data<double>& d, Index geom) {
   const Geom& g = d.geoms[geom];
-  if (g.body == 0) return {g.X.p, g.bounding_radius};
+  if (g.body == 0) return {g.X.p, collision::on_mocap(m, geom) ? shape::infinity : g.bounding_radius};
   double radius = shape::norm(g.X.p) + g.bounding_radius;
   for (Index i = g.body;; i = m.bodies()[i].parent) {
     const Body& b = m.bodies()[i];

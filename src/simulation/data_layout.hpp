@@ -13,6 +13,7 @@
 #include "integrator/stepping.hpp"
 #include "model/constraints.hpp"
 #include "model/effects.hpp"
+#include "simulation/mocap.hpp"
 
 namespace dyn {
 
@@ -28,9 +29,10 @@ namespace detail {
 template <dynParts possible, class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
-                       nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators, ntendons = m.n.tendons;
+                       nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators, ntendons = m.n.tendons,
+                       nmocaps = m.n.mocaps;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators,
-      (void)ntendons;
+      (void)ntendons, (void)nmocaps;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) \
@@ -91,6 +93,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (d.geoms) collision::set_up(m, d);
   if constexpr (possible & DYN_PART_CONSTRAINTS)
     if (d.slots) set_up_constraints(m, d);
+  place_mocaps(m, d, m.simulation()->initial);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.omega, d.vel, d.alpha, d.acc, d.omega_rnea, d.alpha_rnea, d.acc_rnea, d.omega_centroidal,
                      d.vel_centroidal, d.alpha_centroidal, d.acc_centroidal})

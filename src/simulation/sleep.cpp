@@ -3,6 +3,7 @@
 
 #include "algorithm/constrained/rows.hpp"
 #include "algorithm/actuators.hpp"
+#include "simulation/mocap.hpp"
 #include "simulation/step.hpp"
 
 namespace dyn::simulation {
@@ -163,6 +164,29 @@ void wake_all(const Model& m, Data<double>& d) {
   for (Index t = 0; t < z.count; ++t)
     if (z.state[t] != Sleeper::Awake) wake_island(z, t);
   update_awake(m, d);
+}
+
+void mocap_moved(const Model& m, Data<double>& d, Index mocap, bool rouse) {
+  if (!d.step) return;
+  Workspace& w = *d.step;
+  Sleep& z = w.sleep;
+  wake_all(m, d);
+  w.advancement_cache.square = 0, w.row_count = -1;
+  const Index place = m.n.bodies + mocap;
+  const auto carries = [&](Index shape) { return m.frames()[m.shapes()[shape].frame].place == place; };
+  for (Index k = 0; m.n.contacts > 0 && k < m.n.geoms; ++k)
+    if (carries(m.geoms()[k].shape)) w.clearances.move(k, d.geoms[k].X, d.geoms[k].bounding_radius);
+  if (m.n.contacts > 0 && collision::uses_pair_search(m)) PairSearch::of(d)->ready = false;
+  if (z.count == 0 || !rouse) return;
+  for (Index k = 0; k < w.contact_count; ++k)
+    if (const dynContact& c = w.contacts[k].contact; carries(c.shape_a) || carries(c.shape_b)) z.slow_time[tree_of(m, d, c)] = 0;
+  for (Index s = 0; s < m.n.slots; ++s) {
+    const ConstraintInstance<double>& x = d.slots[s];
+    if (!x.rows || between_joints(x.c.type)) continue;
+    const dynConstraint& spec = d.constraint_specs[s];
+    if (m.frames()[spec.first].place == place && x.c.body2) z.slow_time[z.number[x.c.body2]] = 0;
+    if (m.frames()[spec.second].place == place && x.c.body1) z.slow_time[z.number[x.c.body1]] = 0;
+  }
 }
 
 // The search starts again from the contacts and forces of the last step.

@@ -126,6 +126,7 @@ TEST(Handles, EveryFunctionOfABuilder) {
     dyn_actuator_init(&motor, DYN_ACTUATOR_TYPE_MOTOR);
     refused(dyn_builder_add_actuator(b, "m", &motor, joint));
     refused(dyn_builder_set_gravity_compensation(b, "l", 1));
+    refused(dyn_builder_set_mocap(b, "l"));
     refused(dyn_builder_set_medium(b, 1, 0, nullptr));
     refused(dyn_builder_add_pair(b, "x", "y", nullptr));
     const double red[4] = {1, 0, 0, 1};
@@ -231,6 +232,8 @@ TEST(Handles, TablesAreComplete) {
           // tests/simulation/tendons_test.cpp
           "dyn_tendon_init", "dyn_tendon_element_init", "dyn_builder_add_tendon", "dyn_builder_couple_tendons",
           "dyn_builder_add_actuator_between", "dyn_tendon_path",
+          // tests/simulation/mocap_test.cpp
+          "dyn_builder_set_mocap", "dyn_data_set_mocap", "dyn_data_mocap",
           // effects_test.cpp
           "dyn_batch_set_effects",
           // constraint_test.cpp

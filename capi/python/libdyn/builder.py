@@ -222,6 +222,11 @@ class Builder:
         check(lib.dyn_builder_set_gravity_compensation(self._b, text(body, "body"), share))
         return self
 
+    def set_mocap(self, body: str) -> Builder:
+        """Makes a link that is fixed to the world a mocap body, whose placement data sets (Data.set_mocap)."""
+        check(lib.dyn_builder_set_mocap(self._b, text(body, "body")))
+        return self
+
     def set_medium(self, density: float = 0.0, viscosity: float = 0.0, wind: ArrayLike = (0.0, 0.0, 0.0)) -> Builder:
         """Sets the medium: density (kg/m^3), viscosity (Pa s), wind (3,) (m/s). Steps apply its drag to all links."""
         check(lib.dyn_builder_set_medium(self._b, density, viscosity, address(checked(wind, (3,), "wind"))))

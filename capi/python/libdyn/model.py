@@ -19,6 +19,7 @@ from .data import Data
 from .enums import Part
 from .errors import ArgumentError
 from .library import check, last_error, lib
+from .mocap import ModelMocaps
 from .model_arrays import ModelArrays
 from .saving import Saving
 from .tendon import ModelTendons
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from .enums import PartLike
 
 
-class Model(States, ModelArrays, ModelConstraints, ModelActuators, ModelTendons, Saving):
+class Model(States, ModelArrays, ModelConstraints, ModelActuators, ModelTendons, ModelMocaps, Saving):
     """What the robot is: immutable, and safe to share between threads. From dyn.load, dyn.load_string or dyn.Builder.
 
     q has nq numbers, v, a and tau have nv; they differ on manifolds: use integrate and difference, never q + v.

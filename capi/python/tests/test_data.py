@@ -53,7 +53,7 @@ def test_every_field_has_its_shape(go2, d, state):
     for algorithm in dyn.ALGORITHMS.values():
         if algorithm.name in dyn.FIELDS:
             getattr(d, f"compute_{algorithm.name}")(*(given.get(name) for name in algorithm.inputs))
-    sizes = {"nrows": 48, "nu": 0, "na": 0, "nactuators": 0, "ntendons": 0, "npairs": go2.npairs,
+    sizes = {"nrows": 48, "nu": 0, "na": 0, "nactuators": 0, "ntendons": 0, "nmocaps": 0, "npairs": go2.npairs,
              "nparameters": 10 * (go2.njoints - 1), "nq": go2.nq, "nv": go2.nv, "nframes": go2.nframes, "njoints": go2.njoints}
     for name, info in dyn.FIELDS.items():
         value = d.field(name)

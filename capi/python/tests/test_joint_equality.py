@@ -31,5 +31,6 @@ def test_files_keep_it(to, tmp_path):
 
 def test_copies_keep_it_and_drop_it_with_its_joint():
     model = dyn.load_string(HELD)
-    assert len(model.lock(["j"]).constraints) == 1
-    assert len(model.lock(["i"]).constraints) == 0
+    assert dyn.Builder.from_model(model).lock("j", [0.4, 0]).finish().constraint_names == ["hold"]
+    assert dyn.Builder.from_model(model).lock("i", [0.4, 0]).finish().constraint_names == []
+    assert held_at(dyn.Builder("two").attach(model).finish()) == pytest.approx(0.4, abs=1e-6)

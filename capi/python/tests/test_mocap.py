@@ -1,0 +1,135 @@
+"""Mocap bodies: placed by data, they carry what is fixed to them, touch what moves and pull what is tied to them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import libdyn as dyn
+
+PLATE = """<mujoco><option timestep=".002"/><worldbody>
+ <body name="plate" mocap="true" pos="0 0 1"><geom name="plate" type="box" size=".5 .5 .05"/><site name="corner" pos=".5 .5 .05"/>
+  <body name="rail" pos="0 0 .1"><site name="end" pos=".1 0 0"/></body></body>
+ <body name="box" pos="0 0 1.15"><freejoint/><geom name="box" type="box" size=".1 .1 .1" mass="1"/></body>
+</worldbody>
+<keyframe><key name="low" qpos="0 0 .65 1 0 0 0" mpos="0 0 .5" mquat="0 0 0 2"/></keyframe></mujoco>"""
+
+WELDED = """<mujoco><option gravity="0 0 0" timestep=".002"/><worldbody>
+ <body name="hand" mocap="true" pos="0 0 1"/>
+ <body name="tool" pos="0 0 1.2"><freejoint/><geom type="box" size=".1 .05 .02" mass="1"/></body>
+</worldbody><equality><weld body1="hand" body2="tool"/></equality></mujoco>"""
+
+
+def turn(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def position(d, frame):
+    d.frame_placements()
+    return d.placements[9:, d.model.frame_id(frame)].copy()
+
+
+def test_what_hangs_on_a_mocap_body_goes_along():
+    m = dyn.load_string(PLATE)
+    assert m.mocap_names == ["plate"] and m.mocap_id("plate") == 0
+    assert not any("mocap" in r.message for r in m.report)
+    d = m.data()
+    np.testing.assert_array_equal(d.mocap[:, 0], [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1])
+    np.testing.assert_allclose(position(d, "corner"), [0.5, 0.5, 1.05], atol=1e-15)
+    d.set_mocap("plate", [1, 2, 3], turn(np.pi / 2))
+    np.testing.assert_allclose(position(d, "corner"), [0.5, 2.5, 3.05], atol=1e-15)
+    np.testing.assert_allclose(position(d, "end"), [1, 2.1, 3.1], atol=1e-15)
+    d.set_mocap(0, [0, 0, 0])  # turned as before
+    np.testing.assert_allclose(position(d, "corner"), [-0.5, 0.5, 0.05], atol=1e-15)
+    d.reset("low")
+    np.testing.assert_allclose(d.mocap[:, 0], [-1, 0, 0, 0, -1, 0, 0, 0, 1, 0, 0, 0.5], atol=1e-15)
+    d.reset()
+    np.testing.assert_array_equal(d.mocap[9:, 0], [0, 0, 1])
+
+
+def test_a_box_rests_on_a_plate_that_is_lowered():
+    m = dyn.load_string(PLATE)
+    d = m.data()
+    for k in range(500):
+        d.set_mocap("plate", [0, 0, 1 - 0.2 * k / 500])
+        d.step()
+    assert abs(d.q[2] - (d.mocap[11, 0] + 0.15)) < 2e-3
+    for _ in range(500):
+        d.step()
+    np.testing.assert_allclose(d.q[:3], [0, 0, d.mocap[11, 0] + 0.15], atol=1e-5)
+    assert np.abs(d.v).max() < 1e-6
+
+
+@pytest.mark.parametrize("shapes", [0, 40])
+def test_a_plate_that_moves_wakes_what_sleeps_on_it(shapes):
+    more = "".join(f'<body pos="{3 + k} 0 1"><freejoint/><geom type="sphere" size=".1"/></body>' for k in range(shapes))
+    m = dyn.load_string(PLATE.replace("</worldbody>", more + '<geom type="plane" size="1 1 1"/></worldbody>'))
+    d = m.data()
+    d.set_effects(("as_stated", "sleeping"))
+    for _ in range(2000):
+        d.step()
+    z = d.q[2]
+    assert d.step_report.sleeping >= 1
+    d.set_mocap("plate", [0, 0, 0.7])
+    for _ in range(1000):
+        d.step()
+    assert z == pytest.approx(1.15, abs=1e-4) and d.q[2] == pytest.approx(0.85, abs=1e-4)
+
+
+def test_a_welded_body_follows():
+    m = dyn.load_string(WELDED)
+    d = m.data()
+    for k in range(500):
+        d.set_mocap("hand", [0.2 * k / 500, 0, 1], turn(0.5 * k / 500))
+        d.step()
+    np.testing.assert_allclose(d.q[:3], [d.mocap[9, 0], 0, 1.2], atol=2e-3)
+    for _ in range(500):
+        d.step()
+    np.testing.assert_allclose(d.q[:3], [d.mocap[9, 0], 0, 1.2], atol=1e-6)
+    angle = 0.5 * 499 / 500
+    np.testing.assert_allclose(d.q[3:], [0, 0, np.sin(angle / 2), np.cos(angle / 2)], atol=1e-6)
+
+
+def test_saved_states_hold_mocap_bodies():
+    m = dyn.load_string(PLATE)
+    d, e = m.data(), m.data()
+    d.set_mocap("plate", [0, 0.1, 0.9], turn(0.3))
+    for _ in range(200):
+        d.step()
+    state = d.save_state()
+    e.restore_state(state)
+    np.testing.assert_array_equal(e.mocap, d.mocap)
+    for _ in range(200):
+        d.step(), e.step()
+    np.testing.assert_array_equal(e.q, d.q)
+    assert position(e, "corner") == pytest.approx(position(d, "corner"), abs=0)
+
+
+def test_files_keep_mocap_bodies(tmp_path):
+    m = dyn.load_string(PLATE)
+    for name in ("a.dynb", "a.xml"):
+        m.save(str(tmp_path / name))
+        again = dyn.load(str(tmp_path / name))
+        assert again.mocap_names == ["plate"]
+        d = again.data()
+        d.set_mocap("plate", [1, 2, 3], turn(np.pi / 2))
+        np.testing.assert_allclose(position(d, "corner"), [0.5, 2.5, 3.05], atol=1e-12)
+        np.testing.assert_allclose(position(d, "end"), [1, 2.1, 3.1], atol=1e-12)
+        d.reset("low")
+        np.testing.assert_allclose(d.mocap[:, 0], [-1, 0, 0, 0, -1, 0, 0, 0, 1, 0, 0, 0.5], atol=1e-12)
+
+
+def test_refusals():
+    m = dyn.load_string(PLATE)
+    d = m.data()
+    with pytest.raises(dyn.Error, match="rotation"):
+        d.set_mocap("plate", [0, 0, 0], 2 * np.eye(3))
+    with pytest.raises(dyn.Error, match="rotation"):
+        d.set_mocap("plate", [0, 0, 0], np.diag([1, 1, -1]))
+    with pytest.raises(dyn.Error):
+        d.set_mocap("plate", [0, 0, np.nan])
+    with pytest.raises(dyn.Error, match="nothing"):
+        m.mocap_id("nothing")
+    with pytest.raises(dyn.Error, match="box_joint|moves it"):
+        dyn.Builder.from_model(m).set_mocap("box")
