@@ -19,6 +19,7 @@ from .errors import ArgumentError
 from .evaluation import Evaluation
 from .ik import InverseKinematics
 from .library import check, lib
+from .sensor import SensorCalls
 from .simulation import SimulationCalls
 from .tendon import TendonCalls
 
@@ -39,7 +40,8 @@ class EffectPlan(NamedTuple):
 
 
 class Data(
-    Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, SimulationCalls, TendonCalls
+    Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, SimulationCalls, TendonCalls,
+    SensorCalls
 ):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 

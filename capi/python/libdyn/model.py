@@ -21,6 +21,7 @@ from .errors import ArgumentError
 from .library import check, last_error, lib
 from .model_arrays import ModelArrays
 from .saving import Saving
+from .sensor import ModelSensors
 from .tendon import ModelTendons
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from .enums import PartLike
 
 
-class Model(States, ModelArrays, ModelConstraints, ModelActuators, ModelTendons, Saving):
+class Model(States, ModelArrays, ModelConstraints, ModelActuators, ModelTendons, ModelSensors, Saving):
     """What the robot is: immutable, and safe to share between threads. From dyn.load, dyn.load_string or dyn.Builder.
 
     q has nq numbers, v, a and tau have nv; they differ on manifolds: use integrate and difference, never q + v.
