@@ -228,6 +228,7 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
      - keys with velocity, controls, activations and time; timestep, integrator, and flags of effects;
      - fixed and spatial tendons, with wrapped spheres and cylinders;
      - affine actuators and muscles of one degree of freedom, tendons and sites;
+     - sensors of dynQuantity;
      - connect, weld, joint and tendon equalities (rigid).
 
    MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
@@ -2087,7 +2088,9 @@ typedef enum dynQuantity {
 typedef struct dynSensor {
   uint32_t struct_size;            /* set by dyn_sensor_init */
   dynQuantity quantity;
-  int32_t object, reference;       /* of a model: ids of joint, tendon, actuator or frame; -1: none */
+  /* of a model: ids of joint, tendon, actuator or frame; -1: none. For the builder: dynFrameType of a frame
+     that shares its name with another; default -1: as by dyn_model_frame_id */
+  int32_t object, reference;
   double cutoff;                   /* > 0: values are clamped to [-cutoff, cutoff]; default 0: not */
   double noise;                    /* standard deviation, for dyn_sensor_noise; default 0 */
   double placement[12];            /* of the sensor in the frame; default: identity */

@@ -231,6 +231,8 @@ TEST(Handles, TablesAreComplete) {
           // tests/simulation/tendons_test.cpp
           "dyn_tendon_init", "dyn_tendon_element_init", "dyn_builder_add_tendon", "dyn_builder_couple_tendons",
           "dyn_builder_add_actuator_between", "dyn_tendon_path",
+          // capi/python/tests/test_sensors.py
+          "dyn_sensor_init", "dyn_builder_add_sensor",
           // effects_test.cpp
           "dyn_batch_set_effects",
           // constraint_test.cpp
