@@ -208,9 +208,10 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
   const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames,
                        nparameters = parameter_count(call.m()), npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows,
                        nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators, ntendons = call.m().n.tendons,
-                       nmocaps = call.m().n.mocaps;
+                       nmocaps = call.m().n.mocaps,
+                       nsensordata = call.m().n.sensor_values;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators,
-      (void)ntendons, (void)nmocaps;
+      (void)ntendons, (void)nmocaps, (void)nsensordata;
   dynArray array{};
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
     array.rows = int32_t(height), array.cols = int32_t(width),

@@ -228,6 +228,7 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
      - keys with velocity, controls, activations and time; timestep, integrator, and flags of effects;
      - fixed and spatial tendons, with wrapped spheres and cylinders;
      - affine actuators and muscles of one degree of freedom, tendons and sites;
+     - sensors of dynQuantity;
      - connect, weld, joint and tendon equalities (rigid).
 
    MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
@@ -2051,6 +2052,100 @@ DYN_API dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, in
                                         const double wrench[6], dynReference reference);
 /* Removes all wrenches. */
 DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
+
+/* ------------------------------------------------------------------------------------------------ sensors */
+
+/* What a sensor of a model measures, by MJCF's names. A frame sensor has axes of the world, or of its
+   reference frame, as seen from there. Quaternions are (x, y, z, w), of either sign. */
+typedef enum dynQuantity {
+  DYN_QUANTITY_JOINTPOS = 0,           /* Joint, 1: coordinate. */
+  DYN_QUANTITY_JOINTVEL = 1,           /* Joint, 1: its rate. */
+  DYN_QUANTITY_JOINTACTUATORFRC = 2,   /* Joint, 1: force of all actuators on it. */
+  DYN_QUANTITY_JOINTLIMITPOS = 3,      /* Joint, 1: gap to a limit that is passed, below 0; else 0. */
+  DYN_QUANTITY_JOINTLIMITVEL = 4,      /* Joint, 1: rate of that gap. */
+  DYN_QUANTITY_BALLQUAT = 5,           /* Ball joint, 4: quaternion. */
+  DYN_QUANTITY_BALLANGVEL = 6,         /* Ball joint, 3: angular velocity, axes of the child. */
+  DYN_QUANTITY_TENDONPOS = 7,          /* Tendon, 1: length. */
+  DYN_QUANTITY_TENDONVEL = 8,          /* Tendon, 1: its rate. */
+  DYN_QUANTITY_TENDONACTUATORFRC = 9,  /* Tendon, 1: force of all actuators on it. */
+  DYN_QUANTITY_TENDONLIMITPOS = 10,    /* Tendon, 1: gap to a limit that is passed, below 0; else 0. */
+  DYN_QUANTITY_TENDONLIMITVEL = 11,    /* Tendon, 1: rate of that gap. */
+  DYN_QUANTITY_ACTUATORPOS = 12,       /* Actuator, 1: length. */
+  DYN_QUANTITY_ACTUATORVEL = 13,       /* Actuator, 1: its rate. */
+  DYN_QUANTITY_ACTUATORFRC = 14,       /* Actuator, 1: force. */
+  DYN_QUANTITY_FRAMEPOS = 15,          /* Frame, 3: position. */
+  DYN_QUANTITY_FRAMEQUAT = 16,         /* Frame, 4: orientation. */
+  DYN_QUANTITY_FRAMEXAXIS = 17,        /* Frame, 3: x axis. */
+  DYN_QUANTITY_FRAMEYAXIS = 18,        /* Frame, 3: y axis. */
+  DYN_QUANTITY_FRAMEZAXIS = 19,        /* Frame, 3: z axis. */
+  DYN_QUANTITY_FRAMELINVEL = 20,       /* Frame, 3: velocity of its origin. */
+  DYN_QUANTITY_FRAMEANGVEL = 21,       /* Frame, 3: angular velocity. */
+  DYN_QUANTITY_FRAMELINACC = 22,       /* Frame, 3: acceleration of its origin minus gravity, world axes. */
+  DYN_QUANTITY_FRAMEANGACC = 23,       /* Frame, 3: angular acceleration, world axes. */
+  DYN_QUANTITY_ACCELEROMETER = 24,     /* Frame, 3: acceleration of its origin minus gravity, its axes. */
+  DYN_QUANTITY_VELOCIMETER = 25,       /* Frame, 3: velocity of its origin, its axes. */
+  DYN_QUANTITY_GYRO = 26,              /* Frame, 3: angular velocity, its axes. */
+  DYN_QUANTITY_MAGNETOMETER = 27,      /* Frame, 3: dynSensor.field, its axes. */
+  /* Frame, 3: force that the parent exerts on the link of the frame, its axes. It follows from the motion of
+     all that the link carries, and from the contacts of the last step. Wrenches and constraints are left
+     out. */
+  DYN_QUANTITY_FORCE = 28,
+  DYN_QUANTITY_TORQUE = 29,            /* Frame, 3: moment of the same about the frame's origin. */
+  /* Frame, 1: sum of the normal forces of contacts of its link whose line meets the zone, last step. */
+  DYN_QUANTITY_TOUCH = 30,
+  DYN_QUANTITY_SUBTREECOM = 31,        /* Link, 3: centre of mass of all that it carries. */
+  DYN_QUANTITY_SUBTREELINVEL = 32,     /* Link, 3: its velocity. */
+  DYN_QUANTITY_SUBTREEANGMOM = 33,     /* Link, 3: angular momentum about it. */
+  DYN_QUANTITY_INSIDESITE = 34, /* Frame, 1: 1 where its origin is in the zone of the reference, else 0. */
+  DYN_QUANTITY_CLOCK = 35,             /* 1: time. */
+  DYN_QUANTITY_E_POTENTIAL = 36,       /* 1: potential energy. */
+  DYN_QUANTITY_E_KINETIC = 37          /* 1: kinetic energy. */
+} dynQuantity;
+
+typedef struct dynSensor {
+  uint32_t struct_size;            /* set by dyn_sensor_init */
+  dynQuantity quantity;
+  /* of a model: ids of joint, tendon, actuator or frame; -1: none. For the builder: dynFrameType of a frame
+     that shares its name with another; default -1: as by dyn_model_frame_id */
+  int32_t object, reference;
+  double cutoff;                   /* > 0: values are clamped to [-cutoff, cutoff]; default 0: not */
+  double noise;                    /* standard deviation, for dyn_sensor_noise; default 0 */
+  double placement[12];            /* of the sensor in the frame; default: identity */
+  double reference_placement[12];  /* in the reference frame; default: identity */
+  /* TOUCH, INSIDESITE: the zone about the sensor or the reference: BOX, SPHERE, CYLINDER, CAPSULE or
+     ELLIPSOID with sizes as in dynShapeSpec; default a sphere of 5 mm */
+  double extent[3];
+  dynShapeType shape;
+  int32_t idx, size;               /* of a model: place among all values, and how many there are */
+  int32_t order;                   /* of a model: 0 reads q, 1 reads v too, 2 acceleration or forces too */
+  double field[3];                 /* MAGNETOMETER: magnetic field, world axes; default (0, -0.5, 0) */
+} dynSensor;
+DYN_API void dyn_sensor_init(dynSensor* sensor, uint32_t struct_size, dynQuantity quantity);
+#define dyn_sensor_init(x, quantity) dyn_sensor_init(x, sizeof(dynSensor), quantity)
+/* Adds a sensor. object: the name of what it is on; NULL where the quantity has none. reference: the name of
+   a frame, or NULL. */
+DYN_API dynStatus dyn_builder_add_sensor(dynBuilder* builder, const char* name, const dynSensor* sensor,
+                                         const char* object, const char* reference);
+/* Returns the number of sensors. */
+DYN_API int dyn_model_nsensors(const dynModel* model);
+/* Returns the number of values of all sensors. */
+DYN_API int dyn_model_nsensordata(const dynModel* model);
+/* Returns the name of a sensor, or NULL when out of range. */
+DYN_API const char* dyn_model_sensor_name(const dynModel* model, int sensor);
+/* Returns the id of a sensor by name, or -1. */
+DYN_API int dyn_model_sensor_id(const dynModel* model, const char* name);
+/* Describes a sensor of the model. */
+DYN_API dynStatus dyn_model_sensor_info(const dynModel* model, int sensor, dynSensor* out);
+/* Values of all sensors, nsensordata, at q, v and the acceleration a. Those of order 2 read contacts too:
+   those of the last step, as by dyn_data_step_contacts. After forward dynamics give its ddq as a. Steps
+   compute no sensor and leave a alone; the mean acceleration of a step is (v' - v) / dt. Needs the part
+   KINEMATICS; SIMULATION for forces of actuators and contacts; ENERGY for energies. Clamped, without
+   noise. */
+DYN_API dynStatus dyn_sensors(const dynModel* model, dynData* data, const double* q, const double* v,
+                              const double* a, double* values);
+/* Adds Gaussian noise to values of dyn_sensors. It depends on seed, count and the place of the value alone:
+   count is the number of the reading. */
+DYN_API dynStatus dyn_sensor_noise(const dynModel* model, uint64_t seed, uint64_t count, double* values);
 
 /* --------------------------------------------------------------------------------------------- simulation */
 

@@ -286,6 +286,11 @@ class Model {
     check(dyn_model_tendon_element(get(), tendon, element, &out));
     return out;
   }
+  int nsensors() const noexcept { return dyn_model_nsensors(get()); }
+  int nsensordata() const noexcept { return dyn_model_nsensordata(get()); }
+  std::string sensor_name(int sensor) const { return name_(dyn_model_sensor_name(get(), sensor)); }
+  int sensor_id(const std::string& name) const { return id_(dyn_model_sensor_id(get(), name.c_str())); }
+  dynSensor sensor_info(int sensor) const { return info_<dynSensor>(dyn_model_sensor_info, sensor); }
   int report_count() const noexcept { return dyn_model_report_count(get()); }
   dynReportEntry report_entry(int index) const { return info_<dynReportEntry>(dyn_model_report_entry, index); }
 
@@ -598,6 +603,13 @@ class Data {
     if (begins) begins->resize(static_cast<std::size_t>(n));
     dyn_tendon_path(m(), get(), tendon, n, points.data(), begins ? begins->data() : nullptr);
     return points;
+  }
+
+  // values of all sensors
+  Vector sensors(Input q = held, Input v = held, Input a = held) {
+    Vector values(static_cast<std::size_t>(dyn_model_nsensordata(m())));
+    check(dyn_sensors(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), values.data()));
+    return values;
   }
 
   // centre of mass; with v and a also the fields "vcom" and "acom"
@@ -1503,6 +1515,11 @@ class Builder {
   }
   Builder& add_tendon(const std::string& name, const dynTendon& tendon, const std::vector<dynTendonElement>& elements) {
     return ok(dyn_builder_add_tendon(get(), name.c_str(), &tendon, elements.data(), static_cast<int>(elements.size())));
+  }
+  // object "": the quantity has none
+  Builder& add_sensor(const std::string& name, const dynSensor& sensor, const std::string& object,
+                      const std::string& reference = "") {
+    return ok(dyn_builder_add_sensor(get(), name.c_str(), &sensor, above(object), above(reference)));
   }
   // tendon2 "": L1 - L1_0 is coefficients[0]
   Builder& couple_tendons(const std::string& name, const std::string& tendon1, const std::string& tendon2,

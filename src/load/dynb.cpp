@@ -1,3 +1,4 @@
+#include "table/sensors.hpp"
 #include "dynb.hpp"
 
 #include <array>
@@ -117,6 +118,20 @@ void check_by_building(const Model& m) {
                : a.transmission == DYN_TRANSMISSION_TENDON ? tendon(a.tendon)
                                                            : frame(a.frame),
                frame(a.reference));
+  }
+  for (Index k = 0; k < m.n.sensors; ++k) {
+    dynSensor s = m.sensors()[k].spec;
+    std::string object;
+    switch (sensor_row(s.quantity).object) {
+      case SensorObject::None: break;
+      case SensorObject::Joint: object = m.string(m.joints()[s.object].name); break;
+      case SensorObject::Tendon: object = tendon(s.object); break;
+      case SensorObject::Actuator: object = m.string(m.actuators()[s.object].name); break;
+      case SensorObject::Frame: object = frame(s.object), s.object = m.frames()[s.object].type; break;
+    }
+    const std::string reference = frame(s.reference);
+    if (s.reference >= 0) s.reference = m.frames()[s.reference].type;
+    b.sensor(m.string(m.sensors()[k].name), s, object, reference);
   }
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& p = m.pairs()[k];

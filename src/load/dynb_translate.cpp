@@ -25,9 +25,9 @@ struct Numbers {
 constexpr bool is_path_field(Model::Field field) {
   using F = Model::Field;
   return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs ||
-         field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps;
+         field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps || field == F::sensors;
 }
-constexpr std::size_t path_fields = 7;
+constexpr std::size_t path_fields = 8;
 constexpr std::size_t old_actuator_spec_size = offsetof(dynActuator, transmission);
 constexpr std::size_t old_actuator_size =
     old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);

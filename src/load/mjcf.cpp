@@ -70,6 +70,7 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   each("contact", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_contact); });
   each("tendon", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_tendon); });
   each("actuator", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_actuator); });
+  each("sensor", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_sensor); });
   each("equality", [&](Element& e) { file.copies.read_section(file, e, context, read_mjcf_equality); });
   if (file.part) drop_unresolved_references(file.robot, excludes, pairs, equalities);
   each("keyframe", [&](Element& e) {
@@ -79,7 +80,8 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   for (Element* e : sections) {
     const std::string_view name = e->Name();
     if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "worldbody" &&
-        name != "contact" && name != "keyframe" && name != "tendon" && name != "actuator" && name != "equality")
+        name != "contact" && name != "keyframe" && name != "tendon" && name != "actuator" && name != "equality" &&
+        name != "sensor")
       report_mjcf_section(file, *e);
   }
 }

@@ -150,7 +150,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     with_location(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }
   add_mjcf_tendons(builder, robot);
-  add_mjcf_actuators(builder, robot), add_mjcf_keys(builder, robot), add_mjcf_equalities(builder, robot),
+  add_mjcf_actuators(builder, robot), add_mjcf_sensors(builder, robot, masses), add_mjcf_keys(builder, robot), add_mjcf_equalities(builder, robot),
       add_mjcf_pairs(builder, robot);
   for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);
   return with_location(file, [&] { return builder.finish(); });

@@ -12,7 +12,8 @@ constexpr std::pair<const char*, const char*> references[] = {
     {"joint", "joint"},   {"jointinparent", "joint"}, {"joint1", "joint"},   {"joint2", "joint"}, {"body", "body"},
     {"body1", "body"},    {"body2", "body"},          {"site", "site"},      {"site1", "site"},   {"site2", "site"},
     {"refsite", "site"},  {"sidesite", "site"},       {"geom", "geom"},      {"geom1", "geom"},   {"geom2", "geom"},
-    {"tendon", "tendon"}, {"tendon1", "tendon"},      {"tendon2", "tendon"}};
+    {"tendon", "tendon"}, {"tendon1", "tendon"},      {"tendon2", "tendon"},
+    {"objname", "body"}};
 
 }  // namespace
 

@@ -97,6 +97,7 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
     if (!(*x > 0)) reader.bad_numbers(e, "timestep", "a positive number of seconds is expected");
     file.robot.timestep = *x;
   }
+  if (const auto magnetic = reader.vector3(e, "magnetic")) file.robot.magnetic = *magnetic;
   read_integrator(reader, file.robot, e);
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     const std::string_view name = a->Name();
@@ -104,7 +105,7 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
       reader.report.physics(a->GetLineNum(),
                             "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
     else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" &&
-             name != "integrator")
+             name != "integrator" && name != "magnetic")
       reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
   }
   for (const Element* flag : file.source.children(e, "flag")) read_flags(reader, file.robot, *flag);
@@ -132,8 +133,7 @@ void report_mjcf_section(MjcfFile& file, Element& e) {
   for (Element* c : file.source.children(e)) {
     const std::string name = attribute(*c, "name");
     const std::string what = "<" + kind + ">: " + c->Name() + (name.empty() ? "" : " " + load::in_quotes(name));
-    if (kind == "sensor") report.count("<sensor>: not used", line(*c));
-    else report.physics(line(*c), what + " is not used");
+    report.physics(line(*c), what + " is not used");
   }
 }
 

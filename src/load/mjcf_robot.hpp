@@ -71,6 +71,8 @@ struct MjcfSite {
   MjcfPlace place;
   std::string name, frame = {};  // frame: another name, where a joint has its name
   SE3<double> X;
+  dynShapeType shape = DYN_SHAPE_TYPE_SPHERE;  // of its zone, with sizes as of shapes
+  std::array<double, 3> extent = {0.005, 0.005, 0.005};
 };
 
 // Mass properties of a rigid body about its centre of mass, in body axes.
@@ -123,6 +125,14 @@ struct MjcfActuator {
   bool inert = false;        // not supported: it keeps its control and exerts no force
 };
 
+// on, to: what object and reference name: "site", "body", "xbody", "geom", "joint", "tendon", "actuator".
+struct MjcfSensor {
+  MjcfPlace place;
+  std::string name;
+  dynSensor spec;
+  std::string on, object, to, reference;
+};
+
 // first, second: bodies, sites, joints or tendons. numbers: relpose or polycoef as in the file.
 struct MjcfEquality {
   MjcfPlace place;
@@ -155,6 +165,8 @@ struct MjcfRobot {
   std::vector<MjcfKey> keys;
   std::vector<MjcfTendon> tendons;
   std::vector<MjcfActuator> actuators;
+  std::vector<MjcfSensor> sensors;
+  std::array<double, 3> magnetic = {0, -0.5, 0};
   std::vector<MjcfEquality> equalities;
   std::vector<MjcfPair> pairs;
   double density = 0, viscosity = 0;
@@ -292,6 +304,9 @@ void name_mjcf_frames(MjcfRobot& robot);  // of sites and wrapped geoms
 MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name);
 const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name);
 void add_mjcf_tendons(Builder& builder, const MjcfRobot& robot);
+// mjcf_sensor.cpp
+void read_mjcf_sensor(MjcfFile& file, Element& e, const MjcfContext& context);
+void add_mjcf_sensors(Builder& builder, const MjcfRobot& robot, const std::vector<MjcfMass>& masses);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context);
 void limit_mjcf_actuators(MjcfRobot& robot);  // applies the actuator force range of a joint or tendon to its only actuator

@@ -3,12 +3,26 @@
 #include <memory>
 
 #include "mjcf_robot.hpp"
+#include "shape_form.hpp"
 
 namespace dyn::load {
 
 namespace {
 
 constexpr int max_bodies = 200000, max_copies = 100;
+
+// Type and sizes of a site, which sensors read. Sizes that are not given are 5 mm; half: of its length, where its ends are given.
+void read_zone(const Reader& reader, const Element& e, const std::optional<double>& half, MjcfSite& site) {
+  const std::string type = attribute(e, "type");
+  const auto form = shape_form(RobotFormat::Mjcf, type.empty() ? "sphere" : type);
+  if (!form) return;
+  std::array<double, 3> size = {0.005, 0.005, 0.005};
+  if (const auto given = reader.numbers(e, "size"))
+    for (size_t k = 0; k < std::min<size_t>(given->size(), 3); ++k) size[k] = (*given)[k];
+  if (half) form->sizes == 2 ? size[1] = *half : (size[1] = size[0], size[2] = *half);
+  site.shape = form->type;
+  for (size_t k = 0; k < 3; ++k) site.extent[k] = k < form->sizes ? std::max(0.0, size[k]) / form->factor[k] : 0;
+}
 
 void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
@@ -19,13 +33,15 @@ void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
       file.source.reader(e, site.name.empty() ? body.place.owner + ": a site" : "site " + load::in_quotes(site.name));
   site.place = {&reader.report, line(e), reader.owner};
   SE3<double> X = read_pose(reader, e, file.compiler);
+  std::optional<double> half;
   if (const auto ends = reader.numbers(e, "fromto", 6)) {
     const Vec3<double> from = load3(ends->data()), to = load3(ends->data() + 3), d = from - to;
     const double length = std::sqrt(dot(d, d));
     if (!(length > 1e-12)) reader.bad_numbers(e, "fromto", "both ends are the same point");
-    X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
+    X = {turn_z_to(d * (1 / length)), (from + to) * 0.5}, half = length / 2;
   }
   site.X = context.X * X;
+  read_zone(reader, e, half, site);
   if (!site.name.empty()) body.sites.push_back(std::move(site));
 }
 

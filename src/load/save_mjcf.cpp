@@ -304,7 +304,7 @@ std::string MjcfWriter::write() {
   for (Index k = 0; k < m.n.shapes; ++k)
     if (m.shapes()[k].frame == 0) add_geom(world, m.shapes()[k], k);
   add_content(0, -1);
-  add_contacts(), add_constraints(), add_tendons(), add_actuators(), add_keys();
+  add_contacts(), add_constraints(), add_tendons(), add_actuators(), add_sensors(), add_keys();
   if (section("asset").NoChildren()) root->DeleteChild(&section("asset"));
   losses.write_report();
   return printed(doc);

@@ -70,6 +70,7 @@ class MjcfWriter {
   void put_muscle(XmlElement& e, const dynActuator& a);
   std::string site(Index frame, const double (&placement)[12], const std::string& name);
   const Piece& piece(Index joint, int dof) const;
+  void add_sensors();  // save_mjcf_sensor.cpp
   // save_mjcf_tendon.cpp
   void add_tendons();
   void add_element(XmlElement& tendon, const PathElement& e);

@@ -52,6 +52,7 @@ void UrdfWriter::add_constraints() {
 
 void UrdfWriter::report_losses() {
   for (Index k = 0; k < m.n.tendons; ++k) losses.loss("tendons", m.string(m.tendons()[k].name));
+  for (Index k = 0; k < m.n.sensors; ++k) losses.loss("sensors", m.string(m.sensors()[k].name));
   for (Index k = 0; k < m.n.couplings; ++k) losses.loss("couplings of tendons", m.string(m.paths()[m.n.tendons + k].name));
   for (Index k = 0; k < m.n.actuators; ++k) losses.loss("actuators", m.string(m.actuators()[k].name));
   for (Index k = 1; k < m.n.configurations; ++k)

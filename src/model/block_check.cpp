@@ -9,6 +9,7 @@
 #include "model/constraints.hpp"
 #include "model/unit_norms.hpp"
 #include "table/enums.hpp"
+#include "table/sensors.hpp"
 
 namespace dyn {
 
@@ -273,6 +274,38 @@ bool BlockChecker::tendons() {
   });
 }
 
+bool BlockChecker::sensors() {
+  Index values = 0;
+  return each(n.sensors, [&](Index k) {
+    const dynSensor& s = m.sensors()[k].spec;
+    if (!text(m.sensors()[k].name) || !require(is_value(s.quantity), "quantity of a sensor")) return false;
+    const SensorRow& row = sensor_row(s.quantity);
+    if (!require(s.idx == values && s.size == row.size && s.order == row.order, "size of a sensor")) return false;
+    values += row.size;
+    if (!require(are_finite(s.placement) && are_finite(s.reference_placement) && are_finite(s.extent) && are_finite(s.field) &&
+                     std::isfinite(s.cutoff) && std::isfinite(s.noise),
+                 "a number of a sensor") ||
+        !require(s.reference >= -1 && s.reference < (row.refers ? n.frames : 0) &&
+                     (s.quantity != DYN_QUANTITY_INSIDESITE || s.reference >= 0),
+                 "reference of a sensor"))
+      return false;
+    switch (row.object) {
+      case SensorObject::None: return require(s.object == -1, "object of a sensor");
+      case SensorObject::Joint: {
+        if (!index(s.object, n.joints, "joint of a sensor")) return false;
+        const JointRecord& j = m.joints()[s.object];
+        const bool ball = s.quantity == DYN_QUANTITY_BALLQUAT || s.quantity == DYN_QUANTITY_BALLANGVEL;
+        const bool single = j.leader >= 0 || (j.nq == 1 && j.nv == 1);
+        return require(s.object > 0 && (ball ? j.type == DYN_JOINT_TYPE_SPHERICAL : single), "joint of a sensor");
+      }
+      case SensorObject::Tendon: return index(s.object, n.tendons, "tendon of a sensor");
+      case SensorObject::Actuator: return index(s.object, n.actuators, "actuator of a sensor");
+      case SensorObject::Frame: return index(s.object, n.frames, "frame of a sensor");
+    }
+    return false;
+  }) && require(values == n.sensor_values, "values of the sensors");
+}
+
 bool BlockChecker::rest() {
   return each(n.reports, [&](Index k) {
     const ReportRecord& r = m.reports()[k];
@@ -292,7 +325,7 @@ Damage check_block(const Model& m, std::size_t bytes) {
   BlockChecker c(m);
   (void)(c.layout(bytes) && c.names() && c.joints() && c.expanded() && c.order() && c.coordinates() && c.elimination() &&
          c.coefficients() && c.frames() && c.surfaces() && c.shapes() && c.constraints() && c.actuators() &&
-         c.tendons() && c.rest());
+         c.tendons() && c.sensors() && c.rest());
   return c.damage;
 }
 

@@ -29,6 +29,7 @@ class BlockChecker {
   bool constraints();
   bool actuators();
   bool tendons();            // and all paths
+  bool sensors();            // after actuators and tendons
   bool rest();
 
  private:

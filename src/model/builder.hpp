@@ -143,6 +143,8 @@ class Builder {
                       const std::array<double, 5>& coefficients);
   // target: the name of a joint, tendon or frame; reference: of a frame, or "". (builder_actuator.cpp)
   void actuator(const std::string& name, const dynActuator& spec, const std::string& target, const std::string& reference = "");
+  // object: the name of a joint, tendon, actuator or frame, by spec.quantity; reference: of a frame, or "". (builder_sensor.cpp)
+  void sensor(const std::string& name, const dynSensor& spec, const std::string& object, const std::string& reference = "");
   void gravity_compensation(const std::string& body, double share);
   void mocap(const std::string& body);  // a link fixed to the world, whose pose data sets
   void medium(double density, double viscosity, const std::array<double, 3>& wind);

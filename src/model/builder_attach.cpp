@@ -3,6 +3,7 @@
 
 #include "builder_impl.hpp"
 #include "constraint/list.hpp"
+#include "table/sensors.hpp"
 
 namespace dyn {
 
@@ -106,6 +107,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     c.tendon1 += tendons_before, c.tendon2 += c.tendon2 >= 0 ? tendons_before : 0;
     next.couplings.push_back(std::move(c));
   }
+  const int actuators_before = int(next.actuators.size());
   for (ActuatorEntry& a : other.actuators) {
     const dynTransmission by = a.spec.transmission;
     a.target = by == DYN_TRANSMISSION_SITE ? place(a.target)
@@ -114,6 +116,19 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     a.name = prefix + a.name;
     next.check_actuator_name(a.name);
     next.actuators.push_back(std::move(a));
+  }
+  for (SensorEntry& s : other.sensors) {
+    switch (sensor_row(s.spec.quantity).object) {
+      case SensorObject::None: break;
+      case SensorObject::Joint: s.object += before; break;
+      case SensorObject::Tendon: s.object += tendons_before; break;
+      case SensorObject::Actuator: s.object += actuators_before; break;
+      case SensorObject::Frame: s.object = place(s.object); break;
+    }
+    if (s.reference >= 0) s.reference = place(s.reference);
+    s.name = prefix + s.name;
+    next.check_sensor_name(s.name);
+    next.sensors.push_back(std::move(s));
   }
   for (const PairEntry& p : other.pairs) next.pairs.push_back({p.shape1 + shapes_before, p.shape2 + shapes_before, p.material});
   next.allow_massless |= other.allow_massless;

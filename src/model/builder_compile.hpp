@@ -66,6 +66,7 @@ struct Compiler {
   void add_limits();
   // builder_tendon.cpp: after the actuators
   void add_paths();
+  void add_sensors();  // builder_sensor.cpp
   void add_subtrees();
   void sort_names();
   void close_text();

@@ -6,6 +6,7 @@
 #include "builder_surface.hpp"
 #include "constraint/list.hpp"
 #include "effect/list.hpp"
+#include "table/sensors.hpp"
 
 namespace dyn {
 
@@ -132,6 +133,11 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     const int target = by == DYN_TRANSMISSION_JOINT ? r.spec.joint - 1
                        : by == DYN_TRANSMISSION_TENDON ? r.spec.tendon : r.spec.frame;
     impl->actuators.push_back({m.string(r.name), r.spec, target, r.spec.reference});
+  }
+  for (Index k = 0; k < m.n.sensors; ++k) {
+    const dynSensor& s = m.sensors()[k].spec;
+    const int object = sensor_row(s.quantity).object == SensorObject::Joint ? s.object - 1 : s.object;
+    impl->sensors.push_back({m.string(m.sensors()[k].name), s, object, s.reference});
   }
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& r = m.pairs()[k];

@@ -28,6 +28,7 @@ ModelPtr Compiler::compile() {
   add_runs();
   add_configuration_states();
   add_paths();
+  add_sensors();
   add_limits();
   add_subtrees();
   sort_names();

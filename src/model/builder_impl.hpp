@@ -111,6 +111,13 @@ struct ActuatorEntry {
   int reference = -1;  // frame
 };
 
+// object: index of a joint, tendon, actuator or frame, by spec.quantity; reference: of a frame; -1: none.
+struct SensorEntry {
+  std::string name;
+  dynSensor spec;
+  int object, reference;
+};
+
 // A pair of shapes that is tested whatever the filter says; material: of its contacts, or that of the shapes.
 struct PairEntry {
   int shape1, shape2;
@@ -138,6 +145,7 @@ struct Builder::Impl {
   std::vector<TendonEntry> tendons;
   std::vector<TendonCoupling> couplings;
   std::vector<ActuatorEntry> actuators;
+  std::vector<SensorEntry> sensors;
   std::vector<PairEntry> pairs;
 
   int find(const Parent& parent, const std::string& who) const;
@@ -147,6 +155,7 @@ struct Builder::Impl {
   void check_configuration_name(const std::string& name) const;
   void check_constraint_name(const std::string& name) const;
   void check_actuator_name(const std::string& name) const;
+  void check_sensor_name(const std::string& name) const;
   void check_tendon_name(const std::string& name) const;
   void check_coupling_name(const std::string& name) const;
   int find_tendon(const std::string& name, const std::string& who) const;

@@ -3,6 +3,7 @@
 
 #include "builder_impl.hpp"
 #include "constraint/list.hpp"
+#include "table/sensors.hpp"
 
 namespace dyn {
 
@@ -74,10 +75,25 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   }
   tendons = std::move(left_tendons);
   std::erase_if(couplings, [&](TendonCoupling& c) { return !follow(tendon, c.tendon1) || !follow(tendon, c.tendon2); });
-  std::erase_if(actuators, [&](ActuatorEntry& a) {
+  std::vector<int> actuator(actuators.size(), -1);
+  std::vector<ActuatorEntry> left_actuators;
+  for (std::size_t k = 0; k < actuators.size(); ++k) {
+    ActuatorEntry& a = actuators[k];
     const dynTransmission by = a.spec.transmission;
-    return !follow(by == DYN_TRANSMISSION_JOINT ? joint : by == DYN_TRANSMISSION_TENDON ? tendon : frame, a.target) ||
-           !follow(frame, a.reference);
+    if (!follow(by == DYN_TRANSMISSION_JOINT ? joint : by == DYN_TRANSMISSION_TENDON ? tendon : frame, a.target) ||
+        !follow(frame, a.reference))
+      continue;
+    actuator[k] = int(left_actuators.size());
+    left_actuators.push_back(std::move(a));
+  }
+  actuators = std::move(left_actuators);
+  std::erase_if(sensors, [&](SensorEntry& s) {
+    const SensorObject on = sensor_row(s.spec.quantity).object;
+    const std::vector<int>& to = on == SensorObject::Joint      ? joint
+                                 : on == SensorObject::Tendon   ? tendon
+                                 : on == SensorObject::Actuator ? actuator
+                                                                : frame;
+    return !follow(to, s.object) || !follow(frame, s.reference);
   });
   std::erase_if(constraints, [&](ConstraintEntry& c) {
     const std::vector<int>& at = between_joints(c.spec.type) ? joint : frame;

@@ -115,6 +115,11 @@ struct TendonRecord {
   Index name, padding;
 };
 
+struct SensorRecord {
+  dynSensor spec;
+  Index name, padding;
+};
+
 // A length as a function of the configuration: of tendons, by their ids, of couplings, and of what else actuators act through.
 enum class PathKind : Index { Fixed, Spatial, Site, Coupling };
 inline constexpr Index path_rows_of_tendon = 3;  // of a step: its limit, its spring and damper, its friction
@@ -217,6 +222,7 @@ struct ModelSizes {
   Index paths_in_space;  // of those: that need placements
   Index path_rows;  // that a step has room for: of each tendon, coupling, and actuator on a path
   Index mocaps;
+  Index sensors, sensor_values;
 };
 
 struct Model {

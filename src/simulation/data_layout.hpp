@@ -30,9 +30,10 @@ template <dynParts possible, class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
                        nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators, ntendons = m.n.tendons,
-                       nmocaps = m.n.mocaps;
+                       nmocaps = m.n.mocaps,
+                       nsensordata = m.n.sensor_values;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators,
-      (void)ntendons, (void)nmocaps;
+      (void)ntendons, (void)nmocaps, (void)nsensordata;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) \

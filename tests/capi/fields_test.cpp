@@ -89,6 +89,7 @@ int dimension(const dynModel* m, const std::string& text) {
   if (text == "nu") return dyn_model_nu(m);
   if (text == "nactuators") return dyn_model_nactuators(m);
   if (text == "nmocaps") return dyn_model_nmocaps(m);
+  if (text == "nsensordata") return dyn_model_nsensordata(m);
   if (text == "ntendons") return dyn_model_ntendons(m);
   if (text == "na") return 0;  // of models without filters
   if (text == "nparameters") return 10 * (dyn_model_njoints(m) - 1);

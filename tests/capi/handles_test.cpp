@@ -234,6 +234,8 @@ TEST(Handles, TablesAreComplete) {
           "dyn_builder_add_actuator_between", "dyn_tendon_path",
           // tests/simulation/mocap_test.cpp
           "dyn_builder_set_mocap", "dyn_data_set_mocap", "dyn_data_mocap",
+          // capi/python/tests/test_sensors.py
+          "dyn_sensor_init", "dyn_builder_add_sensor",
           // effects_test.cpp
           "dyn_batch_set_effects",
           // constraint_test.cpp

@@ -71,6 +71,16 @@ inline const ModelFunction model_functions[] = {
        dyn_tendon_element_init(&e, DYN_TENDON_ELEMENT_TYPE_SITE);
        return dyn_model_tendon_element(m, 0, 0, &e) == DYN_ERROR_HANDLE && e.value == 1;
      }},
+    {"dyn_model_nsensors", [](auto* m) { return dyn_model_nsensors(m) == -1; }},
+    {"dyn_model_nsensordata", [](auto* m) { return dyn_model_nsensordata(m) == -1; }},
+    {"dyn_model_sensor_name", [](auto* m) { return dyn_model_sensor_name(m, 0) == nullptr; }},
+    {"dyn_model_sensor_id", [](auto* m) { return dyn_model_sensor_id(m, "s") == -1; }},
+    {"dyn_model_sensor_info", [](auto* m) { return keeps(dyn_model_sensor_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_sensor_noise",
+     [](auto* m) {
+       double x = 1;
+       return dyn_sensor_noise(m, 0, 0, &x) == DYN_ERROR_HANDLE && x == 1;
+     }},
     {"dyn_model_nshapes", [](auto* m) { return dyn_model_nshapes(m) == -1; }},
     {"dyn_model_shape_info", [](auto* m) { return keeps(dyn_model_shape_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_ndisabled_pairs", [](auto* m) { return dyn_model_ndisabled_pairs(m) == -1; }},

@@ -158,6 +158,8 @@ const std::map<std::string, Row> rows = {
               return dyn_builder_add_tendon(b, "t", &t, &s, 1);),
     READ_KIND(dynActuator, dyn_actuator_init, DYN_ACTUATOR_TYPE_MOTOR, muscle, (void)r; Builder b;
               b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); return dyn_builder_add_actuator(b, "m", &s, "j");),
+    READ_KIND(dynSensor, dyn_sensor_init, DYN_QUANTITY_JOINTPOS, field, (void)r; Builder b;
+              b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); return dyn_builder_add_sensor(b, "s", &s, "j", nullptr);),
     READ(dynStepOptions, dyn_step_options_init, sleep_speed, return dyn_data_set_step_options(r.m, r.d, &s);),
     READ(dynMeshOptions, dyn_mesh_options_init, relative_to, (void)r; dynMesh* mesh = nullptr;
          return dyn_mesh_load("/nowhere/m.stl", &s, &mesh);),

@@ -272,6 +272,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   compute_other_derivatives(m, d, s.fext.data(), s.a.data());
   ASSERT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_tendons(m, d, nullptr, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_sensors(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   compute_stale(m, d);
 }
 

@@ -11,8 +11,9 @@ template <class F>
 void for_buffers(const Model& m, dynParts parts, Data<double>& d, F&& f) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
                        nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators, ntendons = m.n.tendons,
-                       nmocaps = m.n.mocaps;
-  (void)nu, (void)na, (void)nactuators, (void)ntendons, (void)nmocaps;
+                       nmocaps = m.n.mocaps,
+                       nsensordata = m.n.sensor_values;
+  (void)nu, (void)na, (void)nactuators, (void)ntendons, (void)nmocaps, (void)nsensordata;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   f(#name, (const char*)d.name, ((part) == 0 || (parts & (part))) ? std::size_t((rows) * (cols)) * sizeof(*d.name) : 0);

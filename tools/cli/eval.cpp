@@ -171,6 +171,19 @@ json tendons(const Context& c) {
   return out;
 }
 
+json sensors(const Context& c) {
+  Vector values(static_cast<std::size_t>(dyn_model_nsensordata(c.robot)));
+  check(dyn_sensors(c.robot, c.data, c.q, c.v, c.a, values.data()));
+  json out = json::object();
+  for (int k = 0; k < dyn_model_nsensors(c.robot); ++k) {
+    dynSensor s{};
+    s.struct_size = sizeof s;
+    check(dyn_model_sensor_info(c.robot, k, &s));
+    out[dyn_model_sensor_name(c.robot, k)] = Vector(values.begin() + s.idx, values.begin() + s.idx + s.size);
+  }
+  return out;
+}
+
 // Every tested pair.
 json distances(const Context& c) {
   check(dyn_distances(c.robot, c.data, c.q, nullptr));
@@ -285,6 +298,7 @@ std::vector<Quantity> listed() {
       {"Ig", DYN_PART_CENTROIDAL | DYN_PART_COM, false, centroidal_inertia},
       {"inertial_parameters", DYN_PART_KINEMATICS, false, inertial_parameters},
       {"tendons", DYN_PART_KINEMATICS, false, tendons},
+      {"sensors", DYN_PART_KINEMATICS | DYN_PART_SIMULATION | DYN_PART_ENERGY, false, sensors},
       {"distances", DYN_PART_COLLISION, false, distances},
       {"collisions", DYN_PART_COLLISION, false, collisions},
       {"constrained_ddq", DYN_PART_CONSTRAINTS, false,

@@ -84,6 +84,25 @@ json actuators_json(const Robot& robot) {
   return out;
 }
 
+json sensors_json(const Robot& robot) {
+  json out = json::array();
+  for (int k = 0; k < dyn_model_nsensors(robot); ++k) {
+    dynSensor s{};
+    s.struct_size = sizeof s;
+    check(dyn_model_sensor_info(robot, k, &s));
+    const std::string quantity = name_of("dynQuantity", s.quantity);
+    json item = {{"name", dyn_model_sensor_name(robot, k)}, {"quantity", quantity}, {"idx", s.idx}, {"size", s.size}};
+    if (s.object >= 0)
+      item["object"] = quantity.starts_with("joint") || quantity.starts_with("ball") ? dyn_model_joint_name(robot, s.object)
+                       : quantity.starts_with("tendon")                              ? dyn_model_tendon_name(robot, s.object)
+                       : quantity.starts_with("actuator") ? dyn_model_actuator_name(robot, s.object)
+                                                          : dyn_model_frame_name(robot, s.object);
+    if (s.reference >= 0) item["reference"] = dyn_model_frame_name(robot, s.reference);
+    out.push_back(std::move(item));
+  }
+  return out;
+}
+
 json info_json(const Robot& robot) {
   json out = {{"name", dyn_model_name(robot)}, {"nq", robot.nq}, {"nv", robot.nv}};
   out["gravity"] = vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY), 3);
@@ -107,7 +126,7 @@ json info_json(const Robot& robot) {
                              {"size", vector_json(s.size, 3)},
                              {"mesh", s.mesh}});
   }
-  out["tendons"] = tendons_json(robot), out["actuators"] = actuators_json(robot);
+  out["tendons"] = tendons_json(robot), out["actuators"] = actuators_json(robot), out["sensors"] = sensors_json(robot);
   out["configurations"] = json::array();
   for (int i = 0; i < dyn_model_nconfigurations(robot); ++i)
     out["configurations"].push_back(dyn_model_configuration_name(robot, i));
@@ -187,6 +206,11 @@ std::string tendons_text(const json& info) {
                     str(a["transmission"]) + " " + str(a["target"]),
                     a.contains("reference") ? "against " + str(a["reference"]) : ""});
   if (rows.size() > 1) out += "\nactuators\n" + table(rows);
+  rows = {{"sensor", "name", "quantity", "of", ""}};
+  for (const json& s : info["sensors"])
+    rows.push_back({std::to_string(rows.size() - 1), str(s["name"]), str(s["quantity"]),
+                    s.contains("object") ? str(s["object"]) : "", s.contains("reference") ? "in " + str(s["reference"]) : ""});
+  if (rows.size() > 1) out += "\nsensors\n" + table(rows);
   return out;
 }
 

@@ -97,6 +97,7 @@ from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import Model
 from .simulate import Simulation, Trajectory
+from .sensor import Sensor
 from .simulation import ContactForce, ErrorLedger, StepReport
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo, FieldInfo
 from .tendon import Tendon, TendonElement, TendonPath
@@ -111,7 +112,7 @@ __all__ = [
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
     "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError",
-    "RayHit", "Rays", "ReportEntry", "Rollout", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
+    "RayHit", "Rays", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
     "StateLayout", "StepReport", "StrictError", "Tendon", "TendonElement", "TendonPath", "Trajectory", "UnknownNameError",
     "UnsupportedError", "WORLD", "accuracy", "batch",
     "body_regressor", "build_info", "constraint", "contact_compliance", "contact_compliance_hertz", "contact_problem_qp",

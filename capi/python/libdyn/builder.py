@@ -21,6 +21,7 @@ from .library import check, lib
 from .material import Material
 from .mesh import Mesh
 from .model import Model
+from .sensor import Sensor
 from .tendon import Tendon, TendonElement
 
 if TYPE_CHECKING:
@@ -206,6 +207,15 @@ class Builder:
         parts = [TendonElement(*e).structure(f"tendon {name!r}: element {k}") for k, e in enumerate(elements)]
         array = (abi.TendonElement * len(parts))(*parts)
         check(lib.dyn_builder_add_tendon(self._b, text(name, "name"), byref(spec), array, len(parts)))
+        return self
+
+    def add_sensor(self, name: str, object: str | None = None, sensor: Sensor | None = None, *, reference: str | None = None,
+                   **values: Any) -> Builder:
+        """Adds a sensor on a joint, tendon, actuator or frame: a dyn.Sensor, or its values, as in
+        add_sensor("imu", "torso", quantity="accelerometer"). reference: the frame that it is relative to."""
+        spec = (Sensor(**values) if sensor is None else sensor._replace(**values)).structure()
+        names = [None if x is None else text(x, what) for x, what in ((object, "object"), (reference, "reference"))]
+        check(lib.dyn_builder_add_sensor(self._b, text(name, "name"), byref(spec), *names))
         return self
 
     def couple_tendons(self, name: str, tendon1: str, tendon2: str | None = None,

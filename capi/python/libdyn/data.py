@@ -20,6 +20,7 @@ from .evaluation import Evaluation
 from .ik import InverseKinematics
 from .library import check, lib
 from .mocap import MocapCalls
+from .sensor import SensorCalls
 from .simulation import SimulationCalls
 from .tendon import TendonCalls
 
@@ -41,7 +42,7 @@ class EffectPlan(NamedTuple):
 
 class Data(
     Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, SimulationCalls, TendonCalls,
-    MocapCalls,
+    MocapCalls, SensorCalls,
 ):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 

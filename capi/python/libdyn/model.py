@@ -22,6 +22,7 @@ from .library import check, last_error, lib
 from .mocap import ModelMocaps
 from .model_arrays import ModelArrays
 from .saving import Saving
+from .sensor import ModelSensors
 from .tendon import ModelTendons
 
 if TYPE_CHECKING:
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
     from .enums import PartLike
 
 
-class Model(States, ModelArrays, ModelConstraints, ModelActuators, ModelTendons, ModelMocaps, Saving):
+class Model(
+    States, ModelArrays, ModelConstraints, ModelActuators, ModelTendons, ModelMocaps, ModelSensors, Saving
+):
     """What the robot is: immutable, and safe to share between threads. From dyn.load, dyn.load_string or dyn.Builder.
 
     q has nq numbers, v, a and tau have nv; they differ on manifolds: use integrate and difference, never q + v.

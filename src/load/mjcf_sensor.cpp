@@ -1,0 +1,139 @@
+// <sensor>: what a model measures.
+#include <algorithm>
+
+#include "mjcf_robot.hpp"
+#include "table/names.hpp"
+#include "table/sensors.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+const MjcfBody* find_body(const MjcfRobot& robot, const std::string& name) {
+  for (const MjcfBody& b : robot.bodies)
+    if (b.name == name) return &b;
+  return nullptr;
+}
+
+// The frame of an object, and its pose there. Empty: not in the model.
+struct Seat {
+  std::string frame;
+  SE3<double> X;
+  bool oriented;  // its axes are MuJoCo's
+};
+
+Seat seat_on(const MjcfRobot& robot, const std::vector<MjcfMass>& masses, const std::string& kind, const std::string& name) {
+  const auto link = [](const MjcfBody& b) { return b.parent < 0 ? std::string("universe") : b.name; };
+  if (kind == "site") {
+    const MjcfSite* const s = find_site(robot, name);
+    return s ? Seat{s->frame, SE3<double>::identity(), true} : Seat{};
+  }
+  if (kind == "geom") {
+    for (const MjcfBody& b : robot.bodies)
+      for (const MjcfGeom& g : b.geoms)
+        if (g.shape.name == name && !name.empty()) return {link(b), g.X, !g.mesh};  // axes of a mesh are those of its inertia
+    return {};
+  }
+  const MjcfBody* const b = find_body(robot, name);
+  if (!b) return {};
+  if (kind == "xbody") return {link(*b), SE3<double>::identity(), true};
+  return {link(*b), {Mat3<double>::identity(), masses[size_t(b - robot.bodies.data())].com}, false};
+}
+
+bool reads_axes(dynQuantity q) { return q >= DYN_QUANTITY_FRAMEQUAT && q <= DYN_QUANTITY_FRAMEZAXIS; }
+
+}  // namespace
+
+void read_mjcf_sensor(MjcfFile& file, Element& e, const MjcfContext& context) {
+  const std::string kind = e.Name(), given = attribute(e, "name");
+  const std::string name = context.name(given.empty() ? "sensor_" + std::to_string(file.robot.sensors.size()) : given);
+  const Reader reader = file.source.reader(e, "sensor " + load::in_quotes(name));
+  const MjcfPlace place{&reader.report, line(e), reader.owner};
+  MjcfSensor s{place, name, {}, "", "", "", ""};
+  (dyn_sensor_init)(&s.spec, sizeof s.spec, DYN_QUANTITY_JOINTPOS);
+  if (!value_of(kind, s.spec.quantity))
+    return reader.report.count("<sensor>: <" + kind.substr(0, 60) + "> is not supported", line(e));
+  const SensorRow& row = sensor_row(s.spec.quantity);
+  std::copy(file.robot.magnetic.begin(), file.robot.magnetic.end(), s.spec.field);
+  s.spec.noise = reader.optional_number(e, "noise").value_or(0), s.spec.cutoff = reader.optional_number(e, "cutoff").value_or(0);
+  if (s.spec.noise < 0) reader.bad_numbers(e, "noise", "it is negative");
+  if (s.spec.cutoff < 0) reader.bad_numbers(e, "cutoff", "it is negative");
+  const auto named = [&](const std::string& what, const char* attribute) {
+    return file.copies.name(context, what == "xbody" ? "body" : what, reader.name(e, attribute));
+  };
+  const auto delayed = reader.optional_number(e, "delay");
+  if (delayed && *delayed > 0) reader.report.count("<sensor>: delay is not supported: values have none", line(e));
+  if (e.Attribute("objtype")) {
+    s.on = attribute(e, "objtype"), s.object = named(s.on, "objname");
+    if (s.on != "body" && s.on != "xbody" && s.on != "geom" && s.on != "site")
+      return reader.report.count("<sensor>: objects of type " + s.on.substr(0, 60) + " are not supported", line(e));
+  } else if (row.object != SensorObject::None) {
+    s.on = row.object == SensorObject::Joint      ? "joint"
+           : row.object == SensorObject::Tendon   ? "tendon"
+           : row.object == SensorObject::Actuator ? "actuator"
+           : e.Attribute("body")                  ? "body"
+                                                  : "site";
+    s.object = named(s.on, s.on.c_str());
+    if (s.on == "body") s.on = "xbody";
+  }
+  if (s.spec.quantity == DYN_QUANTITY_INSIDESITE) {
+    s.to = "site", s.reference = named("site", "site");
+  } else if (e.Attribute("reftype")) {
+    s.to = attribute(e, "reftype"), s.reference = named(s.to, "refname");
+    if (s.to != "body" && s.to != "xbody" && s.to != "geom" && s.to != "site")
+      return reader.report.count("<sensor>: references of type " + s.to.substr(0, 60) + " are not supported", line(e));
+  }
+  reader.unread(e,
+                {"name", "noise", "cutoff", "user", "delay", "nsample", "interval", "interp", "objtype", "objname", "reftype", "refname",
+                 "joint", "tendon", "actuator", "site", "body"},
+                {}, false);
+  file.robot.sensors.push_back(std::move(s));
+}
+
+void add_mjcf_sensors(Builder& builder, const MjcfRobot& robot, const std::vector<MjcfMass>& masses) {
+  const auto set = [](const SE3<double>& X, double* to) { store33(X.R, to), store3(X.p, to + 9); };
+  const auto type = [](const Seat& s, const std::string& kind) {
+    return kind == "site" || s.frame == "universe" ? int(DYN_FRAME_TYPE_OP_FRAME) : int(DYN_FRAME_TYPE_BODY);
+  };
+  for (const MjcfSensor& s : robot.sensors) {
+    dynSensor spec = s.spec;
+    std::string object = s.object, reference;
+    const auto lost = [&](const std::string& name) {
+      return robot.has_lost(name) || robot.lost_tendons.count(name) ||
+             std::any_of(robot.actuators.begin(), robot.actuators.end(),
+                         [&](const MjcfActuator& a) { return a.inert && a.name == name; });
+    };
+    if (lost(s.object) || lost(s.reference)) {
+      s.place.info("it is left out: what it is on is missing from the model");
+      continue;
+    }
+    if (sensor_row(spec.quantity).object == SensorObject::Frame) {
+      const Seat seat = seat_on(robot, masses, s.on, s.object);
+      if (seat.frame.empty()) s.place.fail(DYN_ERROR_NAME, "there is no " + s.on + " " + load::in_quotes(s.object));
+      if (!seat.oriented && reads_axes(spec.quantity)) {
+        s.place.report->count("<sensor>: axes of inertias are not supported: use objtype xbody", s.place.line);
+        continue;
+      }
+      object = seat.frame, spec.object = type(seat, s.on), set(seat.X, spec.placement);
+      if (spec.quantity >= DYN_QUANTITY_SUBTREECOM && spec.quantity <= DYN_QUANTITY_SUBTREEANGMOM && object == "universe") {
+        s.place.report->count("<sensor>: the subtree of the world is not supported", s.place.line);
+        continue;
+      }
+      if (!s.reference.empty()) {
+        const Seat other = seat_on(robot, masses, s.to, s.reference);
+        if (other.frame.empty()) s.place.fail(DYN_ERROR_NAME, "there is no " + s.to + " " + load::in_quotes(s.reference));
+        if (!other.oriented) {
+          s.place.report->count("<sensor>: axes of inertias are not supported: use reftype xbody", s.place.line);
+          continue;
+        }
+        reference = other.frame, spec.reference = type(other, s.to), set(other.X, spec.reference_placement);
+      }
+      const bool inside = spec.quantity == DYN_QUANTITY_INSIDESITE;
+      if (const MjcfSite* const zone = find_site(robot, inside ? s.reference : s.object))
+        spec.shape = zone->shape, std::copy(zone->extent.begin(), zone->extent.end(), spec.extent);
+    }
+    with_location(s.place, [&] { builder.sensor(s.name, spec, object, reference); });
+  }
+}
+
+}  // namespace dyn::load

@@ -1,0 +1,103 @@
+// Sensors.
+#include <algorithm>
+#include <cmath>
+
+#include "builder_compile.hpp"
+#include "table/sensors.hpp"
+
+namespace dyn {
+
+namespace {
+
+bool is_zone(dynShapeType shape) {
+  return shape == DYN_SHAPE_TYPE_BOX || shape == DYN_SHAPE_TYPE_SPHERE || shape == DYN_SHAPE_TYPE_CYLINDER ||
+         shape == DYN_SHAPE_TYPE_CAPSULE || shape == DYN_SHAPE_TYPE_ELLIPSOID;
+}
+
+void check_numbers(const std::string& who, const dynSensor& s) {
+  for (const double x : {s.cutoff, s.noise})
+    if (!(x >= 0) || std::isinf(x))
+      refuse(DYN_ERROR_INVALID, who + ": cutoff and noise are " + number(s.cutoff) + " and " + number(s.noise) +
+                                    ": give finite numbers, at least 0");
+  for (const double* x : {s.placement, s.reference_placement})
+    for (int k = 0; k < 12; ++k)
+      if (!std::isfinite(x[k])) refuse(DYN_ERROR_NONFINITE, who + ": a placement holds " + number(x[k]));
+  for (const double y : s.field)
+    if (!std::isfinite(y)) refuse(DYN_ERROR_NONFINITE, who + ": field holds " + number(y) + ": give a finite number");
+  if (s.quantity != DYN_QUANTITY_TOUCH && s.quantity != DYN_QUANTITY_INSIDESITE) return;
+  if (!is_zone(s.shape)) refuse(DYN_ERROR_ARGUMENT, who + ": its zone is no box, sphere, cylinder, capsule or ellipsoid");
+  for (const double x : s.extent)
+    if (!(x >= 0) || std::isinf(x)) refuse(DYN_ERROR_INVALID, who + ": extent holds " + number(x) + ": give finite sizes");
+}
+
+}  // namespace
+
+void Builder::Impl::check_sensor_name(const std::string& name) const {
+  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "sensor has no name: give one");
+  if (name.find('\0') != std::string::npos)
+    refuse(DYN_ERROR_ARGUMENT, "sensor '" + std::string(name.c_str()) + "': the name holds a zero byte");
+  for (const SensorEntry& s : sensors)
+    if (s.name == name) refuse(DYN_ERROR_NAME, "sensor '" + name + "' is there already: choose another name");
+}
+
+void Builder::sensor(const std::string& name, const dynSensor& spec, const std::string& object, const std::string& reference) {
+  impl->check_sensor_name(name);
+  const std::string who = "sensor '" + name + "'";
+  if (!is_value(spec.quantity))
+    refuse(DYN_ERROR_ARGUMENT, who + ": quantity " + std::to_string(int(spec.quantity)) + " is no dynQuantity");
+  check_numbers(who, spec);
+  const SensorRow& row = sensor_row(spec.quantity);
+  SensorEntry entry{name, spec, -1, -1};
+  if ((row.object == SensorObject::None) != object.empty())
+    refuse(DYN_ERROR_ARGUMENT, who + (object.empty() ? ": it is on nothing: name its object" : ": its quantity has no object"));
+  if (!reference.empty() && !row.refers) refuse(DYN_ERROR_ARGUMENT, who + ": its quantity has no reference frame");
+  if (reference.empty() && spec.quantity == DYN_QUANTITY_INSIDESITE)
+    refuse(DYN_ERROR_ARGUMENT, who + ": its reference is missing: the frame of the zone");
+  const auto frame = [&](const std::string& name, int type) {
+    return type > 0 ? impl->find({name, dynFrameType(type)}, who) : impl->find_frame(name, who);
+  };
+  switch (row.object) {
+    case SensorObject::None: break;
+    case SensorObject::Joint: {
+      const auto at = std::find_if(impl->joints.begin(), impl->joints.end(),
+                                   [&](const JointEntry& j) { return j.spec.name == object; });
+      if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + object + "'");
+      const bool ball = spec.quantity == DYN_QUANTITY_BALLQUAT || spec.quantity == DYN_QUANTITY_BALLANGVEL;
+      if (ball ? at->spec.type != DYN_JOINT_TYPE_SPHERICAL : spec_nq(at->spec) != 1)
+        refuse(DYN_ERROR_INVALID,
+               who + ": joint '" + object + (ball ? "' is not spherical" : "' has not one coordinate, as is needed"));
+      entry.object = int(at - impl->joints.begin());
+      break;
+    }
+    case SensorObject::Tendon: entry.object = impl->find_tendon(object, who); break;
+    case SensorObject::Actuator: {
+      const auto at = std::find_if(impl->actuators.begin(), impl->actuators.end(),
+                                   [&](const ActuatorEntry& a) { return a.name == object; });
+      if (at == impl->actuators.end()) refuse(DYN_ERROR_NAME, who + ": there is no actuator '" + object + "': add it first");
+      entry.object = int(at - impl->actuators.begin());
+      break;
+    }
+    case SensorObject::Frame: {
+      const bool link = spec.quantity >= DYN_QUANTITY_SUBTREECOM && spec.quantity <= DYN_QUANTITY_SUBTREEANGMOM;
+      entry.object = link ? impl->find({object, DYN_FRAME_TYPE_BODY}, who) : frame(object, spec.object);
+      if (!reference.empty()) entry.reference = frame(reference, spec.reference);
+      break;
+    }
+  }
+  impl->sensors.push_back(std::move(entry));
+}
+
+void Compiler::add_sensors() {
+  n.sensors = Index(in.sensors.size());
+  for (const SensorEntry& e : in.sensors) {
+    const SensorRow& row = sensor_row(e.spec.quantity);
+    SensorRecord r{e.spec, text.add(e.name), 0};
+    r.spec.struct_size = sizeof r.spec, r.spec.reference = e.reference;
+    r.spec.object = row.object == SensorObject::Joint ? id[std::size_t(e.object)] : e.object;
+    r.spec.idx = n.sensor_values, r.spec.size = row.size, r.spec.order = row.order;
+    n.sensor_values += row.size;
+    a.sensors.push_back(r);
+  }
+}
+
+}  // namespace dyn
