@@ -81,6 +81,7 @@ void check_by_building(const Model& m) {
   }
   if (joints != m.n.joints - 1)
     fail_of_damage("it has " + std::to_string(m.n.joints - 1) + " joints, and frames of " + std::to_string(joints));
+  for (Index k = 0; k < m.n.mocaps; ++k) b.mocap(m.string(m.frames()[m.mocaps()[k]].name));
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& r = m.shapes()[k];
     Shape s{m.string(r.name),       r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name),
@@ -93,7 +94,7 @@ void check_by_building(const Model& m) {
   for (Index k = 0; k < m.n.constraints; ++k) {
     const ConstraintRecord& r = m.constraints()[k];
     const auto end = [&](int at) {
-      if (at <= 0) return Parent{"", 0};
+      if (at <= 0) return Parent{"universe", 0};
       return between_joints(r.spec.type) ? Parent{m.string(m.joints()[at].name), DYN_FRAME_TYPE_JOINT}
                                          : Parent{m.string(m.frames()[at].name), int(m.frames()[at].type)};
     };
