@@ -25,7 +25,8 @@ std::size_t bytes(const Model& m) {
          std::size_t(m.n.contacts) * sizeof(dynContactForce);
 }
 
-// f(array of the data, numbers) for q, v, a, tau, controls and their filters, forces of limits, and how long trees have been slow; of mocap bodies, placements
+// f(array of the data, numbers) for q, v, a, tau, controls and their filters, forces of limits, and how long trees have been slow,
+// and placements of mocap bodies
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);

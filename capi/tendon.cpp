@@ -195,7 +195,8 @@ int dyn_tendon_path(const dynModel* model, dynData* data, int tendon, int capaci
       p, [&](const PathPoint<double>& a) { point(a.x, true); },
       [&](const PathPoint<double>&, const PathPoint<double>& b, double) { point(b.x, false); },
       [&](const Wrap<double>& w, const PathElement& e, double) {
-        arc_points(w, e, {d.R[e.place] * e.X.R, pieces.position(e.place, e.X.p)}, [&](const Vec3<double>& x) { point(x, false); });
+        arc_points(w, e, {d.R[e.place] * e.X.R, pieces.position(e.place, e.X.p)},
+                   [&](const Vec3<double>& x) { point(x, false); });
         point(w.last, false);
       });
   return count;

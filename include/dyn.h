@@ -521,8 +521,8 @@ DYN_API dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, c
 /* Holds a share of a link's weight from outside, at its centre of mass. 1 makes the link weightless in steps.
    Any finite number is allowed. */
 DYN_API dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* body, double share);
-/* Makes a link that is fixed to the world a mocap body, whose placement data sets (dyn_data_set_mocap). What is
-   fixed to the link goes along. No joint may move or hang on it. */
+/* Makes a link that is fixed to the world a mocap body, whose placement data sets (dyn_data_set_mocap). What
+   is fixed to the link goes along. No joint may move or hang on it. */
 DYN_API dynStatus dyn_builder_set_mocap(dynBuilder* builder, const char* body);
 /* The medium around the links: density (kg/m^3, >= 0), viscosity (Pa s, >= 0) and wind (m/s, world; NULL:
    none). Steps add drag to each link, as to the box of equal inertia with sides 2 r, relative to the medium,
@@ -651,17 +651,18 @@ DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const
 /* Sets q, v, a, tau, controls, activations and time to those of a named configuration; name NULL: to those of
    new data. A key of an MJCF file states velocity, controls, activations and time: zero where it does not. */
 DYN_API dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name);
-/* Mocap bodies: links fixed to the world whose placement (12 numbers, world) the caller sets. Their shapes collide
-   with all that moves. Constraints pull other bodies to them. They have no velocity: a constraint or a contact
-   with one that moves is corrected by its error. dyn_data_reset sets them as in the configuration. Algorithms in
-   batches have them as in the initial one. */
+/* Mocap bodies: links fixed to the world whose placement (12 numbers, world) the caller sets. Their shapes
+   collide with all that moves. Constraints pull other bodies to them. They have no velocity: a constraint or
+   a contact with one that moves is corrected by its error. dyn_data_reset sets them as in the configuration.
+   Algorithms in batches have them as in the initial one. Returns the number of mocap bodies. */
 DYN_API int dyn_model_nmocaps(const dynModel* model);
 /* Returns the id of a mocap body by the name of its link, or -1. */
 DYN_API int dyn_model_mocap_id(const dynModel* model, const char* name);
 /* Returns the BODY frame of a mocap body, or -1 when out of range. */
 DYN_API int dyn_model_mocap_frame(const dynModel* model, int mocap);
 /* Places a mocap body. Sleeping bodies wake. The first nine numbers must be a rotation to within 1e-6. */
-DYN_API dynStatus dyn_data_set_mocap(const dynModel* model, dynData* data, int mocap, const double placement[12]);
+DYN_API dynStatus dyn_data_set_mocap(const dynModel* model, dynData* data, int mocap,
+                                     const double placement[12]);
 /* Returns the placement of a mocap body. */
 DYN_API dynStatus dyn_data_mocap(const dynModel* model, dynData* data, int mocap, double placement[12]);
 

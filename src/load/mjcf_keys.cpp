@@ -143,7 +143,8 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
     const auto read = [&](const char* attribute, std::vector<double>& to) {
       to = reader.numbers(*c, attribute).value_or(std::vector<double>());
     };
-    read("qpos", key.qpos), read("qvel", key.qvel), read("act", key.act), read("ctrl", key.ctrl), read("mpos", key.mpos), read("mquat", key.mquat);
+    read("qpos", key.qpos), read("qvel", key.qvel), read("act", key.act), read("ctrl", key.ctrl);
+    read("mpos", key.mpos), read("mquat", key.mquat);
     key.time = reader.optional_number(*c, "time").value_or(0);
     file.robot.keys.push_back(std::move(key));
   }

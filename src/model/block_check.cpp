@@ -120,7 +120,8 @@ bool BlockChecker::frames() {
     return require(r.link == (r.type == DYN_FRAME_TYPE_BODY ? links++ : -1), "link of a frame") &&
            require(r.type != DYN_FRAME_TYPE_JOINT || r.joint > 0, "joint of a frame") &&
            require(r.body == m.joints()[r.joint].last_body, "body of a frame") &&
-           require(r.place == r.body || (r.body == 0 && r.place >= n.bodies && r.place < n.bodies + n.mocaps), "place of a frame") &&
+           require(r.place == r.body || (r.body == 0 && r.place >= n.bodies && r.place < n.bodies + n.mocaps),
+                   "place of a frame") &&
            require(is_finite(r.X) && are_finite(r.placement), "placement of a frame");
   });
   if (!good || !require(m.frames()[0].joint == 0 && m.frames()[0].link == -1, "the frame of the universe") ||
@@ -219,7 +220,8 @@ bool BlockChecker::path_element(const PathElement& e) {
     return require(e.q == j.idx_q && e.dof == j.idx_v && e.body == j.last_body && e.place == e.body, "joint of a path") &&
            index(e.q, n.nq, "coordinate of a path") && index(e.dof, n.nv, "degree of freedom of a path");
   }
-  return index(e.id, n.frames, "frame of a path") && require(e.body == m.frames()[e.id].body && e.place == m.frames()[e.id].place, "body of a path") &&
+  return index(e.id, n.frames, "frame of a path") && require(e.body == m.frames()[e.id].body && e.place == m.frames()[e.id].place,
+                 "body of a path") &&
          (e.side_id < 0 || (index(e.side_id, n.frames, "side of a path") &&
                             require(e.side_place == m.frames()[e.side_id].place, "side of a path")));
 }

@@ -55,7 +55,8 @@ void Compiler::place_on_mocap(const FrameEntry& f, FrameRecord& r) {
   if ((f.mocap || carried) && f.joint >= 0)
     throw Error(DYN_ERROR_UNSUPPORTED,
                 f.mocap ? "mocap body " + who + ": a joint moves it: only a link that is fixed to the world can be a mocap body"
-                        : who + " hangs on mocap body '" + in.frames[std::size_t(a.mocaps[std::size_t(carrier) - a.bodies.size()])].name +
+                        : who + " hangs on mocap body '" +
+                              in.frames[std::size_t(a.mocaps[std::size_t(carrier) - a.bodies.size()])].name +
                               "': only what is fixed to a mocap body can be carried by it");
   if (carried) r.place = carrier;
   if (f.mocap && carried) throw Error(DYN_ERROR_INVALID, "mocap body " + who + " hangs on another mocap body");

@@ -1,5 +1,5 @@
-// Mocap bodies: links fixed to the world whose pose the caller sets. They are part of the world's body. Frames, shapes and anchors
-// on them are where the model has them, moved by X (X of the model)^-1.
+// Mocap bodies: links fixed to the world whose pose the caller sets. They are part of the world's body. Frames, shapes and
+// anchors on them are where the model has them, moved by X (X of the model)^-1.
 #pragma once
 
 #include <algorithm>

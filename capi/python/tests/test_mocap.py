@@ -26,7 +26,7 @@ def turn(angle):
 
 
 def position(d, frame):
-    d.frame_placements()
+    d.forward_kinematics(), d.frame_placements()
     return d.placements[9:, d.model.frame_id(frame)].copy()
 
 
