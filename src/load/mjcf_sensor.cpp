@@ -84,7 +84,8 @@ void read_mjcf_sensor(MjcfFile& file, Element& e, const MjcfContext& context) {
       return reader.report.count("<sensor>: references of type " + s.to.substr(0, 60) + " are not supported", line(e));
   }
   reader.unread(e,
-                {"name", "noise", "cutoff", "user", "delay", "nsample", "interval", "interp", "objtype", "objname", "reftype", "refname",
+                {"name", "noise", "cutoff", "user", "delay", "nsample", "interval", "interp", "objtype",
+                 "objname", "reftype", "refname",
                  "joint", "tendon", "actuator", "site", "body"},
                 {}, false);
   file.robot.sensors.push_back(std::move(s));

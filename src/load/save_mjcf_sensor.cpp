@@ -18,6 +18,7 @@ void MjcfWriter::add_sensors() {
       losses.loss("sensors of what a link carries", name);
       continue;
     }
+    if (s.quantity == DYN_QUANTITY_MAGNETOMETER) put(section("option"), "magnetic", std::span(s.field));  // one of a file
     const auto place = [&](Index frame, const double (&X)[12], const char* ending) {
       return site(frame, X, name + ending);
     };

@@ -49,11 +49,13 @@ def test_every_field_has_its_shape(go2, d, state):
     d.joint_torque_regressor(q, v, a)
     d.compute_distances(q)
     d.tendons(q, v)
+    d.sensors(q, v, a)
     given = {"q": q, "v": v, "a": a, "tau": tau}
     for algorithm in dyn.ALGORITHMS.values():
         if algorithm.name in dyn.FIELDS:
             getattr(d, f"compute_{algorithm.name}")(*(given.get(name) for name in algorithm.inputs))
-    sizes = {"nrows": 48, "nu": 0, "na": 0, "nactuators": 0, "ntendons": 0, "nmocaps": 0, "npairs": go2.npairs,
+    sizes = {"nrows": 48, "nu": 0, "na": 0, "nactuators": 0, "ntendons": 0, "nmocaps": 0, "nsensordata": 0,
+             "npairs": go2.npairs,
              "nparameters": 10 * (go2.njoints - 1), "nq": go2.nq, "nv": go2.nv, "nframes": go2.nframes, "njoints": go2.njoints}
     for name, info in dyn.FIELDS.items():
         value = d.field(name)

@@ -8,7 +8,7 @@ from mjcf_pieces import BODY, HINGE
 def test_report_and_strict():
     text = """<mujoco><worldbody><body name="a"><joint name="j" margin="1"/><geom size=".1"/></body><body name="b"><freejoint name="f"/><geom size=".1"/></body><camera/><light/></worldbody>
 <deformable><flex name="t"/></deformable><equality><flex flex="t"/></equality><actuator><adhesion name="m" body="a"/></actuator>
-<sensor><jointpos joint="j"/></sensor><custom/></mujoco>"""
+<sensor><rangefinder site="s"/></sensor><custom/></mujoco>"""
     messages = [r.message for r in dyn.load_string(text).report]
     for part in ("<deformable>", "equality 'flex_0': <flex> is not supported", "actuator 'm': <adhesion> is not supported",
                  "<sensor>", "<camera>"):
