@@ -55,6 +55,7 @@ inline std::size_t three(const dynModel*, int) { return 3; }
 inline std::size_t six(const dynModel*, int) { return 6; }
 inline std::size_t twelve(const dynModel*, int) { return 12; }
 inline std::size_t frames(const dynModel* m, int) { return 12 * std::size_t(dyn_model_nframes(m)); }
+inline std::size_t sensors(const dynModel* m, int) { return std::size_t(dyn_model_nsensordata(m)); }
 inline std::size_t nv(const dynModel* m, int) { return std::size_t(dyn_model_nv(m)); }
 inline std::size_t state(const dynModel* m, int k) { return k ? nv(m, 0) : std::size_t(dyn_model_nq(m)); }
 inline std::size_t three_nv(const dynModel* m, int) { return 3 * nv(m, 0); }
@@ -168,6 +169,10 @@ inline const CallRow described_calls[] = {
      }
      , {"dyn_rnea", DYN_PART_INVERSE, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 1, sizes::nv,
         DYN_CALL{return dyn_rnea(m, d, x.q, x.v, x.a, x.fext, x.out[0]);
+     }
+     }
+     , {"dyn_sensors", DYN_PART_KINEMATICS, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::sensors,
+        DYN_CALL{return dyn_sensors(m, d, x.q, x.v, x.a, x.out[0]);
      }
      }
      , {"dyn_nle", DYN_PART_INVERSE, uses_q | uses_v, Needs::nothing, false, 1, sizes::nv,

@@ -23,7 +23,11 @@ class ModelMocaps(ModelHandle):
 
     @property
     def mocap_names(self) -> list[str]:
-        return [string(lib.dyn_model_frame_name(self._m, lib.dyn_model_mocap_frame(self._m, k))) for k in range(self.nmocaps)]
+        return [string(lib.dyn_model_frame_name(self._m, self.mocap_frame(k))) for k in range(self.nmocaps)]
+
+    def mocap_frame(self, mocap: int) -> int:
+        """Id of the frame of a mocap body."""
+        return size(lib.dyn_model_mocap_frame(self._m, mocap))
 
     def mocap_id(self, name: str) -> int:
         """Number of a mocap body of the model."""
