@@ -3,7 +3,7 @@
 import libdyn as dyn
 import pytest
 
-HELD = """<mujoco><worldbody>
+HELD = """<mujoco><compiler angle="radian"/><worldbody>
   <body name="a"><joint name="i" axis="0 1 0" ref="0.1"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0"/>
     <body name="b" pos="0.3 0 0"><joint name="j" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.2 0 0"/></body>
   </body></worldbody><equality><joint name="hold" joint1="i" polycoef="0.3 2 0 0 0"/></equality></mujoco>"""
