@@ -56,7 +56,8 @@ struct Island {
   void matrix();
   bool dense_matrix();
   void solve(dynContactReport& best);
-  void solve_displacement();
+  void soften_far_equalities();
+  void solve_displacement(bool far);
   void project_rhs_to_range();
 
   // segments (newton.cpp, interior.cpp): start from lambda and improve it. They return true when the tolerance is met.

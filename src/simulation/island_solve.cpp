@@ -166,12 +166,25 @@ void Island::solve(dynContactReport& best) {
   std::copy_n(asked, equalities, g);
 }
 
+// Adds far_softness of a constraint's largest G to all of its rows of the same unit: rows of a stretched arm are small by themselves.
+void Island::soften_far_equalities() {
+  for (Index k = 0; k < constraint_count && constraint(k).kind == RowKind::Equality; ++k) {
+    const ActiveConstraint& x = constraint(k);
+    double largest[2] = {};
+    const auto own = [&](Index r) -> double& { return w.matrix[(stride() + 1) * (x.s->first + r)]; };
+    for (Index r = 0; r < x.s->rows; ++r) largest[is_angle(x, r)] = std::max(largest[is_angle(x, r)], own(r));
+    for (Index r = 0; r < x.s->rows; ++r) own(r) += tuning::island::far_softness * largest[is_angle(x, r)];
+  }
+}
+
 // Smallest displacement that removes the error in bias, without friction. Rows are a little soft: where they are inconsistent or
 // almost dependent, the displacement is a least-squares one, at most sqrt(1 / softness) / 2 times what an error moves by itself.
-void Island::solve_displacement() {
+// far: errors are larger than what a step removes, and may stay.
+void Island::solve_displacement(bool far) {
   constexpr double softness = tuning::island::correction_softness;
   w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
   matrix();
+  if (far) soften_far_equalities();
   if (equalities == rows) {
     for (Index i = 0; i < rows; ++i) g[i] = -bias[i];
     return solve_regularised(row_work(m, d), w.matrix, stride(), rows, static_cast<const double*>(g), softness, lambda);

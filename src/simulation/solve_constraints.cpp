@@ -179,6 +179,7 @@ bool Island::correct() {
   const double most = correction_speed(d, h) * h / w.length;  // of the length scale, or rad
   const double ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;
   double largest = 0;
+  bool far = false;  // an equality is further off than a step corrects
   auto part = [&](double wrong, double unit) {
     largest = std::max(largest, std::abs(wrong) / unit);
     return std::clamp(tuning::island::correction * wrong, -most * unit, most * unit);
@@ -187,11 +188,16 @@ bool Island::correct() {
   for (Index k = 0, in_boxes = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
     const ConstraintInstance<double>& s = *x.s;
+    double over = 1;  // an equality's largest row over what a step corrects: its error keeps its direction
     for (Index r = 0; r < s.rows; ++r) {
       const Index i = s.first + r;
       double wrong = 0;
       if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
-        if (dropped > 0 || !(s.dropped >> r & 1)) wrong = part(s.error[r] + ahead * c[i], is_angle(x, r) ? 1 : w.length);
+        if (dropped > 0 || !(s.dropped >> r & 1)) {
+          const double error = s.error[r] + ahead * c[i], size = std::abs(error) / (is_angle(x, r) ? 1 : w.length);
+          wrong = tuning::island::correction * error;
+          largest = std::max(largest, size), over = std::max(over, tuning::island::correction * size / most);
+        }
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
         wrong = one_sided(s.error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box) {
@@ -203,11 +209,14 @@ bool Island::correct() {
       g[i] = compliance[i] = 0, bias[i] = wrong;
     }
     in_boxes += x.kind == RowKind::Box;
+    if (!(over > 1)) continue;
+    far = true;
+    for (Index r = 0; r < s.rows; ++r) bias[s.first + r] /= over;
   }
   if (!(largest > tuning::slop)) return false;
   if (dropped > 0) share_errors(m, d, bias);
   if (large() || equalities == 0) correct_by_sweeps();
-  else solve_displacement(), scatter_all();
+  else solve_displacement(far), scatter_all();
   return true;
 }
 

@@ -55,6 +55,9 @@ inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster appro
 inline constexpr double correction = 0.5;       // of the position error that a step removes
 // of a row's own G: bounds displacements of contradictory rows; and of the displacement, the solver's tolerance
 inline constexpr double correction_softness = 1e-6;
+// of the constraint's largest G, where equalities are further off than a step corrects, perhaps out of reach: mechanisms settle
+// where they are nearest
+inline constexpr double far_softness = 1e-2;
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr int relaxed_every = 64;        // steps of dt: the smallest impulses cost a Newton step
 inline constexpr Index few_iterations = 20;     // of the dense matrix's first try, where it may end at the default residual

@@ -133,3 +133,39 @@ def test_refusals():
         m.mocap_id("nothing")
     with pytest.raises(dyn.Error, match="box_joint|moves it"):
         dyn.Builder.from_model(m).set_mocap("box")
+
+
+REACHING = """<mujoco><option timestep=".002"/><worldbody>
+ <body name="target" mocap="true" pos="1.2 0 1"/>
+ <body pos="0 0 1"><joint axis="0 0 1"/><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .5 0 0" size=".04" contype="0"/>
+  <body pos=".5 0 0"><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .4 0 0" size=".03" contype="0"/>
+   <body name="tip" pos=".4 0 0"><joint axis="0 0 1"/><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" contype="0"/>
+    <site name="end" pos=".3 0 0"/></body></body></body>
+</worldbody><equality><connect body1="tip" body2="target" anchor=".3 0 0"/></equality></mujoco>"""
+
+
+@pytest.mark.parametrize("distance", [1.21, 2, 5])
+def test_an_arm_of_1_2_m_points_at_what_it_cannot_reach(distance):
+    m = dyn.load_string(REACHING)
+    rng = np.random.default_rng(5)
+    for start in [np.zeros(5), *rng.uniform(-1, 1, (3, 5))]:
+        d = m.data()
+        d.q = start
+        toward = rng.normal(size=3)
+        toward /= np.linalg.norm(toward)
+        d.set_mocap("target", [0, 0, 1] + distance * toward)
+        for _ in range(3000):
+            d.step()
+        np.testing.assert_allclose(position(d, "end"), [0, 0, 1] + 1.2 * toward, atol=1e-3)
+        assert np.abs(d.v).max() < 1e-3
+
+
+def test_a_weld_far_beyond_reach_does_not_end_a_simulation():
+    m = dyn.load_string(REACHING.replace('connect body1="tip" body2="target" anchor=".3 0 0"', 'weld body1="tip" body2="target"'))
+    rng = np.random.default_rng(7)
+    for _ in range(10):
+        d = m.data()
+        d.set_mocap("target", rng.normal(size=3) * 2, turn(rng.uniform(0, 6)))
+        for _ in range(500):
+            d.step()
+        assert np.abs(d.v).max() < 1
