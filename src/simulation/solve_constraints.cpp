@@ -188,15 +188,17 @@ bool Island::correct() {
   for (Index k = 0, in_boxes = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
     const ConstraintInstance<double>& s = *x.s;
-    double over = 1;  // an equality's largest row over what a step corrects: its error keeps its direction
+    double over[2] = {1, 1};  // an equality's largest length and angle over what a step corrects: errors keep their directions
     for (Index r = 0; r < s.rows; ++r) {
       const Index i = s.first + r;
       double wrong = 0;
       if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
         if (dropped > 0 || !(s.dropped >> r & 1)) {
-          const double error = s.error[r] + ahead * c[i], size = std::abs(error) / (is_angle(x, r) ? 1 : w.length);
-          wrong = tuning::island::correction * error;
-          largest = std::max(largest, size), over = std::max(over, tuning::island::correction * size / most);
+          const bool angle = is_angle(x, r);
+          wrong = s.error[r] + ahead * c[i];
+          const double size = std::abs(wrong) / (angle ? 1 : w.length);
+          wrong *= tuning::island::correction;
+          largest = std::max(largest, size), over[angle] = std::max(over[angle], tuning::island::correction * size / most);
         }
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
         wrong = one_sided(s.error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
@@ -209,9 +211,9 @@ bool Island::correct() {
       g[i] = compliance[i] = 0, bias[i] = wrong;
     }
     in_boxes += x.kind == RowKind::Box;
-    if (!(over > 1)) continue;
+    if (!(over[0] > 1 || over[1] > 1)) continue;
     far = true;
-    for (Index r = 0; r < s.rows; ++r) bias[s.first + r] /= over;
+    for (Index r = 0; r < s.rows; ++r) bias[s.first + r] /= over[is_angle(x, r)];
   }
   if (!(largest > tuning::slop)) return false;
   if (dropped > 0) share_errors(m, d, bias);
