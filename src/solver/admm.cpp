@@ -1,5 +1,7 @@
 #include "solver/admm.hpp"
 
+#include "solver/smoothing.hpp"
+
 namespace dyn::solver {
 
 namespace {
@@ -30,9 +32,11 @@ void admm(Workspace& w, Budget& b) {
     admm_iterations(w, b, b.max_iterations);
     return;
   }
-  // if both fail, the interior point method starts from smaller impulses, after as many more steps
+  // if all fail, the interior point method starts from smaller impulses, after as many more steps
   for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
-    if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor)) return;
+    if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor) ||
+        (factor == 1 && smoothing_newton(w, b)))
+      return;
 }
 
 }  // namespace dyn::solver

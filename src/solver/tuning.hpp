@@ -107,6 +107,23 @@ inline constexpr double near = 1e3;            // tolerances: error at which the
 inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one attempt
 }  // namespace alart_curnier
 
+// Smoothing Newton method (smoothing.cpp): measured on jams of 10 to 100 rows that other methods left unsolved
+namespace smoothing {
+inline constexpr double rho = 10;               // of the natural map, over the mean diagonal of a block
+inline constexpr double damping = 1e-4;         // of the unit diagonal: redundant contacts
+inline constexpr double closeness = 0.3;        // of eps: error of the map at which eps falls,
+inline constexpr double reduction = 0.2;        // to this share of it,
+inline constexpr double slow_reduction = 0.7, growth = 1.5;  // else to these, growth after short steps
+inline constexpr int steps_each = 6;            // Newton steps for one eps
+inline constexpr double short_part = 0.1;       // of a Newton step that counts as short
+inline constexpr int halvings = 8;              // of the line search
+inline constexpr double decrease = 1e-3;        // of the error that a step promises (Armijo)
+inline constexpr Index max_steps = 80, max_rows = 64;  // bounds of one attempt: a step factorizes all rows, without symmetry
+inline constexpr Index judged_after = 12;       // steps: where eps is then
+inline constexpr double hopeful = 0.1;          // of its first value or more, masses are too unequal, and other methods go on
+inline constexpr double newton_error = 1e-3, newton_reduction = 0.1;  // as of the interior point method
+}  // namespace smoothing
+
 // Dense linear algebra (dense.hpp).
 namespace dense {
 inline constexpr Index few_columns = 16;  // LU eliminates one column at a time when no more are left: faster, same result
