@@ -1,5 +1,5 @@
-// dyn effects: what a scene calls for, measured. Each effect that acts is left out once: how far the result then is from that
-// with all of them is its magnitude, and what the steps then take less is its price.
+// dyn effects: what a scene calls for, measured. Each effect that acts is left out once: how far the motion then is from that
+// with all of them, at most, is its magnitude, and what the steps then take less is its price.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -12,32 +12,35 @@ namespace cli {
 
 namespace {
 
-constexpr int samples = 50;
+constexpr int batches = 50;  // of steps, between looks at the clock
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
+// What a step takes.
 struct Rollout {
-  std::vector<Vector> q;  // at samples
-  double ns = 0;          // a step
+  double ns = 0;
   double instructions = unknown;
-  std::string error;      // why it ended early
+  std::string error;  // why it ended early
 };
+
+Data start(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on) {
+  Data data(robot, DYN_PART_SIMULATION, on);
+  set_start(robot, data, state);
+  set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0,
+               {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget});
+  return data;
+}
 
 Rollout roll_out(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on) {
   using Clock = std::chrono::steady_clock;
   const Schedule schedule(options.duration, options.dt);
   Rollout out;
-  for (int run = 0; run < 2; ++run) {  // the first one also warms caches
-    const Data data(robot, DYN_PART_SIMULATION, on);
-    set_start(robot, data, state);
-    set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0,
-                 {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget});
-    const double* q = state_view(robot, data, "q");
-    const long long every = std::max(schedule.steps / samples, 1LL);
+  for (int run = 0; run < 2 && out.error.empty(); ++run) {  // the first one also warms caches
+    const Data data = start(robot, state, options, on);
+    const long long every = std::max(schedule.steps / batches, 1LL);
     const InstructionCounter counter;
     std::uint64_t counted = 0;
     Clock::duration wall{};
     bool known = true;
-    out.q.clear();
     for (long long i = 0; i < schedule.steps && out.error.empty();) {
       const long long end = std::min(i + every, schedule.steps);
       const auto before = counter.read();
@@ -50,23 +53,24 @@ Rollout roll_out(const Robot& robot, const State& state, const SteppingOptions& 
       wall += Clock::now() - start;
       if (const auto after = counter.read(); before && after) counted += *after - *before;
       else known = false;
-      out.q.emplace_back(q, q + robot.nq);
     }
     const double ns = std::chrono::duration<double, std::nano>(wall).count() / static_cast<double>(schedule.steps);
     out.ns = run ? std::min(out.ns, ns) : ns;
     if (known) out.instructions = static_cast<double>(counted) / static_cast<double>(schedule.steps);
-    if (!out.error.empty()) break;
   }
   return out;
 }
 
-// Largest coordinate of the difference, m or rad, over all samples; infinite where one of them ended early.
-double distance(const Robot& robot, const Rollout& a, const Rollout& b) {
-  if (!a.error.empty() || !b.error.empty()) return HUGE_VAL;
+// Largest coordinate of the difference, m or rad, after any step; infinite where one of the two ends early.
+double largest_difference(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on,
+                          std::uint32_t without) {
+  const Data a = start(robot, state, options, on), b = start(robot, state, options, without);
+  const double *const qa = state_view(robot, a, "q"), *const qb = state_view(robot, b, "q");
   double most = 0;
   Vector d(robot.nv);
-  for (std::size_t k = 0; k < a.q.size(); ++k) {
-    check(dyn_difference(robot, a.q[k].data(), b.q[k].data(), d.data()));
+  for (long long i = 0, steps = Schedule(options.duration, options.dt).steps; i < steps; ++i) {
+    if (dyn_step(robot, a) != DYN_OK || dyn_step(robot, b) != DYN_OK) return HUGE_VAL;
+    check(dyn_difference(robot, qa, qb, d.data()));
     for (const double x : d) most = std::max(most, std::abs(x));
   }
   return most;
@@ -87,8 +91,9 @@ Measured measure(const Robot& robot, const State& state, const SteppingOptions& 
   for (json& e : out.effects) {
     progress.at(done++);
     if (!e["active"].get<bool>() || e["name"] == "mimic") continue;
-    const Rollout without = roll_out(robot, state, options, on & ~effect_bits(e["name"]));
-    e["magnitude"] = number_or_null(distance(robot, out.all, without));
+    const std::uint32_t others = on & ~effect_bits(e["name"]);
+    const Rollout without = roll_out(robot, state, options, others);
+    e["magnitude"] = number_or_null(largest_difference(robot, state, options, on, others));
     e["instructions"] = number_or_null(out.all.instructions - without.instructions);
     e["ns"] = out.all.ns - without.ns;
     if (!without.error.empty()) e["failed_without"] = without.error;
@@ -109,7 +114,7 @@ json suggest(const Robot& robot, const State& state, const SteppingOptions& opti
     std::vector<std::string> without;
     for (const auto& c : candidates) kept &= ~effect_bits(c.second), without.push_back(c.second);
     const Rollout run = candidates.empty() ? measured.all : roll_out(robot, state, options, kept);
-    const double error = distance(robot, measured.all, run);
+    const double error = candidates.empty() ? 0 : largest_difference(robot, state, options, on, kept);
     if (!(error < allowed) && !candidates.empty()) continue;
     json keep = json::array();
     for (const json& e : measured.effects)
@@ -166,7 +171,7 @@ std::string effects_text(const json& a) {
                     (a["instructions_per_step"].is_null()
                          ? ""
                          : ", " + short_number(a["instructions_per_step"].get<double>(), 4) + " instructions") +
-                    "; magnitude: change of the result after " + short_number(a["duration"].get<double>()) +
+                    "; magnitude: largest change within " + short_number(a["duration"].get<double>()) +
                     " s without it, m or rad\n";
   std::vector<std::vector<std::string>> rows = {{"effect", "", "magnitude", "instructions", "us", "bytes", "why"}};
   for (const json& e : a["effects"]) {
@@ -177,6 +182,8 @@ std::string effects_text(const json& a) {
                     e["reason"].get<std::string>() +
                         (e.contains("failed_without") ? "; without it: " + e["failed_without"].get<std::string>() : "")});
   }
+  if (a["instructions_per_step"].is_null())  // the machine counts none
+    for (auto& row : rows) row.erase(row.begin() + 3);
   out += table(rows);
   if (a.contains("suggested")) {
     const json& s = a["suggested"];

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from command import GO2, ROBOTS, answer, pytestmark, run  # noqa: F401
 
+import libdyn as dyn
+
 ROBOT = """<mujoco><option gravity="0 0 -9.81"/><worldbody>
 <body name="arm"><joint name="j" axis="0 1 0" damping="1e-7" stiffness="2" armature="0.01" {joint}/><geom type="capsule" fromto="0 0 0 0.5 0 0" size=".03"/></body>
 </worldbody><actuator><motor joint="j"/></actuator></mujoco>"""
@@ -32,6 +34,28 @@ def test_each_effect_is_measured(scene):
     ends = [answer("sim", scene, "--duration", "0.5", "--ctrl", "0.3", "--no-error-estimate", *more)["q"]
             for more in ((), suggested["options"].split())]
     assert 0 < np.abs(np.subtract(*ends)).max() <= suggested["error"] * (1 + 1e-9)
+
+
+def test_magnitudes_are_the_largest_over_all_steps(tmp_path):
+    """A damped pendulum beside an undamped one: they are farthest apart between the ends."""
+    robots = []
+    for name, damping in (("damped", 0.02), ("free", 0)):
+        robots.append(tmp_path / f"{name}.urdf")
+        robots[-1].write_text(
+            '<robot name="p"><link name="a"/><link name="b"><inertial><origin xyz="0 0 -1"/><mass value="1"/><inertia ixx=".01" '
+            'iyy=".01" izz=".01" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="j" type="continuous"><parent link="a"/>'
+            f'<child link="b"/><axis xyz="1 0 0"/><dynamics damping="{damping}"/></joint></robot>')
+    found = answer("effects", robots[0], "--fixed", "--duration", "4.0", "--dt", "0.01", "--q", "1")["effects"]
+    a, b = data = [dyn.load(robot, base="fixed").data() for robot in robots]
+    most = 0.0
+    for d in data:
+        d.set_state(d.model.integrate(d.model.neutral(), [1.0]))
+    for _ in range(400):
+        a.step(0.01), b.step(0.01)
+        last = abs(a.model.difference(a.q, b.q)[0])
+        most = max(most, last)
+    magnitude = next(e["magnitude"] for e in found if e["name"] == "damping")
+    assert magnitude == pytest.approx(most, rel=1e-9) and most > 1.1 * last
 
 
 def test_nothing_to_leave_out(scene):
