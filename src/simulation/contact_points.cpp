@@ -165,6 +165,21 @@ struct Search {
     }
   }
 
+  // Bound on the speed of points of one shape as the other sees them. From a half space only the way along its normal leads.
+  double passing_speed(Index ia, Index ib) const {
+    const auto seen = [&](Index by, Index geom) {
+      const Geom &g = d.geoms[geom], &from = d.geoms[by];
+      const Vec3<double>& center = d.geom_poses[geom].p;
+      const Vec3<double> u = velocity_at(d, g.body, center) - velocity_at(d, from.body, center);
+      const Vec3<double> turning = d.step->root_velocity[g.body].angular - d.step->root_velocity[from.body].angular;
+      const double way = from.shape.type == shape::Type::HalfSpace ? std::abs(dot(d.geom_poses[by].R.z, u)) : shape::norm(u);
+      return way + (g.shape.type == shape::Type::Sphere ? 0 : shape::norm(turning) * g.bounding_radius);
+    };
+    if (!(d.geoms[ia].bounding_radius < shape::infinity)) return seen(ia, ib);
+    if (!(d.geoms[ib].bounding_radius < shape::infinity)) return seen(ib, ia);
+    return std::min(seen(ia, ib), seen(ib, ia));
+  }
+
   // is_tested(pair): returns whether the pair is enabled, and sets its number.
   template <class F>
   void look(Index ia, Index ib, F&& is_tested) {
@@ -190,8 +205,10 @@ struct Search {
     if (!near_enough || found.count == 0) return;
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
-    const double way = gap > search::near * smaller ? std::max(gap, search::min_pass * smaller) : smaller;
-    w.time_to_pass = std::min(w.time_to_pass, way / (w.speeds[ia] + w.speeds[ib]));
+    if (w.options.accuracy > 0) {
+      const double way = gap > search::near * smaller ? std::max(gap, search::min_pass * smaller) : smaller;
+      w.time_to_pass = std::min(w.time_to_pass, way / passing_speed(ia, ib));
+    }
     if (gap > search::touching * smaller && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];
