@@ -7,7 +7,8 @@ namespace dyn::integrator::tuning {
 inline constexpr double safety = 0.9;                 // of the step length that would just meet the accuracy
 inline constexpr double error_power = -0.8, history_power = 0.28;  // of this step's and the last's error ratio, over the order
 inline constexpr double min_ratio = 1e-4;             // least error ratio that is remembered
-inline constexpr double min_factor = 0.2, max_factor = 5, max_factor_rows = 2;  // of one change; rows hide errors
+inline constexpr double min_factor = 0.2, max_factor = 5;         // of one change,
+inline constexpr double max_factor_rows = 2, max_factor_contacts = 3;  // smaller where rows or contacts hide errors
 inline constexpr double first_change = 0.01;          // of the time scale of y: probe of the second derivative,
 inline constexpr int first_gain = 4;                  // which bounds the first step: by first_change of the accuracy, times this
 
@@ -36,8 +37,8 @@ inline constexpr int saved_shares = 3;                // of the error budget tha
 // Steps with contacts (advance.hpp, extrapolated.hpp).
 inline constexpr double closed_share = 0.1;           // of the accuracy: gaps that count as closed,
 inline constexpr double closed_rounding = 256;        // or of the rounding of the state
-inline constexpr double deep = 100;                   // of the closed gap: deeper overlap is pushed out in steps of first_step
-inline constexpr double first_step = 1e-3;            // s, first step with contacts, at accuracy 1 / accuracy_scale
+inline constexpr double deep = 100;                   // of the closed gap: deeper overlap is pushed out in steps of push_step
+inline constexpr double first_step = 1e-2, push_step = 1e-3;  // s, first step with contacts, at accuracy 1 / accuracy_scale
 inline constexpr double accuracy_scale = 1e3;         // per unit of accuracy
 inline constexpr double smallest_share = 1e-3;        // of accuracy and duration (up to 1 s): shortest step with rows,
 inline constexpr double smallest = 10 * shortest_step;  // or of the duration: time still tells such steps apart

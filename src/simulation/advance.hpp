@@ -118,16 +118,16 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   // with active rows: below it errors no longer fall
   const double smallest =
       std::max(tuning::smallest_share * std::min(accuracy, 1.0) * std::min(duration, 1.0), tuning::smallest * duration);
-  const double first = tuning::first_step * std::max(1.0, std::cbrt(tuning::accuracy_scale * accuracy));  // of order 3
-  double h = std::min(duration, first), t = 0;
+  const double longer = std::max(1.0, std::cbrt(tuning::accuracy_scale * accuracy));  // of order 3
+  double h = std::min(duration, tuning::first_step * longer), t = 0;
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * tuning::shortest_step)) return no_step_left;
     double until, depth, ignored;
     const bool rows = meets_constraints(m, d, s, h, closed, until, depth),
                near = d.step->time_to_pass<HUGE_VAL, sunk = depth> deep;
-    h = std::min(h, sunk ? first : std::max(until, smallest));
-    const bool last = h >= duration - t - duration * tuning::shortest_step, cut = h < whole;
+    h = std::min(h, sunk ? tuning::push_step * longer : std::max(until, smallest));
+    const bool last = h >= duration - t - duration * tuning::shortest_step, cut = h < whole && !sunk;
     double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)),
            power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
@@ -175,7 +175,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       }
     }
     const double factor = error > 0 ? tuning::safety * math::pow(allowed / error, power) : tuning::max_factor;
-    h *= error < HUGE_VAL ? std::clamp(factor, tuning::min_factor, rows ? tuning::max_factor_rows : tuning::max_factor)
+    h *= error < HUGE_VAL ? std::clamp(factor, tuning::min_factor, rows ? tuning::max_factor_contacts : tuning::max_factor)
                           : tuning::min_factor;
     if (rows) h = std::max(h, smallest);
   }

@@ -165,15 +165,24 @@ struct Search {
     }
   }
 
-  // Bound on the speed of points of one shape as the other sees them. From a half space only the way along its normal leads.
+  // Whether contacts between the two bodies pressed when contacts were found last.
+  bool pressed(Index ia, Index ib) const {
+    const Index a = d.geoms[ia].body, b = d.geoms[ib].body;
+    return std::any_of(w.previous, w.previous + w.previous_count, [&](const dynContactForce& f) {
+      const auto body = [&](Index shape) { return d.geoms[collision::geom_of_shape(m, shape)].body; };
+      const Index x = body(f.contact.shape_a), y = body(f.contact.shape_b);
+      return is_active(f) && ((x == a && y == b) || (x == b && y == a));
+    });
+  }
+  // Bound on the speed of points of one shape as the other sees them. Along a half space nothing passes.
   double passing_speed(Index ia, Index ib) const {
     const auto seen = [&](Index by, Index geom) {
       const Geom &g = d.geoms[geom], &from = d.geoms[by];
       const Vec3<double>& center = d.geom_poses[geom].p;
       const Vec3<double> u = velocity_at(d, g.body, center) - velocity_at(d, from.body, center);
       const Vec3<double> turning = d.step->root_velocity[g.body].angular - d.step->root_velocity[from.body].angular;
-      const double way = from.shape.type == shape::Type::HalfSpace ? std::abs(dot(d.geom_poses[by].R.z, u)) : shape::norm(u);
-      return way + (g.shape.type == shape::Type::Sphere ? 0 : shape::norm(turning) * g.bounding_radius);
+      const bool flat = from.shape.type == shape::Type::HalfSpace;
+      return (!flat ? shape::norm(u) : pressed(ia, ib) ? 0 : std::abs(dot(d.geom_poses[by].R.z, u))) + (g.shape.type == shape::Type::Sphere ? 0 : shape::norm(turning) * g.bounding_radius);
     };
     if (!(d.geoms[ia].bounding_radius < shape::infinity)) return seen(ia, ib);
     if (!(d.geoms[ib].bounding_radius < shape::infinity)) return seen(ib, ia);
