@@ -129,7 +129,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   else if (springs) spec.stiffness.assign(nv, stiffness);
   if (scalar && (springs || e.Attribute("springref")))
     spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
-  body.joints.push_back(std::move(joint));
+  body.joints.push_back(std::move(joint)), file.robot.names.reset();
 }
 
 }  // namespace dyn::load
