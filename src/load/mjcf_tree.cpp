@@ -42,7 +42,6 @@ void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   }
   site.X = context.X * X;
   read_zone(reader, e, half, site);
-  file.source.charge(&Budget::add_bytes, bytes_of_part, e);
   if (!site.name.empty()) body.sites.push_back(std::move(site)), file.robot.names.reset();
 }
 
@@ -56,7 +55,7 @@ using TodoList = std::vector<Todo>;
 void add_content(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo) {
   const std::vector<Element*> children = file.source.children(e);
   const std::int64_t names = std::int64_t(context.childclass.size() + 4 * (context.prefix.size() + context.suffix.size()));
-  file.source.charge(&Budget::add_bytes, bytes_of_element + (bytes_of_visit + names) * std::int64_t(children.size()), e);
+  file.source.charge(&Budget::add_bytes, bytes_of_element + (bytes_of_part + names) * std::int64_t(children.size()), e);
   const auto shared = std::make_shared<const MjcfContext>(std::move(context));
   for (auto c = children.rbegin(); c != children.rend(); ++c) todo.push_back({*c, shared});
 }

@@ -32,7 +32,7 @@ void add_link(Builder& builder, const UrdfLink& link, const Parent& parent, Pair
 
 ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadOptions& options) {
   Report report(file, options.strict);
-  const std::int64_t bytes = 2 * check_xml(text, report);  // urdfdom reads it again
+  const std::int64_t bytes = check_xml(text, report);
   if (options.budget) options.budget->add_bytes(bytes, report, 0);
   UrdfRobot robot = read_urdf(Document(text, report).root(), report, options);
   const UrdfTree tree = check_tree(robot, report);

@@ -251,10 +251,14 @@ inline constexpr const char* massless_report = "forward dynamics may be undefine
 // What only the finished model shows; the load report says it.
 struct Findings {
   GeomPairs overlapping;
+  bool all_looked_at = true;  // the search for them ended by itself
   std::vector<std::string> massless;
 };
 // Tested pairs of filter Guess that overlap in the neutral configuration and in all of 32 random ones, or all but one. Ascending.
-GeomPairs overlapping(const Model& m);
+// The search ends after max_looks pairs with overlapping boxes, or max_overlaps pairs that overlap: shapes in one place have the
+// square of their number. all: whether it did not.
+inline constexpr std::size_t max_looks = 2000000, max_overlaps = 20000;
+GeomPairs overlapping(const Model& m, bool& all);
 
 // Sizes of a primitive joint.
 int primitive_nq(BodyType t);

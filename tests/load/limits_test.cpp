@@ -107,7 +107,7 @@ TEST(LoadLimits, Keys) {
          {"bytes of memory"});
 }
 
-std::string chain(int n, const std::string& type) {
+std::string chain_of(int n, const std::string& type) {
   std::string text = "<robot name=\"r\">" + link("l0");
   for (int i = 1; i <= n; ++i)
     text += link("l" + std::to_string(i)) +
@@ -116,15 +116,15 @@ std::string chain(int n, const std::string& type) {
 }
 
 TEST(LoadLimits, Links) {
-  accept("fixed", chain(50000, "fixed"));
-  accept("moving", chain(8000, "continuous"));
+  accept("fixed", chain_of(50000, "fixed"));
+  accept("moving", chain_of(8000, "continuous"));
   Options few;
   few.max_bodies = 99;
-  refuse("few", chain(100, "fixed"), {"more than 99 bodies"}, DYN_ERROR_LIMIT, few);
+  refuse("few", chain_of(100, "fixed"), {"more than 99 bodies"}, DYN_ERROR_LIMIT, few);
   few.max_bodies = 0, few.max_bytes = 100000;
-  refuse("bytes", chain(100, "fixed"), {"more than 100000 bytes of memory"}, DYN_ERROR_LIMIT, few);
+  refuse("bytes", chain_of(100, "fixed"), {"more than 100000 bytes of memory"}, DYN_ERROR_LIMIT, few);
   few.max_bytes = 0, few.max_seconds = 1e-6;
-  refuse("seconds", chain(1000, "fixed"), {"more than 1e-06 s of processor time"}, DYN_ERROR_LIMIT, few);
+  refuse("seconds", chain_of(1000, "fixed"), {"more than 1e-06 s of processor time"}, DYN_ERROR_LIMIT, few);
 }
 
 // Names are looked up in time that does not grow with the number of parts.

@@ -10,7 +10,7 @@
 namespace dyn_test {
 namespace {
 
-const std::string scene = R"(<mujoco model="m">
+const std::string seed_scene = R"(<mujoco model="m">
 <compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"><flag contact="enable"/></option>
 <default><geom density="500"/><default class="c"><joint damping="0.1" range="-1 1"/></default></default>
 <asset><mesh name="tetra" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><hfield name="h" nrow="2" ncol="2" elevation="0 1 1 0" size="1 1 1 1"/>
@@ -28,7 +28,7 @@ const std::string scene = R"(<mujoco model="m">
 <sensor><jointpos joint="j"/><touch site="s1"/><framepos objtype="body" objname="a"/></sensor>
 <keyframe><key name="home" qpos="0 0 0 1 0 0 0 0 0 0 1 0 0 0 0 0 0 1 0 0 0 0.1 0.2" qvel="1 2 3"/></keyframe></mujoco>)";
 
-std::string arm() {
+std::string seed_robot() {
   return robot(link("a", solid + "<collision><geometry><box size=\"1 2 3\"/></geometry></collision><visual><geometry><cylinder radius=\"1\" length=\"2\"/>"
                                  "</geometry><material name=\"m\"><color rgba=\"1 0 0 1\"/></material></visual>") +
                link("b") + link("c") + link("d") + joint("j", "revolute", "a", "b", "<origin xyz=\"1 2 3\" rpy=\"0.1 0.2 0.3\"/><axis xyz=\"0 1 0\"/>" + limit + "<dynamics damping=\"0.1\" friction=\"0.2\"/>") +
@@ -36,7 +36,7 @@ std::string arm() {
                "<libdyn><constraint name=\"pin\" type=\"connect\"><first link=\"d\"><origin xyz=\"1 0 0\"/></first></constraint></libdyn>");
 }
 
-const std::string states = "<robot name=\"r\"><group name=\"g\"><joint name=\"j\"/></group><group_state name=\"home\" group=\"g\"><joint name=\"j\" value=\"0.5\"/>"
+const std::string seed_states = "<robot name=\"r\"><group name=\"g\"><joint name=\"j\"/></group><group_state name=\"home\" group=\"g\"><joint name=\"j\" value=\"0.5\"/>"
                            "</group_state><disable_collisions link1=\"a\" link2=\"b\" reason=\"Adjacent\"/><virtual_joint name=\"v\" type=\"fixed\" "
                            "parent_frame=\"w\" child_link=\"a\"/><disable_default_collisions link=\"c\"/></robot>";
 
@@ -47,7 +47,7 @@ void load_mutants(const std::string& name, const std::string& good, bool srdf = 
       std::string folder = (std::filesystem::temp_directory_path() / "dyn_mutants_XXXXXX").string();
       ASSERT_NE(nullptr, mkdtemp(folder.data()));
       const std::string path = folder + "/" + name, robot_path = folder + "/robot.urdf";
-      std::ofstream(robot_path) << arm();
+      std::ofstream(robot_path) << seed_robot();
       for (std::uint64_t seed = first; seed < first + per_process && seed <= count; ++seed) {
         std::ofstream(path, std::ios::binary) << mutant(good, seed);
         Options options;
@@ -65,11 +65,11 @@ void load_mutants(const std::string& name, const std::string& good, bool srdf = 
     });
 }
 
-TEST(LoadMutants, Urdf) { good(arm()), load_mutants("m.urdf", arm()); }
-TEST(LoadMutants, Mjcf) { good(scene), load_mutants("m.xml", scene); }
-TEST(LoadMutants, Srdf) { load_mutants("m.srdf", states, true); }
+TEST(LoadMutants, Urdf) { good(seed_robot()), load_mutants("m.urdf", seed_robot()); }
+TEST(LoadMutants, Mjcf) { good(seed_scene), load_mutants("m.xml", seed_scene); }
+TEST(LoadMutants, Srdf) { load_mutants("m.srdf", seed_states, true); }
 TEST(LoadMutants, Dynb) {
-  const Loaded l = good(scene);
+  const Loaded l = good(seed_scene);
   std::size_t size = 0;
   dyn_model_save_memory(l.model.get(), DYN_FORMAT_DYNB, nullptr, nullptr, 0, &size);
   std::string bytes(size, '\0');

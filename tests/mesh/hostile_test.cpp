@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint64_t memory = std::uint64_t(1) << 30;
 
-std::string with(std::string text, const std::string& what, const std::string& by) {
+std::string changed(std::string text, const std::string& what, const std::string& by) {
   const std::size_t at = text.find(what);
   EXPECT_NE(text.npos, at) << what;
   return text.replace(at, what.size(), by);
@@ -28,33 +28,33 @@ void refuse(const std::string& name, const std::string& content, dynStatus statu
 
 TEST(MeshHostile, CountsOfCollada) {
   const std::string good = dae(brick);
-  refuse("zero.dae", with(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"0\""), DYN_ERROR_PARSE, "states a count of 0, and holds 24");
-  refuse("word.dae", with(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"x\""), DYN_ERROR_PARSE, "count='x': a whole number");
-  refuse("inf.dae", with(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"inf\""), DYN_ERROR_PARSE, "count='inf': a whole number");
-  refuse("none.dae", with(good, "id=\"a\" count=\"24\"", "id=\"a\""), DYN_ERROR_PARSE, "<float_array> has no attribute count");
-  refuse("three.dae", with(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"3\""), DYN_ERROR_PARSE, "states a count of 3, and holds 24");
-  refuse("huge.dae", with(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"1000000000\""), DYN_ERROR_PARSE,
+  refuse("zero.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"0\""), DYN_ERROR_PARSE, "states a count of 0, and holds 24");
+  refuse("word.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"x\""), DYN_ERROR_PARSE, "count='x': a whole number");
+  refuse("inf.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"inf\""), DYN_ERROR_PARSE, "count='inf': a whole number");
+  refuse("none.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\""), DYN_ERROR_PARSE, "<float_array> has no attribute count");
+  refuse("three.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"3\""), DYN_ERROR_PARSE, "states a count of 3, and holds 24");
+  refuse("huge.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"1000000000\""), DYN_ERROR_PARSE,
          "states a count of 1000000000, and holds 24");
-  refuse("elements.dae", with(good, "source=\"#a\" count=\"8\"", "source=\"#a\" count=\"9\""), DYN_ERROR_PARSE,
+  refuse("elements.dae", changed(good, "source=\"#a\" count=\"8\"", "source=\"#a\" count=\"9\""), DYN_ERROR_PARSE,
          "states 9 elements of 3 numbers, and its array has 24");
-  refuse("stride.dae", with(good, "stride=\"3\"", "stride=\"2\""), DYN_ERROR_PARSE, "a stride of 2: three numbers are needed");
-  refuse("triangles.dae", with(good, "<triangles count=\"12\"", "<triangles count=\"13\""), DYN_ERROR_PARSE,
+  refuse("stride.dae", changed(good, "stride=\"3\"", "stride=\"2\""), DYN_ERROR_PARSE, "a stride of 2: three numbers are needed");
+  refuse("triangles.dae", changed(good, "<triangles count=\"12\"", "<triangles count=\"13\""), DYN_ERROR_PARSE,
          "states a count of 13, and holds 12");
-  refuse("nan.dae", with(good, "-3 1 0.3 ", "-3 nan 0.3 "), DYN_ERROR_PARSE, "'nan' is not finite");
+  refuse("nan.dae", changed(good, "-3 1 0.3 ", "-3 nan 0.3 "), DYN_ERROR_PARSE, "'nan' is not finite");
 }
 
 TEST(MeshHostile, IndicesOfCollada) {
   const std::string good = dae(brick);
-  refuse("word.dae", with(good, "<p>0 2 3", "<p>0 x 3"), DYN_ERROR_PARSE, "'x' is not an index");
-  refuse("real.dae", with(good, "<p>0 2 3", "<p>0 2.5 3"), DYN_ERROR_PARSE, "'2.5' is not an index");
-  refuse("large.dae", with(good, "<p>0 2 3", "<p>0 8 3"), DYN_ERROR_PARSE, "index 8 is not one of the 8 vertices");
-  refuse("negative.dae", with(good, "<p>0 2 3", "<p>-1 2 3"), DYN_ERROR_PARSE, "index -1 is not one of the 8 vertices");
-  refuse("offset.dae", with(good, "offset=\"0\"", "offset=\"1000000\""), DYN_ERROR_PARSE, "a whole number from 0 to 63");
-  refuse("short.dae", with(good, "offset=\"0\"", "offset=\"6\""), DYN_ERROR_PARSE, "ends within a corner of 7 indices");
-  refuse("corner.dae", with(good, "</p>", " 1</p>"), DYN_ERROR_PARSE, "ends within a triangle");
-  refuse("gone.dae", with(good, "url=\"#g\"", "url=\"#gone\""), DYN_ERROR_PARSE, "there is no <geometry> of this id");
-  const std::string polylist = with(with(good, "<triangles count=\"12\">", "<polylist count=\"1\">"), "</triangles>", "</polylist>");
-  refuse("sizes.dae", with(polylist, "<p>", "<vcount>1000000000</vcount><p>"), DYN_ERROR_PARSE, "asks for more corners than <p> holds");
+  refuse("word.dae", changed(good, "<p>0 2 3", "<p>0 x 3"), DYN_ERROR_PARSE, "'x' is not an index");
+  refuse("real.dae", changed(good, "<p>0 2 3", "<p>0 2.5 3"), DYN_ERROR_PARSE, "'2.5' is not an index");
+  refuse("large.dae", changed(good, "<p>0 2 3", "<p>0 8 3"), DYN_ERROR_PARSE, "index 8 is not one of the 8 vertices");
+  refuse("negative.dae", changed(good, "<p>0 2 3", "<p>-1 2 3"), DYN_ERROR_PARSE, "index -1 is not one of the 8 vertices");
+  refuse("offset.dae", changed(good, "offset=\"0\"", "offset=\"1000000\""), DYN_ERROR_PARSE, "a whole number from 0 to 63");
+  refuse("short.dae", changed(good, "offset=\"0\"", "offset=\"6\""), DYN_ERROR_PARSE, "ends within a corner of 7 indices");
+  refuse("corner.dae", changed(good, "</p>", " 1</p>"), DYN_ERROR_PARSE, "ends within a triangle");
+  refuse("gone.dae", changed(good, "url=\"#g\"", "url=\"#gone\""), DYN_ERROR_PARSE, "there is no <geometry> of this id");
+  const std::string polylist = changed(changed(good, "<triangles count=\"12\">", "<polylist count=\"1\">"), "</triangles>", "</polylist>");
+  refuse("sizes.dae", changed(polylist, "<p>", "<vcount>1000000000</vcount><p>"), DYN_ERROR_PARSE, "asks for more corners than <p> holds");
 }
 
 // Each node holds the next one twice: 2^40 paths.
@@ -64,17 +64,17 @@ TEST(MeshHostile, NodesOfColladaThatMultiply) {
     const std::string next = "<instance_node url=\"#k" + std::to_string(k + 1) + "\"/>";
     nodes += "<node id=\"k" + std::to_string(k) + "\">" + next + next + "</node>";
   }
-  good = with(good, "<instance_geometry", "<instance_node url=\"#k0\"/><instance_geometry");
+  good = changed(good, "<instance_geometry", "<instance_node url=\"#k0\"/><instance_geometry");
   const std::string library = "<library_nodes>" + nodes + "<node id=\"k40\"/></library_nodes><library_visual_scenes>";
-  refuse("doubling.dae", with(good, "<library_visual_scenes>", library), DYN_ERROR_LIMIT, "does a node hold itself?");
+  refuse("doubling.dae", changed(good, "<library_visual_scenes>", library), DYN_ERROR_LIMIT, "does a node hold itself?");
   const std::string itself = "<library_nodes><node id=\"k0\"><instance_node url=\"#k0\"/></node></library_nodes><library_visual_scenes>";
-  refuse("itself.dae", with(good, "<library_visual_scenes>", itself), DYN_ERROR_LIMIT, "does a node hold itself?");
+  refuse("itself.dae", changed(good, "<library_visual_scenes>", itself), DYN_ERROR_LIMIT, "does a node hold itself?");
 }
 
 TEST(MeshHostile, AccessorsOfGltf) {
   const std::string good = glb(brick);
   const auto damaged = [&](const std::string& what, const std::string& by) {
-    std::string text = with(good, what, by);
+    std::string text = changed(good, what, by);
     const auto set = [&](std::size_t at, std::uint32_t x) { std::memcpy(text.data() + at, &x, 4); };
     std::uint32_t json;
     std::memcpy(&json, good.data() + 12, 4);
@@ -111,8 +111,8 @@ TEST(MeshHostile, CornersOfObj) {
 
 TEST(MeshHostile, VerticesOfStl) {
   std::string good = ascii_stl(brick);
-  refuse("two.stl", with(good, "vertex -3 1 0.3\n", ""), DYN_ERROR_PARSE, "a facet has 2 vertices");
-  refuse("word.stl", with(good, "vertex -3 1 0.3\n", "vertex -3 x 0.3\n"), DYN_ERROR_PARSE, "'x' is not a number");
+  refuse("two.stl", changed(good, "vertex -3 1 0.3\n", ""), DYN_ERROR_PARSE, "a facet has 2 vertices");
+  refuse("word.stl", changed(good, "vertex -3 1 0.3\n", "vertex -3 x 0.3\n"), DYN_ERROR_PARSE, "'x' is not a number");
 }
 
 // A polygon of so many corners is triangulated in time that does not grow with their square.
