@@ -39,7 +39,9 @@ void Budget::add(Account& a, std::int64_t n, const Report& report, int line) {
 void Budget::check_time(const Report& report, int line) {
   until_check_ = charges_between_checks;
   if (thread_seconds() - begin_ > limit_seconds_)
-    report.fail(DYN_ERROR_LIMIT, line, "loading takes more than " + text(limit_seconds_) + " s of processor time, which is the limit: raise max_seconds");
+    report.fail(
+        DYN_ERROR_LIMIT, line,
+        "loading takes more than " + text(limit_seconds_) + " s of processor time, which is the limit: raise max_seconds");
 }
 
 }  // namespace dyn::load

@@ -7,10 +7,9 @@
 namespace dyn::load {
 
 // Estimates of memory in bytes, from measured peaks.
-inline constexpr std::int64_t bytes_of_body = 1500, bytes_of_joint = 1500, bytes_of_shape = 1500, bytes_of_part = 1500,
+inline constexpr std::int64_t bytes_of_body = 1500, bytes_of_joint = 1500, bytes_of_shape = 1500, bytes_of_part = 2500,
                               bytes_of_visit = 100, bytes_of_element = 200, bytes_of_attribute = 90, bytes_of_vertex = 80,
-                              bytes_of_triangle = 80, bytes_of_mesh_file = 2,
-                              bytes_of_height = 60;
+                              bytes_of_triangle = 80, bytes_of_mesh_file = 2, bytes_of_height = 60;
 
 class Budget {
  public:

@@ -37,10 +37,15 @@ struct Parser {
   }
 
   void append_utf8(std::uint32_t c, std::string& out) {
-    if (c < 0x80) out += char(c);
-    else if (c < 0x800) out += char(0xC0 | c >> 6), out += char(0x80 | (c & 63));
-    else if (c < 0x10000) out += char(0xE0 | c >> 12), out += char(0x80 | (c >> 6 & 63)), out += char(0x80 | (c & 63));
-    else out += char(0xF0 | c >> 18), out += char(0x80 | (c >> 12 & 63)), out += char(0x80 | (c >> 6 & 63)), out += char(0x80 | (c & 63));
+    if (c < 0x80)
+      out += char(c);
+    else if (c < 0x800)
+      out += char(0xC0 | c >> 6), out += char(0x80 | (c & 63));
+    else if (c < 0x10000)
+      out += char(0xE0 | c >> 12), out += char(0x80 | (c >> 6 & 63)), out += char(0x80 | (c & 63));
+    else
+      out += char(0xF0 | c >> 18), out += char(0x80 | (c >> 12 & 63)), out += char(0x80 | (c >> 6 & 63)),
+          out += char(0x80 | (c & 63));
   }
   std::uint32_t code() {
     std::uint32_t c = 0;
@@ -76,13 +81,15 @@ struct Parser {
   }
 
   Json value() {
-    if (++values > max_values) fail("has more than " + std::to_string(max_values) + " values, which is the limit", DYN_ERROR_LIMIT);
+    if (++values > max_values)
+      fail("has more than " + std::to_string(max_values) + " values, which is the limit", DYN_ERROR_LIMIT);
     Json out;
     const char c = next();
     if (c == '{' || c == '[') {
       out.kind = c == '{' ? Json::Kind::Object : Json::Kind::Array;
       const char close = c == '{' ? '}' : ']';
-      if (++depth > max_json_depth) fail("is nested more than " + std::to_string(max_json_depth) + " deep, which is the limit", DYN_ERROR_LIMIT);
+      if (++depth > max_json_depth)
+        fail("is nested more than " + std::to_string(max_json_depth) + " deep, which is the limit", DYN_ERROR_LIMIT);
       ++at;
       for (bool first = true; next() != close; first = false) {
         if (!first && !take(",")) unexpected();

@@ -16,8 +16,8 @@ namespace {
 
 // Elements of nodes that are visited: nodes refer to one another, so that a short file may have any number of paths.
 constexpr int max_visited = 5000000;
-constexpr std::size_t max_transform = 4096;  // characters
-constexpr int max_stride = 64;      // inputs of a polygon's corner, numbers of a source's element
+constexpr std::size_t max_transform = 4096;              // characters
+constexpr int max_stride = 64;                           // inputs of a polygon's corner, numbers of a source's element
 constexpr double radian = 3.14159265358979323846 / 180;  // of a degree
 
 std::string text_of(const Element& e) {
@@ -39,9 +39,9 @@ struct Source {
 // The triangles of a <geometry> in its own frame, and what its materials are called.
 struct Geometry {
   Soup soup;
-  std::vector<std::string> symbols;     // of its primitives
-  std::vector<std::uint16_t> symbol;    // of each triangle
-  std::vector<Rgb> factors;             // of each triangle: the mean of its corners' colours; none: all are white
+  std::vector<std::string> symbols;   // of its primitives
+  std::vector<std::uint16_t> symbol;  // of each triangle
+  std::vector<Rgb> factors;           // of each triangle: the mean of its corners' colours; none: all are white
 };
 
 struct Collada {
@@ -84,7 +84,8 @@ struct Collada {
     return *t;
   }
 
-  std::int64_t whole(const Element& e, const char* attribute, std::int64_t most, std::optional<std::int64_t> otherwise = {}) const {
+  std::int64_t whole(const Element& e, const char* attribute, std::int64_t most,
+                     std::optional<std::int64_t> otherwise = {}) const {
     const char* text = e.Attribute(attribute);
     if (!text && otherwise) return *otherwise;
     if (!text) fail(e, " has no attribute " + std::string(attribute));
@@ -143,8 +144,8 @@ struct Collada {
     for (const std::int64_t k : s.at)
       if (k >= s.stride) fail(accessor, " has a stride of " + std::to_string(s.stride) + ": three numbers are needed");
     if (s.count > 0 && s.offset + s.stride * s.count > size)
-      fail(accessor, " states " + std::to_string(s.count) + " elements of " + std::to_string(s.stride) + " numbers, and its array has " +
-                         std::to_string(size) + " numbers");
+      fail(accessor, " states " + std::to_string(s.count) + " elements of " + std::to_string(s.stride) +
+                         " numbers, and its array has " + std::to_string(size) + " numbers");
     return s;
   }
 
@@ -188,7 +189,8 @@ struct Collada {
         std::int64_t i = -1;
         const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), i);
         if (error != std::errc() || end != w.data() + w.size())
-          reader.report.fail(DYN_ERROR_PARSE, words.line(), "<p>: " + in_quotes(std::string(w.substr(0, 60))) + " is not an index");
+          reader.report.fail(DYN_ERROR_PARSE, words.line(),
+                             "<p>: " + in_quotes(std::string(w.substr(0, 60))) + " is not an index");
         const auto check = [&](std::int64_t count, const char* what) {
           if (i < 0 || i >= count)
             reader.report.fail(DYN_ERROR_PARSE, words.line(),
@@ -268,9 +270,12 @@ struct Collada {
           corners = {fans ? c[0] : c[1], c[2]}, colours = {fans ? k[0] : k[1], k[2]};
         }
       }
-      if (strips || fans) made = 0;
-      else if (kind == "polygons") finish();
-      else if (!corners.empty()) fail(*p, " ends within a triangle");
+      if (strips || fans)
+        made = 0;
+      else if (kind == "polygons")
+        finish();
+      else if (!corners.empty())
+        fail(*p, " ends within a triangle");
     }
     if (!strips && !fans && made != stated)
       fail(e, " states a count of " + std::to_string(stated) + ", and holds " + std::to_string(made) + " polygons");
@@ -425,7 +430,8 @@ struct Collada {
         if (kind == "instance_geometry") place(*c, target(*c, "url", "geometry"), Y, out);
         if (kind == "instance_controller")  // a skin, undeformed
           if (const Element* skin = first(target(*c, "url", "controller"), "skin"))
-            if (const Element* of = refers(*skin, "source"); of && of->Name() == std::string_view("geometry")) place(*c, *of, Y, out);
+            if (const Element* of = refers(*skin, "source"); of && of->Name() == std::string_view("geometry"))
+              place(*c, *of, Y, out);
       }
       for (auto n = inside.rbegin(); n != inside.rend(); ++n) todo.push_back({*n, Y});
     }
@@ -456,7 +462,8 @@ Soup read_collada(const std::string& text, bool up_z, const Report& report) {
   if (const Element* asset = first(root, "asset")) {
     if (const Element* unit = first(*asset, "unit"); unit && unit->Attribute("meter"))
       metre = mesh_number(Words(unit->Attribute("meter")).next(), "<unit meter>", line(*unit), report);
-    if (!(metre > 0)) report.fail(DYN_ERROR_INVALID, line(*asset), "<unit meter> is " + dyn::load::text(metre) + ": give a positive number");
+    if (!(metre > 0))
+      report.fail(DYN_ERROR_INVALID, line(*asset), "<unit meter> is " + dyn::load::text(metre) + ": give a positive number");
     if (const Element* axis = first(*asset, "up_axis")) {
       const std::string name = text_of(*axis);
       up = std::string(Words(name).next());

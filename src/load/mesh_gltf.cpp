@@ -39,8 +39,10 @@ std::string decoded(const std::string& uri) {
   std::string out;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     const auto hex = [&](std::size_t k) { return k < uri.size() && std::isxdigit(static_cast<unsigned char>(uri[k])); };
-    if (uri[i] == '%' && hex(i + 1) && hex(i + 2)) out += char(std::stoi(uri.substr(i + 1, 2), nullptr, 16)), i += 2;
-    else out += uri[i];
+    if (uri[i] == '%' && hex(i + 1) && hex(i + 2))
+      out += char(std::stoi(uri.substr(i + 1, 2), nullptr, 16)), i += 2;
+    else
+      out += uri[i];
   }
   return out;
 }
@@ -52,11 +54,14 @@ enum Component { Byte = 5120, UnsignedByte = 5121, Short = 5122, UnsignedShort =
 std::int64_t size_of(std::int64_t component) {
   switch (component) {
     case Byte:
-    case UnsignedByte: return 1;
+    case UnsignedByte:
+      return 1;
     case Short:
-    case UnsignedShort: return 2;
+    case UnsignedShort:
+      return 2;
     case UnsignedInt:
-    case Float: return 4;
+    case Float:
+      return 4;
   }
   return 0;
 }
@@ -90,7 +95,9 @@ struct Gltf {
   std::int64_t all_vertices = 0;  // of all meshes
   std::vector<std::optional<Soup>> meshes = {};
 
-  [[noreturn]] void fail(const std::string& message, dynStatus status = DYN_ERROR_PARSE) const { report.fail(status, 0, message); }
+  [[noreturn]] void fail(const std::string& message, dynStatus status = DYN_ERROR_PARSE) const {
+    report.fail(status, 0, message);
+  }
 
   // ------------------------------------------------------------------------------------------------ values
 
@@ -101,7 +108,8 @@ struct Gltf {
                      std::optional<std::int64_t> otherwise = {}) const {
     const Json* x = o.find(key);
     if (!x && otherwise) return *otherwise;
-    if (!x || x->kind != Json::Kind::Number || x->number != std::floor(x->number) || !(x->number >= 0 && x->number <= double(most)))
+    if (!x || x->kind != Json::Kind::Number || x->number != std::floor(x->number) ||
+        !(x->number >= 0 && x->number <= double(most)))
       fail(what + "." + key + (x ? " is" : " is missing, and") + " no whole number from 0 to " + std::to_string(most));
     return std::int64_t(x->number);
   }
@@ -173,7 +181,8 @@ struct Gltf {
         fail(what + ": " + e.what(), e.status);
       }
     }
-    if ((bytes += out.size()) > max_buffers) fail("its buffers have more than " + std::to_string(max_buffers) + " bytes, which is the limit", DYN_ERROR_LIMIT);
+    if ((bytes += out.size()) > max_buffers)
+      fail("its buffers have more than " + std::to_string(max_buffers) + " bytes, which is the limit", DYN_ERROR_LIMIT);
     if (std::uint64_t(length) > out.size())
       fail(what + " states " + std::to_string(length) + " bytes, and has " + std::to_string(out.size()) + ": it is cut off");
     return out;
@@ -207,7 +216,8 @@ struct Gltf {
     out.stride = whole(v, "byteStride", 252, which, size);
     if (out.stride < size) fail(which + ".byteStride is less than an element of " + what);
     if (out.count > 0 && offset + (out.count - 1) * out.stride + size > length)
-      fail(what + " states " + std::to_string(out.count) + " elements, and " + which + " has " + std::to_string(length) + " bytes");
+      fail(what + " states " + std::to_string(out.count) + " elements, and " + which + " has " + std::to_string(length) +
+           " bytes");
     out.data = data.data() + from + offset;
     return out;
   }
@@ -230,14 +240,16 @@ struct Gltf {
     const auto position = reference(*attributes, "POSITION", "accessors", what);
     if (!position) return;
     const Accessor points = accessor(*position, "VEC3", 3);
-    if (points.component != Float) fail(called("accessors", *position) + ": positions that are no floats are not supported", DYN_ERROR_UNSUPPORTED);
+    if (points.component != Float)
+      fail(called("accessors", *position) + ": positions that are no floats are not supported", DYN_ERROR_UNSUPPORTED);
     const std::int64_t mode = whole(p, "mode", 6, what, 4);
     std::optional<Accessor> indices, colours;
     if (const auto i = reference(p, "indices", "accessors", what)) indices = accessor(*i, "SCALAR", 1);
     if (indices && indices->component != UnsignedByte && indices->component != UnsignedShort && indices->component != UnsignedInt)
       fail(what + ".indices are no unsigned integers");
     if (const auto c = reference(*attributes, "COLOR_0", "accessors", what)) colours = accessor(*c, "VEC3", 3, "VEC4");
-    if (colours && (colours->count < points.count || (colours->component != Float && colours->component != UnsignedByte && colours->component != UnsignedShort)))
+    if (colours && (colours->count < points.count ||
+                    (colours->component != Float && colours->component != UnsignedByte && colours->component != UnsignedShort)))
       fail(what + ".COLOR_0 has not a colour for each vertex");
     const std::int64_t n = indices ? indices->count : points.count;
     if (mode < 4) return void(out.skipped += mode == 0 ? n : mode == 1 ? n / 2 : n);
@@ -259,8 +271,7 @@ struct Gltf {
     };
     for (std::int64_t t = 0; t < triangles; ++t) {
       std::int64_t c[3];
-      for (std::int64_t k = 0; k < 3; ++k)
-        c[k] = corner(mode == 4 ? 3 * t + k : mode == 6 && k == 0 ? 0 : t + k);
+      for (std::int64_t k = 0; k < 3; ++k) c[k] = corner(mode == 4 ? 3 * t + k : mode == 6 && k == 0 ? 0 : t + k);
       if (mode == 5 && t & 1) std::swap(c[0], c[1]);
       for (const std::int64_t v : c) out.triangles.push_back(std::int32_t(first + v));
       out.colours.push_back(0);
@@ -281,7 +292,8 @@ struct Gltf {
     out.emplace();
     std::int64_t k = 0;
     const std::string what = called("meshes", i);
-    for (const Json& p : list(item("meshes", i), "primitives", what)) add_primitive(p, what + "." + called("primitives", k++), *out);
+    for (const Json& p : list(item("meshes", i), "primitives", what))
+      add_primitive(p, what + "." + called("primitives", k++), *out);
     return *out;
   }
 
@@ -323,7 +335,8 @@ struct Gltf {
     const auto add = [&](const Json& o, const char* key, const std::string& what, const Affine& Y) {
       const std::vector<Json>& all = list(o, key, what);
       for (auto n = all.rbegin(); n != all.rend(); ++n) {
-        if (n->kind != Json::Kind::Number || !(n->number >= 0 && n->number < double(seen.size())) || n->number != std::floor(n->number))
+        if (n->kind != Json::Kind::Number || !(n->number >= 0 && n->number < double(seen.size())) ||
+            n->number != std::floor(n->number))
           fail(what + "." + key + " holds something that is no node");
         char& before = seen[std::size_t(n->number)];
         if (before) fail(called("nodes", std::int64_t(n->number)) + " has two parents: nodes are a tree");
@@ -352,10 +365,12 @@ void check_version(const Json& root, const Report& report) {
   const Json* asset = root.find("asset");
   const Json* version = asset ? asset->find("version") : nullptr;
   if (!version || !version->text.starts_with("2"))
-    report.fail(DYN_ERROR_UNSUPPORTED, 0, "asset.version is " + in_quotes(version ? version->text : "missing") + ": glTF 2.0 is read");
+    report.fail(DYN_ERROR_UNSUPPORTED, 0,
+                "asset.version is " + in_quotes(version ? version->text : "missing") + ": glTF 2.0 is read");
   if (const Json* needed = root.find("extensionsRequired"))
     for (const Json& x : needed->items)
-      if (x.text.find("compression") != x.text.npos || x.text.find("quantization") != x.text.npos || x.text.find("instancing") != x.text.npos)
+      if (x.text.find("compression") != x.text.npos || x.text.find("quantization") != x.text.npos ||
+          x.text.find("instancing") != x.text.npos)
         report.fail(DYN_ERROR_UNSUPPORTED, 0, "it needs the extension " + in_quotes(x.text) + ", which is not supported");
 }
 
@@ -368,9 +383,11 @@ Soup read_gltf(std::string_view bytes, bool binary, bool up_z, const Report& rep
     const auto word = [&](std::size_t at) { return little_endian<std::uint32_t>(bytes.data() + at); };
     if (!bytes.starts_with("glTF")) report.fail(DYN_ERROR_PARSE, 0, "this is not a binary glTF: it does not begin with 'glTF'");
     if (bytes.size() < 20 || word(8) != bytes.size() || word(12) > bytes.size() - 20)
-      report.fail(DYN_ERROR_PARSE, 0, "its header states another size than the " + std::to_string(bytes.size()) + " bytes of the file: it is cut off or damaged");
+      report.fail(DYN_ERROR_PARSE, 0,
+                  "its header states another size than the " + std::to_string(bytes.size()) +
+                      " bytes of the file: it is cut off or damaged");
     if (word(4) != 2) report.fail(DYN_ERROR_UNSUPPORTED, 0, "version " + std::to_string(word(4)) + ": binary glTF 2 is read");
-    const std::size_t end = 20 + std::size_t(word(12)) ;
+    const std::size_t end = 20 + std::size_t(word(12));
     json = bytes.substr(20, end - 20);
     if (bytes.size() - end >= 8) {
       const std::size_t length = word(end);

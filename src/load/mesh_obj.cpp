@@ -42,7 +42,9 @@ using Materials = std::map<std::string, std::optional<Rgb>, std::less<>>;
 
 // The rest of a line from a word on: names may have blanks.
 std::string rest(const Parts& parts) {
-  return parts.size() < 2 ? "" : std::string(parts[1].data(), std::size_t(parts.back().data() + parts.back().size() - parts[1].data()));
+  return parts.size() < 2
+             ? ""
+             : std::string(parts[1].data(), std::size_t(parts.back().data() + parts.back().size() - parts[1].data()));
 }
 
 // A file that is missing or damaged gives no colours: they only affect looks. White is the factor of a texture.
@@ -82,7 +84,8 @@ struct Obj {
   bool coloured = false;
 
   void vertex(const Parts& parts, int line) {
-    if (parts.size() < 4) report.fail(DYN_ERROR_PARSE, line, "a vertex has " + std::to_string(parts.size() - 1) + " numbers, and needs 3");
+    if (parts.size() < 4)
+      report.fail(DYN_ERROR_PARSE, line, "a vertex has " + std::to_string(parts.size() - 1) + " numbers, and needs 3");
     for (std::size_t k = 1; k <= 3; ++k) out.vertices.push_back(mesh_number(parts[k], "vertex", line, report));
     Rgb c = {1, 1, 1};
     if (parts.size() >= 7) {
@@ -99,8 +102,9 @@ struct Obj {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), i);
     const std::int64_t count = out.vertex_count(), at = i < 0 ? so_far + i : i - 1;
     if (error != std::errc() || end != digits.data() + digits.size() || at < 0 || at >= count)
-      report.fail(DYN_ERROR_PARSE, line,
-                  "corner " + in_quotes(std::string(word.substr(0, 60))) + " is not one of the " + std::to_string(count) + " vertices");
+      report.fail(
+          DYN_ERROR_PARSE, line,
+          "corner " + in_quotes(std::string(word.substr(0, 60))) + " is not one of the " + std::to_string(count) + " vertices");
     return std::int32_t(at);
   }
 
@@ -130,8 +134,10 @@ Soup read_obj(std::string_view text, const Report& report) {
   Obj obj{report};
   Materials materials;
   for_each_line(text, [&](const Parts& parts, int line) {
-    if (parts[0] == "v") check_mesh_size(obj.out.vertex_count() + 1, 0, report), obj.vertex(parts, line);
-    else if (parts[0] == "mtllib") read_mtl(rest(parts), report, materials);
+    if (parts[0] == "v")
+      check_mesh_size(obj.out.vertex_count() + 1, 0, report), obj.vertex(parts, line);
+    else if (parts[0] == "mtllib")
+      read_mtl(rest(parts), report, materials);
   });
   if (obj.out.vertices.empty()) report.fail(DYN_ERROR_PARSE, 0, "this is not an OBJ: it has no vertex ('v')");
   // faces may name vertices that come later
@@ -147,9 +153,12 @@ Soup read_obj(std::string_view text, const Report& report) {
     if (parts[0] != "f" && parts[0] != "l" && parts[0] != "p") return;
     corners.clear();
     for (std::size_t k = 1; k < parts.size(); ++k) corners.push_back(obj.corner(parts[k], so_far, line));
-    if (parts[0] == "f" && corners.size() >= 3) obj.face(corners, material);
-    else if (parts[0] == "l" && corners.size() >= 2) obj.out.skipped += std::int64_t(corners.size()) - 1;
-    else obj.out.skipped += std::int64_t(parts[0] == "p" ? corners.size() : 1);
+    if (parts[0] == "f" && corners.size() >= 3)
+      obj.face(corners, material);
+    else if (parts[0] == "l" && corners.size() >= 2)
+      obj.out.skipped += std::int64_t(corners.size()) - 1;
+    else
+      obj.out.skipped += std::int64_t(parts[0] == "p" ? corners.size() : 1);
   });
   return std::move(obj.out);
 }

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "spatial/vec3.hpp"
 #include "mesh_soup.hpp"
+#include "spatial/vec3.hpp"
 
 namespace dyn::load {
 
@@ -69,8 +69,10 @@ void add_polygon(const std::vector<double>& vertices, const std::vector<std::int
   const auto convex_at = [&](std::size_t k) { return p.area(c[(k + n - 1) % n], c[k], c[(k + 1) % n]) >= 0; };
   bool convex = n > max_clipped;
   for (std::size_t k = 0; !convex && k < n && convex_at(k); ++k) convex = k + 1 == n;
-  if (convex) add_fan(c, out);
-  else clip_ears(p, c, out);
+  if (convex)
+    add_fan(c, out);
+  else
+    clip_ears(p, c, out);
 }
 
 }  // namespace dyn::load

@@ -8,7 +8,9 @@
 #include "mesh_path.hpp"
 #include "mesh_soup.hpp"
 #include "file.hpp"
+#include "base/portable.hpp"
 #include "number.hpp"
+#include "shape/geometry.hpp"
 #include "report.hpp"
 
 namespace dyn::meshes {
@@ -79,6 +81,12 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
     report.fail(DYN_ERROR_INVALID, 0,
                 "no triangles" + (soup.skipped ? ", only " + std::to_string(soup.skipped) + " points and lines" : std::string()));
   for (std::size_t i = 0; i < soup.vertices.size(); ++i) soup.vertices[i] *= options.scale[i % 3];
+  for (std::size_t i = 0; i < soup.vertices.size(); i += 3)
+    if (const double far = math::hypot(soup.vertices[i], soup.vertices[i + 1], soup.vertices[i + 2]);
+        far > shape::max_length && std::isfinite(far))
+      report.fail(DYN_ERROR_LIMIT, 0,
+                  "vertex " + std::to_string(i / 3) + " lies " + text(far) + " m from the origin: distances are measured up to " +
+                      text(shape::max_length) + " m");
   if (mirror < 0)  // mirroring reverses the orientation of triangles
     for (std::size_t t = 0; t < soup.triangles.size(); t += 3) std::swap(soup.triangles[t + 1], soup.triangles[t + 2]);
   if (options.budget)

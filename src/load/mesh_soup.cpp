@@ -30,7 +30,9 @@ std::string read_beside(const Report& mesh, const std::string& name, std::uint64
 double mesh_number(std::string_view word, const char* what, int line, const Report& report) {
   double x = 0;
   if (const std::string wrong = word.empty() ? "is missing" : parse_number(word, x); !wrong.empty())
-    report.fail(DYN_ERROR_PARSE, line, std::string(what) + ": a number " + (word.empty() ? "" : in_quotes(std::string(word.substr(0, 60))) + " ") + wrong);
+    report.fail(
+        DYN_ERROR_PARSE, line,
+        std::string(what) + ": a number " + (word.empty() ? "" : in_quotes(std::string(word.substr(0, 60))) + " ") + wrong);
   return x;
 }
 

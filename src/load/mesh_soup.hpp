@@ -15,10 +15,10 @@
 namespace dyn::load {
 
 struct Soup {
-  std::vector<double> vertices;          // 3 each
-  std::vector<std::int32_t> triangles;   // 3 each
-  std::vector<std::uint32_t> colours;    // of the triangles, as in model/colour.hpp
-  std::int64_t skipped = 0;              // points and lines
+  std::vector<double> vertices;         // 3 each
+  std::vector<std::int32_t> triangles;  // 3 each
+  std::vector<std::uint32_t> colours;   // of the triangles, as in model/colour.hpp
+  std::int64_t skipped = 0;             // points and lines
 
   std::int64_t vertex_count() const { return std::int64_t(vertices.size() / 3); }
   std::int64_t triangle_count() const { return std::int64_t(triangles.size() / 3); }

@@ -70,7 +70,8 @@ Soup read_ascii(std::string_view text, const Report& report) {
 }  // namespace
 
 Soup read_stl(std::string_view bytes, const Report& report) {
-  const bool binary = bytes.size() >= 84 && bytes.size() == 84 + std::size_t(50) * little_endian<std::uint32_t>(bytes.data() + 80);
+  const bool binary =
+      bytes.size() >= 84 && bytes.size() == 84 + std::size_t(50) * little_endian<std::uint32_t>(bytes.data() + 80);
   return binary ? read_binary(bytes) : read_ascii(bytes, report);
 }
 

@@ -34,7 +34,8 @@ const MjcfCopies::Copied* MjcfCopies::copied(const std::string& kind, const std:
 
 std::string MjcfCopies::name(const MjcfContext& context, const std::string& kind, const std::string& name) const {
   const Copied* const known = copied(kind, name);
-  return name.empty() || (known && known->suffixes.count(context.suffix)) ? context.name(name) : context.prefix + name + context.outer;
+  return name.empty() || (known && known->suffixes.count(context.suffix)) ? context.name(name)
+                                                                          : context.prefix + name + context.outer;
 }
 
 const MjcfCopies::Replicas* MjcfCopies::replicas_in(const Element& e) const {

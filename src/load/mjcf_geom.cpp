@@ -78,6 +78,7 @@ std::uint32_t mjcf_latent(const Reader& reader, const Element& e) {
 }
 
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
+  file.source.charge(&Budget::add_shapes, 1, e);
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
   file.defaults.apply(file.source, e, "geom", context.childclass);
   MjcfGeom geom;

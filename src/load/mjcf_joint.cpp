@@ -30,6 +30,7 @@ void limit_ball(const Reader& reader, const Element& e, const MjcfPlace& place, 
 }  // namespace
 
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
+  file.source.charge(&Budget::add_joints, 1, e);
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
   const bool free_joint = std::string_view(e.Name()) == "freejoint";
   if (free_joint) e.SetAttribute("type", "free");

@@ -22,7 +22,7 @@ struct MjcfNames {
 
 namespace {
 
-const std::pair<size_t, size_t>* place_of(MjcfRobot& robot, MjcfNames::Map MjcfNames::*kind, const std::string& name) {
+const std::pair<size_t, size_t>* place_of(MjcfRobot& robot, MjcfNames::Map MjcfNames::* kind, const std::string& name) {
   if (!robot.names) robot.names = std::make_shared<const MjcfNames>(robot);
   const MjcfNames::Map& all = (*robot.names).*kind;
   const auto at = all.find(name);

@@ -200,10 +200,18 @@ MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name);
 MjcfGeom* find_geom(MjcfRobot& robot, const std::string& name);
 MjcfSite* find_site(MjcfRobot& robot, const std::string& name);
 MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name);
-inline const MjcfBody* find_body(const MjcfRobot& robot, const std::string& name) { return find_body(const_cast<MjcfRobot&>(robot), name); }
-inline const MjcfJoint* find_joint(const MjcfRobot& robot, const std::string& name) { return find_joint(const_cast<MjcfRobot&>(robot), name); }
-inline const MjcfGeom* find_geom(const MjcfRobot& robot, const std::string& name) { return find_geom(const_cast<MjcfRobot&>(robot), name); }
-inline const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name) { return find_site(const_cast<MjcfRobot&>(robot), name); }
+inline const MjcfBody* find_body(const MjcfRobot& robot, const std::string& name) {
+  return find_body(const_cast<MjcfRobot&>(robot), name);
+}
+inline const MjcfJoint* find_joint(const MjcfRobot& robot, const std::string& name) {
+  return find_joint(const_cast<MjcfRobot&>(robot), name);
+}
+inline const MjcfGeom* find_geom(const MjcfRobot& robot, const std::string& name) {
+  return find_geom(const_cast<MjcfRobot&>(robot), name);
+}
+inline const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name) {
+  return find_site(const_cast<MjcfRobot&>(robot), name);
+}
 // " (did you mean 'elbow'?)" of all joints, geoms or sites.
 std::string suggestion(const MjcfRobot& robot, const char* kind, const std::string& name);
 

@@ -30,7 +30,9 @@ struct PathReader {
   void missing(const Element& e, const char* kind, const std::string& name) {
     if (file.robot.has_lost(name)) lost = true;
     else if (file.part) not_attached = true;
-    else reader.fail(DYN_ERROR_NAME, e, std::string("there is no ") + kind + " " + load::in_quotes(name) + suggestion(file.robot, kind, name));
+    else
+      reader.fail(DYN_ERROR_NAME, e,
+                  std::string("there is no ") + kind + " " + load::in_quotes(name) + suggestion(file.robot, kind, name));
   }
   std::string site(const Element& e, const char* attribute) {
     const std::string site = name(e, "site", attribute);

@@ -93,6 +93,8 @@ void read_replicate(MjcfFile& file, Element& e, MjcfContext context, TodoList& t
   const std::string separator = attribute(e, "sep"), outer = context.suffix;
   context.replicate = &e;
   const size_t digits = std::to_string(int(count) - 1).size();
+  const std::int64_t names = std::int64_t(separator.size() + context.prefix.size() + outer.size() + context.childclass.size());
+  file.source.charge(&Budget::add_bytes, (bytes_of_element + 2 * names) * std::int64_t(count), e);
   std::vector<MjcfContext> replicas;
   for (int k = 0; k < int(count); ++k) {
     const std::string number = std::to_string(k);
@@ -196,8 +198,8 @@ void read_all(MjcfFile& file, TodoList todo) {
     const std::string_view kind = e.Name();
     if (!context.suffix.empty()) file.copies.add(e, context);
     if (kind == "body") read_body(file, e, context, todo);
-    else if (kind == "joint" || kind == "freejoint") file.source.charge(&Budget::add_joints, 1, e), read_mjcf_joint(file, e, context);
-    else if (kind == "geom") file.source.charge(&Budget::add_shapes, 1, e), read_mjcf_geom(file, e, context);
+    else if (kind == "joint" || kind == "freejoint") read_mjcf_joint(file, e, context);
+    else if (kind == "geom") read_mjcf_geom(file, e, context);
     else if (kind == "site") read_site(file, e, context);
     else if (kind == "frame") read_frame(file, e, context, todo);
     else if (kind == "replicate") read_replicate(file, e, context, todo);

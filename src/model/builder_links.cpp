@@ -148,7 +148,8 @@ void Compiler::add_reports() {
   if (!known.all_looked_at)
     a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0,
                          text.add(std::string(overlap_report) + "the search ended after " + std::to_string(max_overlaps) +
-                                  " pairs, or " + std::to_string(max_looks) + " with overlapping boxes: others that overlap are tested")});
+                                  " pairs, or " + std::to_string(max_looks) +
+                                  " with overlapping boxes: others that overlap are tested")});
   for (const auto& [links, count] : overlaps) {
     const auto name = [&](Index frame) { return "'" + in.frames[std::size_t(frame)].name + "'"; };
     a.reports.push_back({DYN_REPORT_LEVEL_INFO, 0,

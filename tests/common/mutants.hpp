@@ -28,21 +28,34 @@ struct Seeded {
 
 // One to four changes: bits, bytes, numbers, parts that go, come twice or change places, an early end.
 inline std::string mutant(std::string text, std::uint64_t seed) {
-  static constexpr std::string_view words[] = {"0",     "-1",    "1",          "x",          "inf",  "nan", "1e999", "1e-999",
-                                               "-0",    "65536", "2147483648", "4294967295", "",     "0x7", "1 2",   "99999999999999999999",
-                                               "\"",    "<",     ">",          "/>",         "&#0;", "{",   "]",     "\xff",
-                                               "1e300", "0.5",   "#",          "null",       "\\",   ","};
+  static constexpr std::string_view words[] = {
+      "0",     "-1",    "1",          "x",          "inf",  "nan", "1e999", "1e-999",
+      "-0",    "65536", "2147483648", "4294967295", "",     "0x7", "1 2",   "99999999999999999999",
+      "\"",    "<",     ">",          "/>",         "&#0;", "{",   "]",     "\xff",
+      "1e300", "0.5",   "#",          "null",       "\\",   ","};
   Seeded random{seed};
   for (std::size_t changes = 1 + random.below(4); changes > 0 && !text.empty(); --changes) {
     const std::size_t at = random.below(text.size()), length = 1 + random.below(std::min<std::size_t>(40, text.size() - at));
     const std::string part = text.substr(at, length);
     switch (random.below(8)) {
-      case 0: text[at] = char(text[at] ^ (1 << random.below(8))); break;
-      case 1: text[at] = char(random.below(256)); break;
-      case 2: text.erase(at, length); break;
-      case 3: text.insert(random.below(text.size()), part); break;
-      case 4: text.resize(at); break;
-      case 5: text.insert(at, words[random.below(std::size(words))]); break;
+      case 0:
+        text[at] = char(text[at] ^ (1 << random.below(8)));
+        break;
+      case 1:
+        text[at] = char(random.below(256));
+        break;
+      case 2:
+        text.erase(at, length);
+        break;
+      case 3:
+        text.insert(random.below(text.size()), part);
+        break;
+      case 4:
+        text.resize(at);
+        break;
+      case 5:
+        text.insert(at, words[random.below(std::size(words))]);
+        break;
       default: {  // a number
         const std::size_t from = text.find_first_of("0123456789", at);
         if (from == text.npos) break;
@@ -70,6 +83,7 @@ inline constexpr bool limits_memory = true;
 // it returns.
 template <class F>
 void in_child(std::uint64_t bytes, unsigned seconds, const F& f) {
+  std::fflush(nullptr);
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {

@@ -74,9 +74,12 @@ TEST(LoadLimits, CopiesThatMultiply) {
   refuse("attach", mjcf(parts + "<frame name=\"f60\"/>"), {"which is the limit"});
   // a class of defaults that holds much is written into each element
   const std::string much(1000000, '1');
-  refuse("defaults", "<mujoco><default><geom user=\"" + much + "\"/></default><worldbody>" + repeated(5000, ball) + "</worldbody></mujoco>",
+  refuse("defaults",
+         "<mujoco><default><geom user=\"" + much + "\"/></default><worldbody>" + repeated(5000, ball) + "</worldbody></mujoco>",
          {"bytes of memory", "max_bytes"});
-  refuse("classes", "<mujoco><default><geom user=\"" + much + "\"/>" + numbered(5000, "<default class=\"c", "\"/>") + "</default><worldbody/></mujoco>",
+  refuse("classes",
+         "<mujoco><default><geom user=\"" + much + "\"/>" + numbered(5000, "<default class=\"c", "\"/>") +
+             "</default><worldbody/></mujoco>",
          {"bytes of memory", "max_bytes"});
   const std::string prefix(1000000, 'p');
   refuse("names", mjcf("<replicate count=\"5000\" sep=\"" + prefix + "\"><body name=\"b\"/></replicate>"), {"bytes of memory"});
@@ -103,15 +106,19 @@ TEST(LoadLimits, Keys) {
   more.max_keys = 100000;
   accept("more", keys(50000), more);
   // few keys of many joints
-  refuse("large", mjcf("<replicate count=\"20000\">" "<body><freejoint/>" + ball + "</body></replicate>", "<keyframe>" + repeated(9000, "<key/>") + "</keyframe>"),
+  refuse("large",
+         mjcf("<replicate count=\"20000\">"
+              "<body><freejoint/>" +
+                  ball + "</body></replicate>",
+              "<keyframe>" + repeated(9000, "<key/>") + "</keyframe>"),
          {"bytes of memory"});
 }
 
 std::string chain_of(int n, const std::string& type) {
   std::string text = "<robot name=\"r\">" + link("l0");
   for (int i = 1; i <= n; ++i)
-    text += link("l" + std::to_string(i)) +
-            joint("j" + std::to_string(i), type, "l" + std::to_string(i - 1), "l" + std::to_string(i), type == "fixed" ? "" : "<axis xyz=\"0 1 0\"/>");
+    text += link("l" + std::to_string(i)) + joint("j" + std::to_string(i), type, "l" + std::to_string(i - 1),
+                                                  "l" + std::to_string(i), type == "fixed" ? "" : "<axis xyz=\"0 1 0\"/>");
   return text + "</robot>";
 }
 
@@ -140,7 +147,9 @@ TEST(LoadLimits, ManyNames) {
   }
   Options options;
   options.meshes = DYN_MESH_USE_NONE;
-  accept("names", mjcf(world, "<actuator>" + actuators + "</actuator><sensor>" + sensors + "</sensor><contact>" + excludes + "</contact>"), options);
+  accept("names",
+         mjcf(world, "<actuator>" + actuators + "</actuator><sensor>" + sensors + "</sensor><contact>" + excludes + "</contact>"),
+         options);
 }
 
 TEST(LoadLimits, FilesAreRegular) {
@@ -165,11 +174,16 @@ TEST(LoadLimits, FilesAreRegular) {
   };
   for (const char* part : {"pipe.xml", "pipe.stl"}) {
     const std::string file = folder + "/" + part;
-    refuse_file(written("include.xml", "<mujoco><include file=\"" + std::string(part) + "\"/></mujoco>"), file + ": this is a pipe, no regular file");
+    refuse_file(written("include.xml", "<mujoco><include file=\"" + std::string(part) + "\"/></mujoco>"),
+                file + ": this is a pipe, no regular file");
   }
-  refuse_file(written("mesh.xml", "<mujoco><asset><mesh name=\"m\" file=\"pipe.stl\"/></asset><worldbody><body><freejoint/><geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>"),
+  refuse_file(written("mesh.xml",
+                      "<mujoco><asset><mesh name=\"m\" file=\"pipe.stl\"/></asset><worldbody><body><freejoint/><geom "
+                      "type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>"),
               "pipe.stl");
-  refuse_file(written("field.xml", "<mujoco><asset><hfield name=\"m\" file=\"pipe.stl\" size=\"1 1 1 1\"/></asset><worldbody><geom type=\"hfield\" hfield=\"m\"/></worldbody></mujoco>"),
+  refuse_file(written("field.xml",
+                      "<mujoco><asset><hfield name=\"m\" file=\"pipe.stl\" size=\"1 1 1 1\"/></asset><worldbody><geom "
+                      "type=\"hfield\" hfield=\"m\"/></worldbody></mujoco>"),
               "this is a pipe, no regular file");
   refuse_file(written("folder.xml", "<mujoco><include file=\".\"/></mujoco>"), "this is a directory");
   refuse_file(written("device.xml", "<mujoco><include file=\"/dev/zero\"/></mujoco>"), "this is a device, no regular file");

@@ -28,11 +28,15 @@ void refuse(const std::string& name, const std::string& content, dynStatus statu
 
 TEST(MeshHostile, CountsOfCollada) {
   const std::string good = dae(brick);
-  refuse("zero.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"0\""), DYN_ERROR_PARSE, "states a count of 0, and holds 24");
-  refuse("word.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"x\""), DYN_ERROR_PARSE, "count='x': a whole number");
-  refuse("inf.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"inf\""), DYN_ERROR_PARSE, "count='inf': a whole number");
+  refuse("zero.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"0\""), DYN_ERROR_PARSE,
+         "states a count of 0, and holds 24");
+  refuse("word.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"x\""), DYN_ERROR_PARSE,
+         "count='x': a whole number");
+  refuse("inf.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"inf\""), DYN_ERROR_PARSE,
+         "count='inf': a whole number");
   refuse("none.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\""), DYN_ERROR_PARSE, "<float_array> has no attribute count");
-  refuse("three.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"3\""), DYN_ERROR_PARSE, "states a count of 3, and holds 24");
+  refuse("three.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"3\""), DYN_ERROR_PARSE,
+         "states a count of 3, and holds 24");
   refuse("huge.dae", changed(good, "id=\"a\" count=\"24\"", "id=\"a\" count=\"1000000000\""), DYN_ERROR_PARSE,
          "states a count of 1000000000, and holds 24");
   refuse("elements.dae", changed(good, "source=\"#a\" count=\"8\"", "source=\"#a\" count=\"9\""), DYN_ERROR_PARSE,
@@ -53,8 +57,10 @@ TEST(MeshHostile, IndicesOfCollada) {
   refuse("short.dae", changed(good, "offset=\"0\"", "offset=\"6\""), DYN_ERROR_PARSE, "ends within a corner of 7 indices");
   refuse("corner.dae", changed(good, "</p>", " 1</p>"), DYN_ERROR_PARSE, "ends within a triangle");
   refuse("gone.dae", changed(good, "url=\"#g\"", "url=\"#gone\""), DYN_ERROR_PARSE, "there is no <geometry> of this id");
-  const std::string polylist = changed(changed(good, "<triangles count=\"12\">", "<polylist count=\"1\">"), "</triangles>", "</polylist>");
-  refuse("sizes.dae", changed(polylist, "<p>", "<vcount>1000000000</vcount><p>"), DYN_ERROR_PARSE, "asks for more corners than <p> holds");
+  const std::string polylist =
+      changed(changed(good, "<triangles count=\"12\">", "<polylist count=\"1\">"), "</triangles>", "</polylist>");
+  refuse("sizes.dae", changed(polylist, "<p>", "<vcount>1000000000</vcount><p>"), DYN_ERROR_PARSE,
+         "asks for more corners than <p> holds");
 }
 
 // Each node holds the next one twice: 2^40 paths.
@@ -67,7 +73,8 @@ TEST(MeshHostile, NodesOfColladaThatMultiply) {
   good = changed(good, "<instance_geometry", "<instance_node url=\"#k0\"/><instance_geometry");
   const std::string library = "<library_nodes>" + nodes + "<node id=\"k40\"/></library_nodes><library_visual_scenes>";
   refuse("doubling.dae", changed(good, "<library_visual_scenes>", library), DYN_ERROR_LIMIT, "does a node hold itself?");
-  const std::string itself = "<library_nodes><node id=\"k0\"><instance_node url=\"#k0\"/></node></library_nodes><library_visual_scenes>";
+  const std::string itself =
+      "<library_nodes><node id=\"k0\"><instance_node url=\"#k0\"/></node></library_nodes><library_visual_scenes>";
   refuse("itself.dae", changed(good, "<library_visual_scenes>", itself), DYN_ERROR_LIMIT, "does a node hold itself?");
 }
 
@@ -81,14 +88,20 @@ TEST(MeshHostile, AccessorsOfGltf) {
     set(8, std::uint32_t(text.size())), set(12, json + std::uint32_t(text.size() - good.size()));
     return text;
   };
-  refuse("count.glb", damaged("5126,\"count\":8", "5126,\"count\":9"), DYN_ERROR_PARSE, "accessors[0] states 9 elements, and bufferViews[0] has 96 bytes");
-  refuse("huge.glb", damaged("5126,\"count\":8", "5126,\"count\":1000000000"), DYN_ERROR_PARSE, "accessors[0] states 1000000000 elements");
-  refuse("word.glb", damaged("5126,\"count\":8", "5126,\"count\":\"x\""), DYN_ERROR_PARSE, "accessors[0].count is no whole number");
+  refuse("count.glb", damaged("5126,\"count\":8", "5126,\"count\":9"), DYN_ERROR_PARSE,
+         "accessors[0] states 9 elements, and bufferViews[0] has 96 bytes");
+  refuse("huge.glb", damaged("5126,\"count\":8", "5126,\"count\":1000000000"), DYN_ERROR_PARSE,
+         "accessors[0] states 1000000000 elements");
+  refuse("word.glb", damaged("5126,\"count\":8", "5126,\"count\":\"x\""), DYN_ERROR_PARSE,
+         "accessors[0].count is no whole number");
   refuse("none.glb", damaged("5126,\"count\":8", "5126"), DYN_ERROR_PARSE, "accessors[0].count is missing");
-  refuse("view.glb", damaged("\"bufferView\":0", "\"bufferView\":7"), DYN_ERROR_PARSE, "accessors[0].bufferView is no whole number from 0 to 1");
+  refuse("view.glb", damaged("\"bufferView\":0", "\"bufferView\":7"), DYN_ERROR_PARSE,
+         "accessors[0].bufferView is no whole number from 0 to 1");
   refuse("type.glb", damaged("5126", "5127"), DYN_ERROR_PARSE, "accessors[0].componentType is unknown");
-  refuse("offset.glb", damaged("\"byteOffset\":96", "\"byteOffset\":97"), DYN_ERROR_PARSE, "bufferViews[1] ends at byte 241, and its buffer has 240");
-  refuse("length.glb", damaged("\"byteLength\":240", "\"byteLength\":2400"), DYN_ERROR_PARSE, "buffers[0] states 2400 bytes, and the binary chunk has 240");
+  refuse("offset.glb", damaged("\"byteOffset\":96", "\"byteOffset\":97"), DYN_ERROR_PARSE,
+         "bufferViews[1] ends at byte 241, and its buffer has 240");
+  refuse("length.glb", damaged("\"byteLength\":240", "\"byteLength\":2400"), DYN_ERROR_PARSE,
+         "buffers[0] states 2400 bytes, and the binary chunk has 240");
   refuse("deep.gltf", std::string(1000000, '['), DYN_ERROR_LIMIT, "nested more than 100 deep");
   std::string index = good;
   const std::uint32_t nine = 9;

@@ -23,26 +23,34 @@ void read_mutants(const std::string& name, const std::string& good) {
         EXPECT_LT(seconds, 10) << name << ", seed " << seed;
         EXPECT_NE(DYN_ERROR_INTERNAL, m.status) << name << ", seed " << seed << ": " << m.error;
         EXPECT_NE(DYN_ERROR_MEMORY, m.status) << name << ", seed " << seed << ": " << m.error;
-        EXPECT_TRUE(m.status == DYN_OK || m.error.find("/" + name) != m.error.npos) << name << ", seed " << seed << ": " << m.error;
+        EXPECT_TRUE(m.status == DYN_OK || m.error.find("/" + name) != m.error.npos)
+            << name << ", seed " << seed << ": " << m.error;
       }
     });
 }
 
 // A scene with materials, vertex colours, polygons, and nodes within nodes.
 std::string rich_dae() {
-  std::string text = dae(brick, "<unit name=\"centimeter\" meter=\"0.01\"/><up_axis>Z_UP</up_axis>", "<rotate>0 0 1 30</rotate><scale>1 -1 1</scale>");
+  std::string text = dae(brick, "<unit name=\"centimeter\" meter=\"0.01\"/><up_axis>Z_UP</up_axis>",
+                         "<rotate>0 0 1 30</rotate><scale>1 -1 1</scale>");
   const auto insert = [&](const std::string& before, const std::string& what) { text.insert(text.find(before), what); };
   insert("<library_geometries>",
-         "<library_effects><effect id=\"e\"><profile_COMMON><technique sid=\"t\"><phong><diffuse><color>0.9 0.1 0.2 1</color></diffuse></phong>"
-         "</technique></profile_COMMON></effect></library_effects><library_materials><material id=\"m\"><instance_effect url=\"#e\"/>"
+         "<library_effects><effect id=\"e\"><profile_COMMON><technique sid=\"t\"><phong><diffuse><color>0.9 0.1 0.2 "
+         "1</color></diffuse></phong>"
+         "</technique></profile_COMMON></effect></library_effects><library_materials><material id=\"m\"><instance_effect "
+         "url=\"#e\"/>"
          "</material></library_materials>");
   insert("</mesh>",
-         "<source id=\"c\"><float_array id=\"ca\" count=\"6\">1 0 0 0 1 0</float_array><technique_common><accessor source=\"#ca\" count=\"2\" "
-         "stride=\"3\"/></technique_common></source><polylist count=\"2\" material=\"x\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
-         "<input semantic=\"COLOR\" source=\"#c\" offset=\"1\"/><vcount>4 5</vcount><p>0 0 1 1 3 0 2 1 0 0 1 1 5 0 4 1 6 1</p></polylist>"
+         "<source id=\"c\"><float_array id=\"ca\" count=\"6\">1 0 0 0 1 0</float_array><technique_common><accessor "
+         "source=\"#ca\" count=\"2\" "
+         "stride=\"3\"/></technique_common></source><polylist count=\"2\" material=\"x\"><input semantic=\"VERTEX\" "
+         "source=\"#v\" offset=\"0\"/>"
+         "<input semantic=\"COLOR\" source=\"#c\" offset=\"1\"/><vcount>4 5</vcount><p>0 0 1 1 3 0 2 1 0 0 1 1 5 0 4 1 6 "
+         "1</p></polylist>"
          "<tristrips count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2 3 4</p></tristrips>");
-  insert("</node>", "<node><matrix>1 0 0 3 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url=\"#g\"><bind_material><technique_common>"
-                    "<instance_material symbol=\"x\" target=\"#m\"/></technique_common></bind_material></instance_geometry></node>");
+  insert("</node>",
+         "<node><matrix>1 0 0 3 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url=\"#g\"><bind_material><technique_common>"
+         "<instance_material symbol=\"x\" target=\"#m\"/></technique_common></bind_material></instance_geometry></node>");
   return text;
 }
 
@@ -57,9 +65,7 @@ TEST(MeshMutants, Collada) {
   EXPECT_EQ(DYN_OK, good.status) << good.error;
   read_mutants("m.dae", rich_dae());
 }
-TEST(MeshMutants, Gltf) {
-  read_mutants("m.gltf", gltf(brick, "brick.bin", ",\"rotation\":[0,0,1,0],\"scale\":[1,2,3]"));
-}
+TEST(MeshMutants, Gltf) { read_mutants("m.gltf", gltf(brick, "brick.bin", ",\"rotation\":[0,0,1,0],\"scale\":[1,2,3]")); }
 TEST(MeshMutants, BinaryGltf) { read_mutants("m.glb", glb(brick)); }
 
 }  // namespace
