@@ -48,6 +48,15 @@ LoadOptions read_options(const Given<dynLoadOptions>& o) {
                                         ": give 1 to " + std::to_string(max_contacts) + ", or 0 for what the shapes need");
   out.contact_capacity = o->contact_capacity;
   out.confined = o->confined != 0;
+  const auto limit = [](const char* name, auto given, auto& to) {
+    if (!(given >= 0))
+      throw Error(DYN_ERROR_ARGUMENT,
+                  "dynLoadOptions: " + std::string(name) + " is no limit: give a positive number, or 0 for the default");
+    if (given > 0) to = given;
+  };
+  limit("max_bodies", o->max_bodies, out.limits.bodies), limit("max_shapes", o->max_shapes, out.limits.shapes);
+  limit("max_constraint_rows", o->max_constraint_rows, out.limits.rows), limit("max_keys", o->max_keys, out.limits.keys);
+  limit("max_bytes", o->max_bytes, out.limits.bytes), limit("max_seconds", o->max_seconds, out.limits.seconds);
   if (o->srdf) out.srdf = o->srdf;
   if (o->srdf && out.srdf.empty())
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");

@@ -198,14 +198,21 @@ typedef struct dynLoadOptions {
   size_t package_dirs_count;
   double gravity[3]; /* m/s^2, world axes; default (0, 0, -9.81). An MJCF file's own counts unless changed. */
   const char* srdf;                /* path of an SRDF for this robot; NULL: none */
-  dynMeshUse meshes;               /* default AUTO; hulls and triangles need libdyn_mesh.so */
+  dynMeshUse meshes;               /* default AUTO; hulls need libdyn_mesh.so */
   int32_t constraint_slots;        /* spare slots for constraints, 0 to 1000; default 8 */
   /* contact points that a step can hold, 1 to 10^6; default 0: see dyn_builder_set_contact_capacity */
   int32_t contact_capacity;
   /* non-zero: for files that are not trusted. Included files and meshes must lie in the robot file's folder
      (for text in memory: the working directory) or in package_dirs, links followed. Others are
-     DYN_ERROR_FILE. Default 0. */
+     DYN_ERROR_FILE. Files that are no regular files are refused, too. Default 0. */
   int32_t confined;
+  /* Limits of a load, 0: the default. A file that asks for more is DYN_ERROR_LIMIT, before it is expanded. */
+  int32_t max_bodies;          /* links, with their copies; joints likewise; default 200,000 */
+  int32_t max_shapes;          /* default 200,000 */
+  int32_t max_constraint_rows; /* of the file's constraints; default 6,000 */
+  int32_t max_keys;            /* named configurations; default 10,000 */
+  int64_t max_bytes; /* memory of a load, estimated from sizes of files and of their parts; default 2^30 */
+  double max_seconds; /* processor time of a load, looked at between its parts; default: no limit */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size);
@@ -2317,9 +2324,9 @@ DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, 
 /* ------------------------------------------------------------------------------------------------- meshes */
 
 /* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are merged. Triangles without
-   area, and duplicates, are dropped; dynMeshInfo counts them. At most 10^7 triangles. Files and hulls need
-   the module libdyn_mesh.so (assimp, qhull), found beside libdyn.so at first use. Without it:
-   DYN_ERROR_UNSUPPORTED, with the places searched. */
+   area, and duplicates, are dropped; dynMeshInfo counts them. At most 10^7 triangles. Hulls need the module
+   libdyn_mesh.so (qhull), found beside libdyn.so at first use. Without it: DYN_ERROR_UNSUPPORTED, with the
+   places searched. */
 typedef struct dynMeshOptions {
   uint32_t struct_size;            /* set by dyn_mesh_options_init */
   double scale[3]; /* factors along the file's axes; default 1. Mirrored triangles are turned round. */
@@ -2337,7 +2344,8 @@ DYN_API void dyn_mesh_options_init(dynMeshOptions* options, uint32_t struct_size
 /* Reads all triangles of an STL (binary, ASCII), OBJ, COLLADA (.dae) or glTF (.gltf, .glb) scene, placed by
    its nodes. Units: COLLADA's <unit> is applied, glTF is in metres, STL and OBJ are taken as metres (see
    scale). Axes: the file's, as URDF puts meshes in their link's axes. With up_z, COLLADA's <up_axis>, and y
-   of glTF, become z. Files hold single precision. options may be NULL. */
+   of glTF, become z. Binary files hold single precision. A damaged file is an error that names it. options
+   may be NULL. */
 DYN_API dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options, dynMesh** mesh);
 /* vertices: 3 x vertex_count. triangles: 3 x triangle_count indices, counter-clockwise seen from outside.
    Without triangles (0, NULL) the mesh is a cloud of points, for dyn_mesh_hull. Vertices without a triangle

@@ -132,6 +132,12 @@ struct LoadOptions {
   LoadOptions& constraint_slots(int n) { return value.constraint_slots = n, *this; }
   LoadOptions& contact_capacity(int n) { return value.contact_capacity = n, *this; }
   LoadOptions& confined(bool yes = true) { return value.confined = yes, *this; }
+  LoadOptions& max_bodies(int n) { return value.max_bodies = n, *this; }
+  LoadOptions& max_shapes(int n) { return value.max_shapes = n, *this; }
+  LoadOptions& max_constraint_rows(int n) { return value.max_constraint_rows = n, *this; }
+  LoadOptions& max_keys(int n) { return value.max_keys = n, *this; }
+  LoadOptions& max_bytes(int64_t n) { return value.max_bytes = n, *this; }
+  LoadOptions& max_seconds(double t) { return value.max_seconds = t, *this; }
   LoadOptions& meshes(dynMeshUse use) { return value.meshes = use, *this; }
   LoadOptions& srdf(std::string path) { return srdf_path = std::move(path), *this; }
 };

@@ -25,7 +25,7 @@ except ImportError:  # setuptools has it from version 70 on
 CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 SCRATCH = CHECKOUT / "build" / "python-package"  # nothing is written beside the sources
 SONAME = "libdyn.so.1"
-MODULE = "libdyn_mesh.so"  # beside it, where assimp and qhull were there
+MODULE = "libdyn_mesh.so"  # beside it, where qhull was there
 ROBOTS = ("go2.urdf", "humanoid.urdf")  # that libdyn.gym plays with
 
 

@@ -65,24 +65,30 @@ struct Judge {
   }
 };
 
-Index tree(const Model& m, Index i) {
-  while (m.bodies()[i].parent) i = m.bodies()[i].parent;
-  return i;
+// The first body of the tree of each body; 0: the world.
+std::vector<Index> trees_of(const Model& m) {
+  std::vector<Index> out(std::size_t(m.n.bodies));
+  for (Index i = 1; i < m.n.bodies; ++i) out[std::size_t(i)] = m.bodies()[i].parent ? out[std::size_t(m.bodies()[i].parent)] : i;
+  return out;
 }
 bool flies(const Model& m, Index root) { return root && m.bodies()[root].type == BodyType::FreeFlyer; }
 
 // Two trees of which one flies: where it flies says nothing of what it may touch.
-bool apart(const Model& m, const Data<double>& d, Index geom_a, Index geom_b) {
-  const Index a = tree(m, d.geoms[geom_a].body), b = tree(m, d.geoms[geom_b].body);
+bool apart(const Model& m, const Data<double>& d, const std::vector<Index>& trees, Index geom_a, Index geom_b) {
+  const Index a = trees[std::size_t(d.geoms[geom_a].body)], b = trees[std::size_t(d.geoms[geom_b].body)];
   return a != b && (flies(m, a) || flies(m, b));
 }
 
-// Tested pairs that no one asked for, of filter Guess, by their bounding boxes where pairs are not listed: f(a, b).
+struct Enough {};  // ends a search
+
+// Tested pairs that no one asked for, of filter Guess, by their bounding boxes where pairs are not listed: f(a, b), which may
+// throw Enough.
 template <class F>
 void for_each_guess(const Model& m, Data<double>& d, F&& f) {
+  const std::vector<Index> trees = trees_of(m);
   const auto look = [&](Index a, Index b) {
     const ShapeRecord &x = m.shapes()[m.geoms()[a].shape], &y = m.shapes()[m.geoms()[b].shape];
-    if (collision::filter_of(x, y) == PairFilter::Guess && !apart(m, d, a, b) && !collision::on_mocap(m, a) &&
+    if (collision::filter_of(x, y) == PairFilter::Guess && !apart(m, d, trees, a, b) && !collision::on_mocap(m, a) &&
         !collision::on_mocap(m, b))
       f(a, b);
   };
@@ -99,16 +105,18 @@ void for_each_guess(const Model& m, Data<double>& d, F&& f) {
   // shapes of what flies meet those of the same tree alone: many may be in one place
   std::map<Index, std::vector<Index>> flying;
   for (Index k = 0; k < search.moving_count; ++k) {
-    const Index geom = search.moving_geoms[k], root = tree(m, d.geoms[geom].body);
+    const Index geom = search.moving_geoms[k], root = trees[std::size_t(d.geoms[geom].body)];
     if (!flies(m, root)) continue;
     flying[root].push_back(geom);
     search.moving->update(k, {shape::Vec::make(1e30, 1e30, 1e30), shape::Vec::make(-1e30, -1e30, -1e30)});
   }
   search.for_each(d, look_unlisted);
+  std::size_t bounds = 0;
   for (const auto& [root, geoms] : flying)
     for (std::size_t i = 0; i < geoms.size(); ++i)
       for (std::size_t j = i + 1; j < geoms.size(); ++j)
-        if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]],
+        if (++bounds > 10 * max_looks) throw Enough();
+        else if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]],
                                               d.geom_poses[geoms[j]]) > 0))
           look_unlisted(geoms[i], geoms[j]);
 }
@@ -149,7 +157,7 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
   return judge.pairs;
 }
 
-GeomPairs overlapping(const Model& m) {
+GeomPairs overlapping(const Model& m, bool& all) {
   constexpr int samples = 32, max_apart = 1;
   constexpr std::uint64_t seed = 1;
   GeomPairs found;
@@ -159,9 +167,16 @@ GeomPairs overlapping(const Model& m) {
   data_layout(m, DYN_PART_COLLISION, zeros.memory, d);
   collision::place_geoms(m, d);
   if (!places_are_measurable(m, d)) return found;
-  for_each_guess(m, d, [&](Index a, Index b) {
-    if (overlap(d, a, b)) found.emplace_back(a, b);
-  });
+  std::size_t looks = 0;
+  all = true;
+  try {
+    for_each_guess(m, d, [&](Index a, Index b) {
+      if (++looks > max_looks || found.size() == max_overlaps) throw Enough();
+      if (overlap(d, a, b)) found.emplace_back(a, b);
+    });
+  } catch (const Enough&) {
+    all = false;
+  }
   std::vector<int> times_apart(found.size());
   Random random{seed};
   for (int k = 0; k < samples && !found.empty(); ++k) {

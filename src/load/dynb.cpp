@@ -1,4 +1,5 @@
 #include "table/sensors.hpp"
+#include "budget.hpp"
 #include "dynb.hpp"
 
 #include <array>
@@ -9,7 +10,6 @@
 #include "model/block.hpp"
 #include "model/builder_impl.hpp"
 #include "model/builder_surface.hpp"
-#include "report.hpp"
 
 namespace dyn {
 
@@ -145,6 +145,19 @@ void check_by_building(const Model& m) {
   }
 }
 
+// Charges the account for all of a model that is about to be built again.
+void charge(const Model& m, std::int64_t bytes, Budget& budget) {
+  const Report report("", false);  // the caller names the file
+  budget.add_bytes(4 * bytes, report, 0);
+  budget.add_bodies(m.n.links, report, 0), budget.add_joints(m.n.joints, report, 0), budget.add_shapes(m.n.shapes, report, 0);
+  budget.add_keys(m.n.configurations - 1, report, 0);
+  for (Index k = 0; k < m.n.constraints; ++k) {
+    Constraint c{};
+    c.type = m.constraints()[k].spec.type, c.joint_type = m.constraints()[k].spec.joint_type;
+    budget.add_rows(constraint_rows(c), report, 0);
+  }
+}
+
 struct Free {
   void operator()(void* block) const { std::free(block); }
 };
@@ -171,6 +184,7 @@ ModelPtr load_dynb(const std::string& given, const std::string& file, const Load
     load::refuse(check_block(m, size));
     if (m.n.joints > 1 && *m.string(m.joints()[1].name) == '\0')
       throw Error(DYN_ERROR_UNSUPPORTED, "the .dynb has no names: use it in place as a buffer, or write it again with names");
+    if (options.budget) load::charge(m, std::int64_t(size), *options.budget);
     load::check_by_building(m);
     Builder builder(m);
     const auto is_drawn = [&](Index k) { return std::strcmp(m.string(m.configuration_names()[k]), "qpos0") == 0; };

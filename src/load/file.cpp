@@ -1,35 +1,79 @@
 #include "file.hpp"
 
-#include <cerrno>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <system_error>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include "xml.hpp"
+#include <cerrno>
+#include <system_error>
 
 namespace dyn::load {
 
-static std::string reason(int code) { return std::error_code(code, std::generic_category()).message(); }
+namespace {
 
-std::string read_file(const std::string& path, const std::string& what) {
+std::string reason(int code) { return std::error_code(code, std::generic_category()).message(); }
+
+// An open file, closed at the end.
+struct Descriptor {
+  int fd;
+  explicit Descriptor(int f) : fd(f) {}
+  Descriptor(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+// Refuses what is no regular file, and no pipe where one is allowed.
+void check_kind(const struct ::stat& s, const std::string& what, FileKind kind, const Report& report) {
+  if (S_ISREG(s.st_mode) || (S_ISFIFO(s.st_mode) && kind == FileKind::Pipe)) return;
+  if (S_ISDIR(s.st_mode)) report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of " + what + " in it");
+  const char* is = S_ISFIFO(s.st_mode) ? "pipe" : S_ISSOCK(s.st_mode) ? "socket" : "device";
+  report.fail(DYN_ERROR_FILE, 0, "this is a " + std::string(is) + ", no regular file: give the name of " + what);
+}
+
+struct ::stat stat_of(const std::string& path, const Report& report) {
+  struct ::stat s{};
+  if (::stat(path.c_str(), &s) != 0) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
+  return s;
+}
+
+[[noreturn]] void fail_size(std::uint64_t limit, const Report& report) {
+  report.fail(DYN_ERROR_LIMIT, 0, "larger than " + std::to_string(limit) + " bytes, which is the limit");
+}
+
+}  // namespace
+
+std::uint64_t file_size(const std::string& path, const std::string& what) {
+  const Report report(path, false);
+  const struct ::stat s = stat_of(path, report);
+  check_kind(s, what, FileKind::Regular, report);
+  return std::uint64_t(s.st_size);
+}
+
+std::string read_file(const std::string& path, const std::string& what, FileKind kind, std::uint64_t limit) {
   const Report report(path, false);
   if (path.empty()) throw Error(DYN_ERROR_FILE, "the path is empty: give the name of " + what);
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of " + what + " in it");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
+  check_kind(stat_of(path, report), what, kind, report);
+  // a file that became a pipe meanwhile does not block
+  const int flags = O_RDONLY | O_CLOEXEC | (kind == FileKind::Regular ? O_NONBLOCK : 0);
+  const Descriptor file(::open(path.c_str(), flags));
+  struct ::stat opened{};
+  if (file.fd < 0 || ::fstat(file.fd, &opened) != 0) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
+  check_kind(opened, what, kind, report);
   std::string text;
-  if (const auto size = std::filesystem::file_size(path, ignored); !ignored && size <= max_file_bytes) text.reserve(size);
-  char part[1 << 16];
-  for (size_t n; (n = std::fread(part, 1, sizeof part, file.get())) > 0;) {
-    text.append(part, n);
-    if (text.size() > max_file_bytes)
-      report.fail(DYN_ERROR_LIMIT, 0, "larger than " + std::to_string(max_file_bytes) + " bytes, which is the limit");
+  if (S_ISREG(opened.st_mode)) {
+    if (std::uint64_t(opened.st_size) > limit) fail_size(limit, report);
+    text.reserve(std::size_t(opened.st_size));
   }
-  if (std::ferror(file.get())) report.fail(DYN_ERROR_FILE, 0, "cannot be read: " + reason(errno));
-  return text;
+  char part[1 << 16];
+  for (;;) {
+    const ::ssize_t n = ::read(file.fd, part, sizeof part);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) report.fail(DYN_ERROR_FILE, 0, "cannot be read: " + reason(errno));
+    if (n == 0) return text;
+    if (text.size() + std::size_t(n) > limit) fail_size(limit, report);
+    text.append(part, std::size_t(n));
+  }
 }
 
 }  // namespace dyn::load

@@ -1,6 +1,7 @@
 // Loads files and texts. The content decides the format, not the name.
 #include "model/load.hpp"
 
+#include "budget.hpp"
 #include "confined.hpp"
 #include "model/model.hpp"
 #include "file.hpp"
@@ -48,14 +49,20 @@ ModelPtr within_folders(ModelPtr model, const std::string& file, const LoadOptio
   return model;
 }
 
+ModelPtr load_within_limits(const std::string& text, const std::string& file, LoadOptions options) {
+  load::Budget budget(options.limits);
+  options.budget = &budget;
+  budget.add_bytes(std::int64_t(text.size()), Report(file, false), 0);
+  return within_folders(load_content(text, file, options), file, options);
+}
+
 }  // namespace
 
 ModelPtr load_file(const std::string& path, const LoadOptions& options) {
-  return within_folders(load_content(load::read_file(path, "a robot file"), path, options), path, options);
+  const load::FileKind kind = options.confined ? load::FileKind::Regular : load::FileKind::Pipe;
+  return load_within_limits(load::read_file(path, "a robot file", kind), path, options);
 }
 
-ModelPtr load_string(const std::string& text, const LoadOptions& options) {
-  return within_folders(load_content(text, "", options), "", options);
-}
+ModelPtr load_string(const std::string& text, const LoadOptions& options) { return load_within_limits(text, "", options); }
 
 }  // namespace dyn

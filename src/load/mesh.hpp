@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "budget.hpp"
 #include "confined.hpp"
 #include "model/builder.hpp"
 #include "spatial/inertia.hpp"
@@ -64,6 +65,7 @@ struct MeshOptions {
   std::string relative_to;  // the robot file that names the mesh
   load::Confined confined = {};
   bool points = false;  // an OBJ of vertices alone is a mesh without triangles, not an error
+  load::Budget* budget = nullptr;  // of the load that reads it
 };
 
 // mesh_read.cpp

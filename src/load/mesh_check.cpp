@@ -1,24 +1,18 @@
-// Checks mesh files before a parser sees them: format, sizes, and nesting depth.
+// Checks mesh files before they are read: kind, format, size.
 #include "mesh_check.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "file.hpp"
 #include "mesh.hpp"
-#include "xml.hpp"
 
 namespace dyn::load {
 
 using meshes::max_triangles;
 
 namespace {
-
-constexpr std::uint64_t max_mesh_bytes = std::uint64_t(2) << 30;
-constexpr int max_json_depth = 100;
-constexpr int max_gltf_parents = 2000;  // nodes with children; the parser recurses along chains of them
 
 std::string read(std::ifstream& file, std::uint64_t from, std::uint64_t bytes) {
   std::string text(std::size_t(bytes), '\0');
@@ -66,43 +60,6 @@ void check_stl(std::ifstream& file, std::uint64_t size, const Report& report) {
   if (count == 0) report.fail(DYN_ERROR_INVALID, 0, "no triangles: its header says 0");
 }
 
-void check_json(std::string_view text, const Report& report) {
-  int depth = 0, parents = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      else if (c == '"') quoted = false;
-    } else if (c == '"') {
-      quoted = true;
-      parents += text.substr(i).starts_with("\"children\"");
-    } else if (c == '[' || c == '{') {
-      if (++depth > max_json_depth)
-        report.fail(DYN_ERROR_LIMIT, 0,
-                    "its JSON is nested more than " + std::to_string(max_json_depth) + " deep, which is the limit");
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  if (quoted || depth != 0) report.fail(DYN_ERROR_PARSE, 0, "its JSON is cut off or damaged: a quote or bracket is missing");
-  if (parents > max_gltf_parents)
-    report.fail(DYN_ERROR_LIMIT, 0,
-                std::to_string(parents) + " nodes with children, and the limit is " + std::to_string(max_gltf_parents));
-}
-
-// Magic, version, length; then chunks of length, type, bytes. The first chunk is JSON.
-void check_glb(std::ifstream& file, std::uint64_t size, const Report& report) {
-  const std::string head = read(file, 0, std::min<std::uint64_t>(size, 20));
-  if (!head.starts_with("glTF")) report.fail(DYN_ERROR_PARSE, 0, "this is not a binary glTF: it does not begin with 'glTF'");
-  const std::uint64_t length = little_endian(head, 8), json = little_endian(head, 12);
-  if (head.size() < 20 || length != size || 20 + json > size)
-    report.fail(DYN_ERROR_PARSE, 0,
-                "its header says " + std::to_string(length) + " bytes, but the file has " + std::to_string(size) +
-                    ": it is cut off or damaged");
-  check_json(read(file, 20, json), report);
-}
-
 }  // namespace
 
 std::string extension(const std::string& path) {
@@ -111,18 +68,14 @@ std::string extension(const std::string& path) {
   return out;
 }
 
-void check_mesh_file(const std::string& path) {
+std::uint64_t check_mesh_file(const std::string& path) {
   const Report report(path, false);
   const std::string kind = extension(path);
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of a mesh file in it");
+  const std::uint64_t size = file_size(path, "a mesh file");
   if (kind != ".stl" && kind != ".obj" && kind != ".dae" && kind != ".gltf" && kind != ".glb")
     report.fail(DYN_ERROR_UNSUPPORTED, 0, "mesh files are .stl, .obj, .dae, .gltf and .glb: convert it to one of them");
   std::ifstream file(path, std::ios::binary);
-  if (!file) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + std::string(std::strerror(errno)));
-  const std::uint64_t size = std::filesystem::file_size(path, ignored);
-  if (ignored) report.fail(DYN_ERROR_FILE, 0, "is not a regular file: " + ignored.message());
+  if (!file) report.fail(DYN_ERROR_FILE, 0, "cannot be opened");
   if (size == 0) report.fail(DYN_ERROR_PARSE, 0, "the file is empty");
   if (size > max_mesh_bytes)
     report.fail(DYN_ERROR_LIMIT, 0,
@@ -130,9 +83,7 @@ void check_mesh_file(const std::string& path) {
   if (read(file, 0, std::min<std::uint64_t>(size, 40)).starts_with("version https://git-lfs"))
     report.fail(DYN_ERROR_PARSE, 0, "this is a Git LFS placeholder, not the mesh: run git lfs pull");
   if (kind == ".stl") check_stl(file, size, report);
-  if (kind == ".glb") check_glb(file, size, report);
-  if (kind == ".gltf") check_json(read(file, 0, size), report);
-  if (kind == ".dae") check_xml(read_file(path, "a mesh file"), report);
+  return size;
 }
 
 }  // namespace dyn::load

@@ -64,9 +64,9 @@ const mesh::Module& mesh_module() {
     tried += (tried.empty() ? "" : ", ") + file + " (" + why + ")";
   }
   throw Error(DYN_ERROR_UNSUPPORTED,
-              "mesh files and hulls need libdyn's module " + std::string(file_name) +
-                  ", which cannot be opened: install it beside libdyn.so with the packages of assimp and qhull, or build libdyn "
-                  "with libassimp-dev and libqhull-dev installed; tried " +
+              "hulls need libdyn's module " + std::string(file_name) +
+                  ", which cannot be opened: install it beside libdyn.so with the package of qhull, or build libdyn "
+                  "with libqhull-dev installed; tried " +
                   tried);
 }
 

@@ -1,4 +1,4 @@
-// The module that holds assimp and qhull.
+// The module that holds qhull.
 #pragma once
 
 #include "mesh/module.hpp"

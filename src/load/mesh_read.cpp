@@ -1,14 +1,16 @@
-// Reads mesh files: resolves the path, checks the file, parses it in the module, scales and welds.
+// Reads mesh files: resolves the path, checks the file, reads its format, scales and welds.
 #include <cmath>
 #include <filesystem>
 #include <sstream>
 
 #include "mesh.hpp"
 #include "mesh_check.hpp"
-#include "mesh_module.hpp"
 #include "mesh_path.hpp"
+#include "mesh_soup.hpp"
 #include "file.hpp"
+#include "base/portable.hpp"
 #include "number.hpp"
+#include "shape/geometry.hpp"
 #include "report.hpp"
 
 namespace dyn::meshes {
@@ -32,18 +34,10 @@ std::string found(const std::string& name, const MeshOptions& options) {
   throw Error(DYN_ERROR_FILE, "mesh " + in_quotes(name) + " is not found" + tried);
 }
 
-// Triangles from the module, freed with this object.
-struct Soup : mesh::Soup {
-  const mesh::Module& module;
-  explicit Soup(const mesh::Module& m) : mesh::Soup{}, module(m) {}
-  Soup(const Soup&) = delete;
-  ~Soup() { module.free_soup(this); }
-};
-
 // Vertices of an OBJ without faces, lines and surfaces; none if it has any.
-std::vector<double> points_of(const std::string& path) {
+std::vector<double> points_of(const std::string& text, const std::string& path) {
   std::vector<double> out;
-  std::istringstream lines(read_file(path, "a mesh file"));
+  std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     const std::vector<std::string_view> words = split(line);
     if (words.empty()) continue;
@@ -61,32 +55,44 @@ std::vector<double> points_of(const std::string& path) {
 Mesh read_mesh(const std::string& name, const MeshOptions& options) {
   const std::string path = found(name, options);
   const Report report(path, false);
-  check_mesh_file(path);
+  const auto size = std::int64_t(check_mesh_file(path));
+  if (options.budget) options.budget->add_bytes(bytes_of_mesh_file * size, report, 0);
   const double mirror = options.scale[0] * options.scale[1] * options.scale[2];
   for (double s : options.scale)
     if (!std::isfinite(s) || s == 0)
       throw Error(DYN_ERROR_ARGUMENT,
                   "the scale of mesh " + in_quotes(name) + " has " + text(s) + ": give finite numbers that are not zero");
 
-  if (options.points && extension(path) == ".obj") {
+  const std::string kind = extension(path);
+  std::string bytes = read_file(path, "a mesh file", FileKind::Regular, kind == ".dae" ? max_file_bytes : max_mesh_bytes);
+  if (options.points && kind == ".obj") {
     Mesh cloud;
-    cloud.vertices = points_of(path);
+    cloud.vertices = points_of(bytes, path);
     for (std::size_t i = 0; i < cloud.vertices.size(); ++i) cloud.vertices[i] *= options.scale[i % 3];
     if (!cloud.vertices.empty()) return cloud;
   }
 
-  Soup soup(mesh_module());
-  mesh::Failure failure{};
-  if (!soup.module.read(path.c_str(), options.up_z, max_triangles, &soup, &failure))
-    report.fail(failure.status, 0, failure.message);
-  if (soup.triangle_count == 0)
+  Soup soup = kind == ".stl"   ? read_stl(bytes, report)
+              : kind == ".obj" ? read_obj(bytes, report)
+              : kind == ".dae" ? read_collada(bytes, options.up_z, report)
+                               : read_gltf(bytes, kind == ".glb", options.up_z, report);
+  bytes = std::string();
+  if (soup.triangles.empty())
     report.fail(DYN_ERROR_INVALID, 0,
                 "no triangles" + (soup.skipped ? ", only " + std::to_string(soup.skipped) + " points and lines" : std::string()));
-  for (std::int64_t i = 0; i < 3 * soup.vertex_count; ++i) soup.vertices[i] *= options.scale[std::size_t(i % 3)];
+  for (std::size_t i = 0; i < soup.vertices.size(); ++i) soup.vertices[i] *= options.scale[i % 3];
+  for (std::size_t i = 0; i < soup.vertices.size(); i += 3)
+    if (const double far = math::hypot(soup.vertices[i], soup.vertices[i + 1], soup.vertices[i + 2]);
+        far > shape::max_length && std::isfinite(far))
+      report.fail(DYN_ERROR_LIMIT, 0,
+                  "vertex " + std::to_string(i / 3) + " lies " + text(far) + " m from the origin: distances are measured up to " +
+                      text(shape::max_length) + " m");
   if (mirror < 0)  // mirroring reverses the orientation of triangles
-    for (std::int64_t t = 0; t < soup.triangle_count; ++t) std::swap(soup.triangles[3 * t + 1], soup.triangles[3 * t + 2]);
-  Mesh out = make_mesh(soup.vertices, soup.vertex_count, soup.triangles, soup.triangle_count, options.weld_tolerance,
-                       printable(path), soup.colours);
+    for (std::size_t t = 0; t < soup.triangles.size(); t += 3) std::swap(soup.triangles[t + 1], soup.triangles[t + 2]);
+  if (options.budget)
+    options.budget->add_bytes(bytes_of_vertex * soup.vertex_count() + bytes_of_triangle * soup.triangle_count(), report, 0);
+  Mesh out = make_mesh(soup.vertices.data(), soup.vertex_count(), soup.triangles.data(), soup.triangle_count(),
+                       options.weld_tolerance, printable(path), soup.colours.data());
   out.skipped = soup.skipped;
   return out;
 }

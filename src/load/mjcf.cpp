@@ -101,6 +101,7 @@ ModelPtr load_mjcf(const std::string& text, const std::string& file, const LoadO
   if (options.base != DYN_BASE_UNSPECIFIED) reader.report.info(0, "the option base is not used: an MJCF model has free joints");
   if (options.cos_sin) reader.report.info(0, "the option cos_sin is not used: it is for URDF");
   if (!options.srdf.empty()) reader.fail(DYN_ERROR_UNSUPPORTED, root, "the option srdf is for URDF: omit it");
+  robot.budget = options.budget;
   MjcfBody world;
   world.name = "world", world.place = {&reader.report, line(root), "the world"}, world.X = SE3<double>::identity();
   robot.bodies.push_back(std::move(world));

@@ -10,14 +10,6 @@ namespace dyn::load {
 
 namespace {
 
-// Returns the joint of that name, or null if none has been read.
-MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
-  for (MjcfBody& b : robot.bodies)
-    for (MjcfJoint& j : b.joints)
-      if (j.spec.name == name) return &j;
-  return nullptr;
-}
-
 bool is_scalar(const MjcfJoint& j) { return joint_nq(j.spec.type) == 1; }
 
 // Sets component and gear of the driven degree of freedom. Returns the reason if there is not exactly one.
@@ -262,12 +254,13 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
 }
 
 void limit_mjcf_actuators(MjcfRobot& robot) {
+  std::map<std::pair<dynTransmission, std::string>, std::vector<dynActuator*>> driving;
+  for (MjcfActuator& a : robot.actuators)
+    if (!a.inert && a.spec.gear != 0) driving[{a.spec.transmission, a.target}].push_back(&a.spec);
   const auto limit = [&](const MjcfPlace& place, const std::optional<std::array<double, 2>>& force, dynTransmission transmission,
                          const std::string& target) {
     if (!force) return;
-    std::vector<dynActuator*> all;
-    for (MjcfActuator& a : robot.actuators)
-      if (!a.inert && a.spec.transmission == transmission && a.target == target && a.spec.gear != 0) all.push_back(&a.spec);
+    const std::vector<dynActuator*>& all = driving[{transmission, target}];
     if (all.size() > 1)
       place.physics("actuatorfrcrange is not used: " + std::to_string(all.size()) +
                     " actuators drive it, and their sum has no limit");

@@ -1,8 +1,9 @@
 // <asset>: meshes, height fields, and models to attach.
 #include <cmath>
-#include <fstream>
+#include <cstring>
 
 #include "collision_mesh.hpp"
+#include "file.hpp"
 #include "mjcf_robot.hpp"
 #include "model/builder_surface.hpp"
 
@@ -24,29 +25,39 @@ meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std
   return meshes::make_mesh(mesh.vertices.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(), 0, who);
 }
 
+constexpr std::uint64_t max_binary_bytes = std::uint64_t(1) << 30;
+
+// Numbers of a binary file, one after the other.
+template <class T>
+std::vector<T> take(std::string_view& bytes, std::int64_t count) {
+  std::vector<T> out(static_cast<size_t>(count));
+  if (count > 0) std::memcpy(out.data(), bytes.data(), out.size() * sizeof(T));
+  bytes.remove_prefix(out.size() * sizeof(T));
+  return out;
+}
+
 // MuJoCo's own mesh format: four counts (vertices, normals, texture coordinates, faces), then the numbers.
-meshes::Mesh read_msh(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  const auto read = [&](void* to, size_t bytes) {
-    if (!in.read(static_cast<char*>(to), std::streamsize(bytes)))
-      throw Error(DYN_ERROR_FILE, "file " + load::in_quotes(path) + " cannot be read, or ends early");
-  };
-  std::int32_t counts[4];
-  read(counts, sizeof counts);
+meshes::Mesh read_msh(const std::string& path, Budget* budget) {
+  const std::string content = read_file(path, "a mesh file", FileKind::Regular, max_binary_bytes);
+  const Report report(path, false);
+  if (budget) budget->add_bytes(8 * std::int64_t(content.size()), report, 0);
+  std::string_view bytes = content;
+  if (bytes.size() < 16) report.fail(DYN_ERROR_FILE, 0, "is not of MuJoCo's format: it ends early");
+  const std::vector<std::int32_t> counts = take<std::int32_t>(bytes, 4);
   for (const std::int32_t n : counts)
     if (n < 0 || n > meshes::max_triangles)
-      throw Error(DYN_ERROR_PARSE,
-                  "file " + load::in_quotes(path) + " is not of MuJoCo's format: " + std::to_string(n) + " vertices or faces");
-  std::vector<float> vertices(3 * size_t(counts[0]));
-  std::vector<std::int32_t> faces(3 * size_t(counts[3]));
-  read(vertices.data(), vertices.size() * sizeof(float));
-  in.seekg(std::streamoff(sizeof(float)) * (3 * std::streamoff(counts[1]) + 2 * std::streamoff(counts[2])), std::ios::cur);
-  read(faces.data(), faces.size() * sizeof(std::int32_t));
+      report.fail(DYN_ERROR_PARSE, 0, "is not of MuJoCo's format: " + std::to_string(n) + " vertices or faces");
+  const std::int64_t points = counts[0], normals = counts[1], texture = counts[2], triangles = counts[3];
+  if (std::int64_t(bytes.size()) < 4 * (3 * points + 3 * normals + 2 * texture + 3 * triangles))
+    report.fail(DYN_ERROR_FILE, 0, "states more numbers than it has, and ends early");
+  const std::vector<float> vertices = take<float>(bytes, 3 * points);
+  bytes.remove_prefix(size_t(4 * (3 * normals + 2 * texture)));
+  const std::vector<std::int32_t> faces = take<std::int32_t>(bytes, 3 * triangles);
   for (const std::int32_t f : faces)
     if (f < 0 || f >= counts[0])
-      throw Error(DYN_ERROR_PARSE, "file " + load::in_quotes(path) + ": vertex " + std::to_string(f) + " does not exist");
+      report.fail(DYN_ERROR_PARSE, 0, "vertex " + std::to_string(f) + " does not exist");
   for (const float v : vertices)
-    if (!std::isfinite(v)) throw Error(DYN_ERROR_NONFINITE, "file " + load::in_quotes(path) + " has a vertex that is not finite");
+    if (!std::isfinite(v)) report.fail(DYN_ERROR_NONFINITE, 0, "has a vertex that is not finite");
   const std::vector<double> numbers(vertices.begin(), vertices.end());
   const std::vector<Index> corners(faces.begin(), faces.end());
   if (corners.empty()) {
@@ -66,17 +77,18 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
   Grid g{{}, 0, 0};
   const std::string file = attribute(e, "file");
   if (!file.empty()) {
-    std::ifstream in(source.path(e, file), std::ios::binary);
-    std::int32_t size[2];
-    if (!in.read(reinterpret_cast<char*>(size), sizeof size))
-      reader.fail(DYN_ERROR_FILE, e, "file " + load::in_quotes(file) + " cannot be read");
+    const std::string content = read_file(source.path(e, file).string(), "a height field", FileKind::Regular, max_binary_bytes);
+    std::string_view bytes = content;
+    if (bytes.size() < 8) reader.fail(DYN_ERROR_FILE, e, "file " + load::in_quotes(file) + " ends early");
+    const std::vector<std::int32_t> size = take<std::int32_t>(bytes, 2);
     if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > max_heights)
       reader.fail(DYN_ERROR_LIMIT, e,
                   "file " + load::in_quotes(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
     g.rows = size[0], g.columns = size[1];
-    std::vector<float> data(size_t(g.rows) * size_t(g.columns));
-    if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(float))))
-      reader.fail(DYN_ERROR_FILE, e, "file " + load::in_quotes(file) + " ends early");
+    const std::int64_t count = std::int64_t(g.rows) * g.columns;
+    if (std::int64_t(bytes.size()) < 4 * count) reader.fail(DYN_ERROR_FILE, e, "file " + load::in_quotes(file) + " ends early");
+    source.charge(&Budget::add_bytes, bytes_of_height * count, e);
+    const std::vector<float> data = take<float>(bytes, count);
     for (const float x : data)
       if (!std::isfinite(x))
         reader.fail(DYN_ERROR_NONFINITE, e, "file " + load::in_quotes(file) + " has a height that is not finite");
@@ -86,6 +98,7 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
     if (!(rows >= 2 && columns >= 2 && rows * columns <= double(max_heights)))
       reader.fail(DYN_ERROR_INVALID, e, "nrow and ncol are at least 2, and their product at most " + std::to_string(max_heights));
     g.rows = Index(rows), g.columns = Index(columns);
+    source.charge(&Budget::add_bytes, bytes_of_height * std::int64_t(g.rows) * g.columns, e);
     g.heights.assign(size_t(g.rows) * size_t(g.columns), 0);
     if (const auto text = reader.numbers(e, "elevation", g.heights.size()))  // the text begins with the farthest row
       for (Index r = 0; r < g.rows; ++r)
@@ -180,11 +193,11 @@ void MjcfAssets::read(Entry& entry) const {
     } else if (e.Attribute("builtin") && e.Attribute("builtin") != std::string_view("none")) {
       mesh = mjcf_builtin_mesh(reader, e);
     } else if (entry.path.ends_with(".msh")) {
-      mesh = read_msh(entry.path);
+      mesh = read_msh(entry.path, options_.budget);
     } else {
       meshes::MeshOptions how;
       how.package_dirs = options_.package_dirs;  // source.path has checked that it may be read
-      how.points = true;
+      how.points = true, how.budget = options_.budget;
       mesh = meshes::read_mesh(entry.path, how);
     }
     for (double& x : mesh.vertices) x = double(float(x));  // MuJoCo's vertices have single precision, and masses follow from them
@@ -197,6 +210,11 @@ void MjcfAssets::read(Entry& entry) const {
     if (what.starts_with(reader.owner)) reader.report.fail(error.status, line(e), what);
     reader.fail(error.status, e, what);
   }
+}
+
+// A mass, or a fit, takes the time of all triangles for each geom.
+void MjcfAssets::charge_work(const meshes::Mesh& mesh, const Element& e) const {
+  source_.charge(&Budget::add_bytes, 10 * (std::int64_t(mesh.triangle_count()) + mesh.vertex_count()), e);
 }
 
 MjcfAssets::Entry& MjcfAssets::mesh_entry(const Element& e, const std::string& name) {
@@ -212,6 +230,7 @@ MjcfAssets::Entry& MjcfAssets::mesh_entry(const Element& e, const std::string& n
 const meshes::Mesh& MjcfAssets::mesh(const Element& e, const std::string& name) {
   Entry& entry = mesh_entry(e, name);
   if (!entry.mesh) read(entry);
+  charge_work(*entry.mesh, e);
   return *entry.mesh;
 }
 
@@ -228,6 +247,7 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
     if (needed || options_.meshes != DYN_MESH_USE_AUTO) throw;
     return geom.place.physics("mesh " + load::in_quotes(name) + " is left out of collisions: " + error.what());
   }
+  if (needed) charge_work(*entry.mesh, e);
   geom.mesh = entry.mesh;
   geom.rule = attribute(*entry.element, "builtin") == "plate" ? "shell" : attribute(*entry.element, "inertia");
   if (!touches) return;
@@ -242,7 +262,10 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
 }
 
 bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeom& geom) {
-  const Element& asset = *find(fields_, "height field", e, name).element;
+  Entry& entry = find(fields_, "height field", e, name);
+  const Element& asset = *entry.element;
+  geom.shape.size = {1, 1, 1};
+  if ((geom.shape.surface = entry.grid)) return true;
   const Reader reader = source_.reader(asset, "height field " + load::in_quotes(name));
   reader.unread(asset, {"name", "file", "nrow", "ncol", "elevation", "size", "content_type"}, {});
   if (const std::string file = attribute(asset, "file"); file.ends_with(".png") || file.ends_with(".PNG")) {
@@ -258,9 +281,8 @@ bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeo
     if (!(s > 0)) reader.bad_numbers(asset, "size", "sizes are positive metres");
   std::vector<double> heights = g.heights;
   for (double& h : heights) h *= (*size)[2];
-  geom.shape.size = {1, 1, 1};
   try {
-    geom.shape.surface = height_grid(heights.data(), g.columns, g.rows, 2 * (*size)[0] / (g.columns - 1),
+    geom.shape.surface = entry.grid = height_grid(heights.data(), g.columns, g.rows, 2 * (*size)[0] / (g.columns - 1),
                                      2 * (*size)[1] / (g.rows - 1), -(*size)[3]);
   } catch (const Error& error) {
     reader.fail(error.status, asset, error.what());

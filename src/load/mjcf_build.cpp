@@ -98,11 +98,9 @@ void add_frames(Builder& builder, const MjcfRobot& robot) {
 }
 
 void check_body(const MjcfRobot& robot, const MjcfPlace& place, const std::string& name) {
+  if (find_body(robot, name)) return;
   std::vector<const std::string*> names;
-  for (const MjcfBody& b : robot.bodies) {
-    if (b.name == name) return;
-    names.push_back(&b.name);
-  }
+  for (const MjcfBody& b : robot.bodies) names.push_back(&b.name);
   place.fail(DYN_ERROR_NAME, "there is no body " + load::in_quotes(name) + did_you_mean(name, names));
 }
 
@@ -121,6 +119,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
   const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
   const bool massless = robot.lost_mass && !options.strict;
   for (MjcfBody& body : robot.bodies) name_joints(body);
+  robot.names.reset();
   name_mjcf_frames(robot);
   if (has_springdampers(robot)) {
     Builder bodies_only(robot.name);

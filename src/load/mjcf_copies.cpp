@@ -22,42 +22,47 @@ void MjcfCopies::add(const Element& e, const MjcfContext& context) {
   if (name.empty()) return;
   const char* const known_as = kind == "freejoint" ? "joint" : kind == "fixed" || kind == "spatial" ? "tendon" : e.Name();
   const Replica replica = {context.replicate, context.suffix};
-  copies_[{known_as, name}].insert(replica);
+  Copied& copied = copies_[{known_as, name}];
+  copied.replicas.insert(replica), copied.suffixes.insert(context.suffix);
   if (known_.insert(replica).second) replicas_.push_back(replica);
 }
 
-const MjcfCopies::Replicas* MjcfCopies::replicas_of(const std::string& kind, const std::string& name) const {
+const MjcfCopies::Copied* MjcfCopies::copied(const std::string& kind, const std::string& name) const {
   const auto found = copies_.find({kind, name});
   return found == copies_.end() ? nullptr : &found->second;
 }
 
 std::string MjcfCopies::name(const MjcfContext& context, const std::string& kind, const std::string& name) const {
-  const Replicas* const replicas = replicas_of(kind, name);
-  const bool copied =
-      replicas && std::any_of(replicas->begin(), replicas->end(), [&](const Replica& r) { return r.second == context.suffix; });
-  return name.empty() || copied ? context.name(name) : context.prefix + name + context.outer;
+  const Copied* const known = copied(kind, name);
+  return name.empty() || (known && known->suffixes.count(context.suffix)) ? context.name(name)
+                                                                          : context.prefix + name + context.outer;
 }
 
 const MjcfCopies::Replicas* MjcfCopies::replicas_in(const Element& e) const {
   for (const auto& [attribute, kind] : references)
     if (const char* name = e.Attribute(attribute))
-      if (const Replicas* const replicas = replicas_of(kind, name)) return replicas;
+      if (const Copied* const known = copied(kind, name)) return &known->replicas;
   return nullptr;
 }
 
 void MjcfCopies::read_section(MjcfFile& file, Element& section, const MjcfContext& context, Read read) const {
   MjcfContext copy = context;
   copy.outer = context.suffix;
-  std::vector<std::pair<Element*, const Replicas*>> copied;
+  std::map<Replica, std::vector<Element*>> again;  // elements of each copy, in the file's order
   for (Element* e : file.source.children(section)) {
     const Replicas* replicas = replicas_in(*e);
     for (const Element* c = first(*e); c && !replicas; c = next(*c)) replicas = replicas_in(*c);  // a tendon's elements
-    if (replicas) copied.emplace_back(e, replicas);
-    else read(file, *e, copy);
+    if (!replicas) {
+      file.source.charge(&Budget::add_bytes, bytes_of_part, *e);
+      read(file, *e, copy);
+      continue;
+    }
+    file.source.charge(&Budget::add_bytes, (bytes_of_part + bytes_of_visit) * std::int64_t(replicas->size()), *e);
+    for (const Replica& replica : *replicas) again[replica].push_back(e);
   }
   for (const Replica& replica : replicas_)
-    for (const auto& [e, replicas] : copied)
-      if (replicas->count(replica)) copy.replicate = replica.first, copy.suffix = replica.second, read(file, *e, copy);
+    if (const auto at = again.find(replica); at != again.end())
+      for (Element* const e : at->second) copy.replicate = replica.first, copy.suffix = replica.second, read(file, *e, copy);
 }
 
 }  // namespace dyn::load

@@ -12,30 +12,26 @@ namespace {
 using Pose = SE3<double>;
 
 const MjcfBody& body_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
+  if (const MjcfBody* const b = find_body(robot, name)) return *b;
   std::vector<const std::string*> names;
-  for (const MjcfBody& b : robot.bodies) {
-    if (b.name == name) return b;
-    names.push_back(&b.name);
-  }
+  for (const MjcfBody& b : robot.bodies) names.push_back(&b.name);
   e.place.fail(DYN_ERROR_NAME, "there is no body " + load::in_quotes(name) + did_you_mean(name, names));
 }
 
 // Initial pose of a body in the world.
-Pose initial_pose(const MjcfRobot& robot, const MjcfBody& b) {
-  return b.parent < 0 ? b.X : initial_pose(robot, robot.bodies[size_t(b.parent)]) * b.X;
+Pose initial_pose(const MjcfRobot& robot, const MjcfBody& body) {
+  Pose X = body.X;
+  for (int p = body.parent; p >= 0; p = robot.bodies[size_t(p)].parent) X = robot.bodies[size_t(p)].X * X;
+  return X;
 }
 
 const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
-  for (const MjcfBody& b : robot.bodies)
-    for (const MjcfJoint& j : b.joints)
-      if (j.spec.name == name) return j;
+  if (const MjcfJoint* const j = find_joint(robot, name)) return *j;
   e.place.fail(DYN_ERROR_NAME, "there is no joint " + load::in_quotes(name));
 }
 
 const std::string& site_frame(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
-  for (const MjcfBody& b : robot.bodies)
-    for (const MjcfSite& s : b.sites)
-      if (s.name == name) return s.frame;
+  if (const MjcfSite* const s = find_site(robot, name)) return s->frame;
   e.place.fail(DYN_ERROR_NAME, "there is no site " + load::in_quotes(name));
 }
 
@@ -101,6 +97,7 @@ void read_mjcf_equality(MjcfFile& file, Element& e, const MjcfContext& context) 
     if (!x.anchor) reader.fail(DYN_ERROR_INVALID, e, "<connect> has no anchor");
     if (const auto pose = reader.numbers(e, "relpose", 7)) x.numbers = *pose;
   }
+  file.source.charge(&Budget::add_rows, kind == "connect" ? 3 : kind == "weld" ? 6 : 1, e);
   file.robot.equalities.push_back(std::move(x));
 }
 

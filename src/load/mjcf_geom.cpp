@@ -78,6 +78,7 @@ std::uint32_t mjcf_latent(const Reader& reader, const Element& e) {
 }
 
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
+  file.source.charge(&Budget::add_shapes, 1, e);
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
   file.defaults.apply(file.source, e, "geom", context.childclass);
   MjcfGeom geom;
@@ -153,7 +154,8 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.X = context.X * geom.X;
   geom.discarded =
       file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0;
-  body.geoms.push_back(std::move(geom));
+  geom.body = context.body;
+  body.geoms.push_back(std::move(geom)), file.robot.names.reset();
 }
 
 void set_mjcf_priorities(MjcfRobot& robot) {

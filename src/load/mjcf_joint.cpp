@@ -30,6 +30,7 @@ void limit_ball(const Reader& reader, const Element& e, const MjcfPlace& place, 
 }  // namespace
 
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
+  file.source.charge(&Budget::add_joints, 1, e);
   MjcfBody& body = file.robot.bodies[size_t(context.body)];
   const bool free_joint = std::string_view(e.Name()) == "freejoint";
   if (free_joint) e.SetAttribute("type", "free");
@@ -129,7 +130,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   else if (springs) spec.stiffness.assign(nv, stiffness);
   if (scalar && (springs || e.Attribute("springref")))
     spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
-  body.joints.push_back(std::move(joint));
+  body.joints.push_back(std::move(joint)), file.robot.names.reset();
 }
 
 }  // namespace dyn::load

@@ -146,6 +146,7 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context) {
     read("qpos", key.qpos), read("qvel", key.qvel), read("act", key.act), read("ctrl", key.ctrl);
     read("mpos", key.mpos), read("mquat", key.mquat);
     key.time = reader.optional_number(*c, "time").value_or(0);
+    file.source.charge(&Budget::add_keys, 1, *c);
     file.robot.keys.push_back(std::move(key));
   }
 }
@@ -158,11 +159,15 @@ void add_mjcf_initial_configuration(Builder& builder, const MjcfRobot& robot) {
 
 void add_mjcf_keys(Builder& builder, const MjcfRobot& robot) {
   const std::vector<double> initial = initial_qpos(robot);
+  std::int64_t bytes = bytes_of_part;  // of a key
+  for (const MjcfBody& body : robot.bodies) bytes += 200 * std::int64_t(body.joints.size()) + (body.mocap ? 300 : 0);
+  bytes += 150 * std::int64_t(robot.actuators.size());
   for (const MjcfKey& key : robot.keys) {
     if (!robot.lost_names.empty() && key.qpos.size() != initial.size()) {
       key.place.physics("it is left out: its joints are missing from the model");
       continue;
     }
+    if (robot.budget) robot.budget->add_bytes(bytes, *key.place.report, key.place.line);
     const ByJoint q = coordinates(robot, filled(key, "qpos", key.qpos, initial, "nq"));
     with_location(key.place, [&] { builder.configuration_of_joints(key.name, q, state_of(robot, key, q)); });
   }

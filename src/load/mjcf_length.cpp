@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <optional>
 
@@ -28,10 +29,6 @@ struct Follower {
   std::array<double, 5> c;
 };
 
-const JointRecord& joint_named(const Model& m, const std::string& name) {
-  return *std::find_if(m.joints(), m.joints() + m.n.joints, [&](const JointRecord& j) { return m.string(j.name) == name; });
-}
-
 std::vector<Follower> followers_of(const Model& m, const MjcfRobot& robot) {
   std::vector<Follower> out;
   std::map<std::string, double> references;
@@ -41,7 +38,7 @@ std::vector<Follower> followers_of(const Model& m, const MjcfRobot& robot) {
   for (const MjcfEquality& e : robot.equalities) {
     const auto first = references.find(e.first), second = references.find(e.second);
     if (e.kind != "joint" || !e.enabled || !robot.closed || first == references.end() || second == references.end()) continue;
-    const JointRecord &own = joint_named(m, e.first), &leader = joint_named(m, e.second);
+    const JointRecord &own = model_joint(m, e.first), &leader = model_joint(m, e.second);
     Follower f{own.idx_q, own.idx_v, leader.idx_q, leader.idx_v, {}};
     shift_polynomial(e.numbers, second->second, f.c.data());
     f.c[0] += first->second;
@@ -137,7 +134,7 @@ std::vector<Coordinate> limited_coordinates(const Model& m, const std::vector<Fo
 // Limits of the joint or tendon itself.
 std::array<double, 2> limits_of_target(const Model& m, MjcfRobot& robot, const MjcfActuator& a) {
   if (a.spec.transmission == DYN_TRANSMISSION_JOINT) {
-    const Index q = joint_named(m, a.target).idx_q;
+    const Index q = model_joint(m, a.target).idx_q;
     return {m.lower_limit()[q], m.upper_limit()[q]};
   }
   if (a.spec.transmission == DYN_TRANSMISSION_SITE) return {-HUGE_VAL, HUGE_VAL};
@@ -166,6 +163,13 @@ std::optional<std::array<double, 2>> searched_range(MeasuredModel& at, const Act
 }
 
 }  // namespace
+
+const JointRecord& model_joint(const Model& m, const std::string& name) {
+  const Index* const by_name = m.joints_by_name();
+  return m.joints()[*std::lower_bound(by_name, by_name + m.n.joints, name, [&](Index j, const std::string& n) {
+    return std::strcmp(m.string(m.joints()[j].name), n.c_str()) < 0;
+  })];
+}
 
 MeasuredModel::MeasuredModel(const Model& model) : m(model), zeros(data_bytes<double>(m, parts)) {
   if (!zeros.memory) throw std::bad_alloc();

@@ -25,6 +25,9 @@ struct MeasuredModel {
   void measure(Index path);
 };
 
+// The joint of that name, which is in the model.
+const JointRecord& model_joint(const Model& m, const std::string& name);
+
 // A muscle whose range of lengths the file leaves open.
 bool needs_length_range(const MjcfActuator& a);
 // Sets the smallest and the largest length of a muscle over the ranges of the joints that move it. Where they have none, it

@@ -89,8 +89,7 @@ void compute_mjcf_springs(const Model& m, MjcfRobot& robot) {
   for (MjcfBody& b : robot.bodies)
     for (MjcfJoint& j : b.joints) {
       if (!(j.time_constant > 0)) continue;
-      const JointRecord* const joint = std::find_if(m.joints(), m.joints() + m.n.joints,
-                                                    [&](const JointRecord& r) { return m.string(r.name) == j.spec.name; });
+      const JointRecord* const joint = &model_joint(m, j.spec.name);
       double inverse_inertia_jj = 0;
       for (Index k = 0; k < joint->nv; ++k) {
         std::vector<double> unit(size_t(m.n.nv));

@@ -54,6 +54,7 @@ struct MjcfJoint {
 
 struct MjcfGeom {
   MjcfPlace place;
+  int body;  // its number
   Shape shape;
   SE3<double> X;  // in the body's frame
   double density = 1000;
@@ -156,6 +157,8 @@ struct MjcfKey {
   double time = 0;
 };
 
+struct MjcfNames;
+
 struct MjcfRobot {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
@@ -176,15 +179,41 @@ struct MjcfRobot {
   dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
   std::uint32_t effects = SimulationRecord().effects;             // less those that flags switch off
   bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
-  bool lost_mass = false;               // something that is not supported would give a body mass
-  std::vector<std::string> lost_names;  // what bodies and joints that it would make begin with
+  bool lost_mass = false;            // something that is not supported would give a body mass
+  std::set<std::string> lost_names;  // what bodies and joints that it would make begin with
+  std::set<size_t> lost_lengths;     // of these names
 
-  std::set<std::string> lost_tendons;   // that refer to such parts
+  std::set<std::string> lost_tendons;  // that refer to such parts
+  std::map<std::string, size_t> tendon_numbers;
+  Budget* budget = nullptr;  // of this load
+  std::shared_ptr<const MjcfNames> names;  // made on demand (mjcf_names.cpp); to be reset when a part is added or named
 
   bool has_lost(const std::string& name) const {
-    return std::any_of(lost_names.begin(), lost_names.end(), [&](const std::string& x) { return name.starts_with(x); });
+    return std::any_of(lost_lengths.begin(), lost_lengths.end(),
+                       [&](size_t n) { return n <= name.size() && lost_names.count(name.substr(0, n)); });
   }
 };
+
+// Parts by their names, the first of equals; nullptr: there is none. (mjcf_names.cpp)
+MjcfBody* find_body(MjcfRobot& robot, const std::string& name);
+MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name);
+MjcfGeom* find_geom(MjcfRobot& robot, const std::string& name);
+MjcfSite* find_site(MjcfRobot& robot, const std::string& name);
+MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name);
+inline const MjcfBody* find_body(const MjcfRobot& robot, const std::string& name) {
+  return find_body(const_cast<MjcfRobot&>(robot), name);
+}
+inline const MjcfJoint* find_joint(const MjcfRobot& robot, const std::string& name) {
+  return find_joint(const_cast<MjcfRobot&>(robot), name);
+}
+inline const MjcfGeom* find_geom(const MjcfRobot& robot, const std::string& name) {
+  return find_geom(const_cast<MjcfRobot&>(robot), name);
+}
+inline const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name) {
+  return find_site(const_cast<MjcfRobot&>(robot), name);
+}
+// " (did you mean 'elbow'?)" of all joints, geoms or sites.
+std::string suggestion(const MjcfRobot& robot, const char* kind, const std::string& name);
 
 // Meshes and height fields by the names that geoms use.
 class MjcfAssets {
@@ -209,10 +238,12 @@ class MjcfAssets {
     std::shared_ptr<const meshes::Mesh> mesh;
     std::string path;
     std::optional<CollisionMesh> collision = std::nullopt;
+    std::shared_ptr<const SurfaceData> grid = nullptr;  // of a height field
   };
   Entry& find(std::map<std::string, Entry>& all, const char* kind, const Element& e, const std::string& name) const;
   Entry& mesh_entry(const Element& e, const std::string& name);
   void read(Entry& entry) const;
+  void charge_work(const meshes::Mesh& mesh, const Element& e) const;
 
   MjcfSource& source_;
   const MjcfCompiler& compiler_;
@@ -228,6 +259,7 @@ struct MjcfContext {
   std::string childclass, prefix, suffix, outer;  // outer: suffix of names that were not copied
   const Element* replicate = nullptr;  // the innermost around it
   int copies = 0;  // that it stands in, of parts of the same model
+  double replicas = 1;  // copies that the <replicate> around it make
 
   std::string name(const std::string& n) const { return n.empty() ? n : prefix + n + suffix; }
 };
@@ -247,9 +279,13 @@ class MjcfCopies {
  private:
   using Replica = std::pair<const Element*, std::string>;  // the innermost <replicate>, and the suffix of its copy
   using Replicas = std::set<Replica>;
-  const Replicas* replicas_of(const std::string& kind, const std::string& name) const;
+  struct Copied {
+    Replicas replicas;
+    std::set<std::string> suffixes;
+  };
+  const Copied* copied(const std::string& kind, const std::string& name) const;
   const Replicas* replicas_in(const Element& e) const;  // of the first copied name in e's attributes
-  std::map<std::pair<std::string, std::string>, Replicas> copies_;
+  std::map<std::pair<std::string, std::string>, Copied> copies_;
   std::vector<Replica> replicas_;  // in the file's order
   Replicas known_;
 };
@@ -301,8 +337,6 @@ void add_mjcf_keys(Builder& builder, const MjcfRobot& robot);
 // mjcf_tendon.cpp
 void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context);
 void name_mjcf_frames(MjcfRobot& robot);  // of sites and wrapped geoms
-MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name);
-const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name);
 void add_mjcf_tendons(Builder& builder, const MjcfRobot& robot);
 // mjcf_sensor.cpp
 void read_mjcf_sensor(MjcfFile& file, Element& e, const MjcfContext& context);

@@ -9,12 +9,6 @@ namespace dyn::load {
 
 namespace {
 
-const MjcfBody* find_body(const MjcfRobot& robot, const std::string& name) {
-  for (const MjcfBody& b : robot.bodies)
-    if (b.name == name) return &b;
-  return nullptr;
-}
-
 // The frame of an object, and its pose there. Empty: not in the model.
 struct Seat {
   std::string frame;
@@ -29,10 +23,8 @@ Seat seat_on(const MjcfRobot& robot, const std::vector<MjcfMass>& masses, const 
     return s ? Seat{s->frame, SE3<double>::identity(), true} : Seat{};
   }
   if (kind == "geom") {
-    for (const MjcfBody& b : robot.bodies)
-      for (const MjcfGeom& g : b.geoms)
-        if (g.shape.name == name && !name.empty()) return {link(b), g.X, !g.mesh};  // axes of a mesh are those of its inertia
-    return {};
+    const MjcfGeom* const g = name.empty() ? nullptr : find_geom(robot, name);
+    return g ? Seat{link(robot.bodies[size_t(g->body)]), g->X, !g->mesh} : Seat{};  // axes of a mesh are those of its inertia
   }
   const MjcfBody* const b = find_body(robot, name);
   if (!b) return {};
@@ -96,13 +88,14 @@ void add_mjcf_sensors(Builder& builder, const MjcfRobot& robot, const std::vecto
   const auto type = [](const Seat& s, const std::string& kind) {
     return kind == "site" || s.frame == "universe" ? int(DYN_FRAME_TYPE_OP_FRAME) : int(DYN_FRAME_TYPE_BODY);
   };
+  std::set<std::string> inert;
+  for (const MjcfActuator& a : robot.actuators)
+    if (a.inert) inert.insert(a.name);
   for (const MjcfSensor& s : robot.sensors) {
     dynSensor spec = s.spec;
     std::string object = s.object, reference;
     const auto lost = [&](const std::string& name) {
-      return robot.has_lost(name) || robot.lost_tendons.count(name) ||
-             std::any_of(robot.actuators.begin(), robot.actuators.end(),
-                         [&](const MjcfActuator& a) { return a.inert && a.name == name; });
+      return robot.has_lost(name) || robot.lost_tendons.count(name) || inert.count(name);
     };
     if (lost(s.object) || lost(s.reference)) {
       s.place.info("it is left out: what it is on is missing from the model");

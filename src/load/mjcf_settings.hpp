@@ -64,7 +64,7 @@ void as_general(const Reader& reader, Element& e);
 // Classes of defaults.
 class MjcfDefaults {
  public:
-  MjcfDefaults() : classes_{{"main", {}}} {}
+  MjcfDefaults() : classes_{{"main", {}}}, numbers_{{"main", 0}} {}
   // Reads a <default> of the root. Several of them add up.
   void read(MjcfSource& source, Element& e);
   // Writes into e the attributes of its class, or of the class around it, that e does not have. kind: element name in the
@@ -80,10 +80,11 @@ class MjcfDefaults {
     std::map<std::string, Attributes> kinds;
   };
   void read(MjcfSource& source, Element& e, int at);
-  static void write(const Attributes& known, Element& e);
+  static void write(const MjcfSource& source, const Attributes& known, Element& e);
   int find(const MjcfSource& source, const Element& e, const std::string& name) const;
 
   std::vector<Class> classes_;  // 0: main
+  std::map<std::string, int, std::less<>> numbers_;  // of the classes by name
 };
 
 }  // namespace dyn::load

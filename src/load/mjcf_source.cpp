@@ -14,12 +14,14 @@ constexpr size_t max_models = 16;  // nested models
 MjcfSource::MjcfSource(const std::string& text, const std::string& file, const LoadOptions& options)
     : folder_(std::filesystem::path(file).parent_path()),
       strict_(options.strict),
+      budget_(options.budget),
       confined_(file, options),
       root_(&open(text, file)) {}
 
 Element& MjcfSource::open(const std::string& text, const std::string& file) {
   File f{std::make_unique<Report>(file, strict_), {}};
-  check_xml(text, *f.report, max_split_depth);
+  const std::int64_t bytes = check_xml(text, *f.report, max_split_depth);
+  if (budget_) budget_->add_bytes(bytes, *f.report, 0);
   for (const std::string& part : split_deep(text, *f.report)) {
     f.documents.push_back(std::make_unique<Document>(part, *f.report));
     reports_[f.documents.back()->root().GetDocument()] = {f.report.get(), files_.size()};

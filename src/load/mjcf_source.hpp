@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "budget.hpp"
 #include "confined.hpp"
 #include "reader.hpp"
 
@@ -35,6 +36,11 @@ class MjcfSource {
     return confined_.check(found.string()), found;
   }
 
+  // Charges the account of the load for what e asks for: charge(&Budget::add_bodies, 1, e).
+  void charge(void (Budget::*add)(std::int64_t, const Report&, int), std::int64_t n, const Element& e) const {
+    if (budget_) (budget_->*add)(n, report(e), line(e));
+  }
+
   // Load reports of all files. Entries of files other than the main one begin with their name.
   std::vector<Report::Entry> finish();
 
@@ -49,6 +55,7 @@ class MjcfSource {
 
   std::filesystem::path folder_;
   bool strict_;
+  Budget* budget_;
   Confined confined_;
   std::vector<File> files_;  // the first one is the main file
   std::map<const tinyxml2::XMLDocument*, std::pair<Report*, size_t>> reports_;  // and the number of the file

@@ -9,28 +9,6 @@ namespace dyn::load {
 
 namespace {
 
-template <class Named, class Name>
-std::string suggestion(const MjcfRobot& robot, std::vector<Named> MjcfBody::*list, const Name& name_of, const std::string& name) {
-  std::vector<const std::string*> names;
-  for (const MjcfBody& b : robot.bodies)
-    for (const Named& x : b.*list) names.push_back(&name_of(x));
-  return did_you_mean(name, names);
-}
-
-MjcfGeom* find_geom(MjcfRobot& robot, const std::string& name) {
-  for (MjcfBody& b : robot.bodies)
-    for (MjcfGeom& g : b.geoms)
-      if (g.shape.name == name) return &g;
-  return nullptr;
-}
-
-bool has_joint(const MjcfRobot& robot, const std::string& name) {
-  for (const MjcfBody& b : robot.bodies)
-    for (const MjcfJoint& j : b.joints)
-      if (j.spec.name == name) return true;
-  return false;
-}
-
 dynTendon plain_tendon(dynTendonType type) {
   constexpr double none = std::numeric_limits<double>::infinity(), of_the_file = std::numeric_limits<double>::quiet_NaN();
   dynTendon t{};
@@ -49,32 +27,27 @@ struct PathReader {
   std::string name(const Element& e, const char* kind, const char* attribute) const {
     return file.copies.name(context, kind, reader.name(e, attribute));
   }
-  void missing(const Element& e, const char* kind, const std::string& name, const std::string& suggestion) {
+  void missing(const Element& e, const char* kind, const std::string& name) {
     if (file.robot.has_lost(name)) lost = true;
     else if (file.part) not_attached = true;
-    else reader.fail(DYN_ERROR_NAME, e, std::string("there is no ") + kind + " " + load::in_quotes(name) + suggestion);
+    else
+      reader.fail(DYN_ERROR_NAME, e,
+                  std::string("there is no ") + kind + " " + load::in_quotes(name) + suggestion(file.robot, kind, name));
   }
   std::string site(const Element& e, const char* attribute) {
     const std::string site = name(e, "site", attribute);
-    if (!find_site(file.robot, site))
-      missing(e, "site", site, suggestion(file.robot, &MjcfBody::sites, [](const MjcfSite& s) -> auto& { return s.name; }, site));
+    if (!find_site(file.robot, site)) missing(e, "site", site);
     return site;
   }
   TendonElement joint(const Element& e) {
     const std::string joint = name(e, "joint", "joint");
-    if (!has_joint(file.robot, joint))
-      missing(e, "joint", joint,
-              suggestion(file.robot, &MjcfBody::joints, [](const MjcfJoint& j) -> auto& { return j.spec.name; }, joint));
+    if (!find_joint(file.robot, joint)) missing(e, "joint", joint);
     return {DYN_TENDON_ELEMENT_TYPE_JOINT, joint, "", reader.number(e, "coef")};
   }
   TendonElement geom(const Element& e) {
     const std::string name_of_geom = name(e, "geom", "geom"), side = e.Attribute("sidesite") ? site(e, "sidesite") : "";
     MjcfGeom* const geom = find_geom(file.robot, name_of_geom);
-    if (!geom) {
-      missing(e, "geom", name_of_geom,
-              suggestion(file.robot, &MjcfBody::geoms, [](const MjcfGeom& g) -> auto& { return g.shape.name; }, name_of_geom));
-      return {};
-    }
+    if (!geom) return missing(e, "geom", name_of_geom), TendonElement{};
     const bool sphere = geom->shape.type == DYN_SHAPE_TYPE_SPHERE;
     if (!sphere && geom->shape.type != DYN_SHAPE_TYPE_CYLINDER)
       reader.fail(DYN_ERROR_INVALID, e, "geom " + load::in_quotes(name_of_geom) + " is neither a sphere nor a cylinder");
@@ -120,40 +93,43 @@ bool stands_for_frame(const MjcfGeom& g) {
   return g.group == group_of_wraps && g.shape.role == DYN_SHAPE_ROLE_VISUAL && g.mass.value_or(g.density) == 0;
 }
 
-// The body that moves with b, which has joints or is the world, and b's pose in it.
-std::pair<int, SE3<double>> moving_pose(const MjcfRobot& robot, const MjcfBody& b) {
-  if (b.parent < 0 || !b.joints.empty()) return {int(&b - robot.bodies.data()), SE3<double>::identity()};
-  const auto [moving, X] = moving_pose(robot, robot.bodies[size_t(b.parent)]);
-  return {moving, X * b.X};
+// The body that moves with a body, which has joints or is the world, and the body's pose in it.
+struct MovingPose {
+  size_t body;
+  SE3<double> X;
+};
+std::vector<MovingPose> moving_poses(const MjcfRobot& robot) {
+  std::vector<MovingPose> out;
+  for (size_t i = 0; i < robot.bodies.size(); ++i) {
+    const MjcfBody& b = robot.bodies[i];
+    if (b.parent < 0 || !b.joints.empty()) out.push_back({i, SE3<double>::identity()});
+    else out.push_back({out[size_t(b.parent)].body, out[size_t(b.parent)].X * b.X});
+  }
+  return out;
+}
+
+// Sites by the body that they move with, in the file's order.
+struct PlacedSite {
+  const MjcfSite* site;
+  SE3<double> X;
+};
+std::map<size_t, std::vector<PlacedSite>> placed_sites(const MjcfRobot& robot, const std::vector<MovingPose>& poses) {
+  std::map<size_t, std::vector<PlacedSite>> out;
+  for (size_t i = 0; i < robot.bodies.size(); ++i)
+    for (const MjcfSite& s : robot.bodies[i].sites) out[poses[i].body].push_back({&s, poses[i].X * s.X});
+  return out;
 }
 
 // Files that are written have a site for the frame of a wrapped geom. Where the model has no such shape, the geom is massless,
 // out of view, and no shape either.
-const MjcfSite* site_of_wrap(const MjcfRobot& robot, const MjcfBody& body, const MjcfGeom& g) {
+const MjcfSite* site_of_wrap(const std::vector<PlacedSite>& sites, const SE3<double>& X, const MjcfGeom& g) {
   const bool alone = stands_for_frame(g);
-  const auto [moving, X] = moving_pose(robot, body);
-  for (const MjcfBody& b : robot.bodies)
-    for (const MjcfSite& s : b.sites) {
-      if (!alone && !wraps_as(g.shape.name, s.name)) continue;
-      if (const auto [other, Y] = moving_pose(robot, b); other == moving && is_same_pose(Y * s.X, X * g.X)) return &s;
-    }
+  for (const PlacedSite& s : sites)
+    if ((alone || wraps_as(g.shape.name, s.site->name)) && is_same_pose(s.X, X * g.X)) return s.site;
   return nullptr;
 }
 
 }  // namespace
-
-const MjcfSite* find_site(const MjcfRobot& robot, const std::string& name) {
-  for (const MjcfBody& b : robot.bodies)
-    for (const MjcfSite& s : b.sites)
-      if (s.name == name) return &s;
-  return nullptr;
-}
-
-MjcfTendon* find_tendon(MjcfRobot& robot, const std::string& name) {
-  for (MjcfTendon& t : robot.tendons)
-    if (t.name == name) return &t;
-  return nullptr;
-}
 
 void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context) {
   const std::string_view kind = e.Name();
@@ -183,6 +159,7 @@ void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context) {
     return place.physics("it is left out: what it passes is missing from the model");
   }
   if (path.not_attached) return place.info("it refers to a part that was not attached: left out");
+  file.robot.tendon_numbers.emplace(tendon.name, file.robot.tendons.size());
   file.robot.tendons.push_back(std::move(tendon));
 }
 
@@ -197,10 +174,12 @@ void name_mjcf_frames(MjcfRobot& robot) {
       if (joints.count(s.name)) s.place.info("the frame is called " + load::in_quotes(s.frame += "_site"));
       taken.insert(s.frame);
     }
-  for (MjcfBody& b : robot.bodies)
-    for (MjcfGeom& g : b.geoms)
+  const std::vector<MovingPose> poses = moving_poses(robot);
+  std::map<size_t, std::vector<PlacedSite>> sites = placed_sites(robot, poses);
+  for (size_t i = 0; i < robot.bodies.size(); ++i)
+    for (MjcfGeom& g : robot.bodies[i].geoms)
       if (g.wrapped) {
-        if (const MjcfSite* const s = site_of_wrap(robot, b, g)) {
+        if (const MjcfSite* const s = site_of_wrap(sites[poses[i].body], poses[i].X, g)) {
           g.frame = s->frame, g.has_site = true, g.discarded |= stands_for_frame(g);
           continue;
         }

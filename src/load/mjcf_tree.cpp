@@ -9,7 +9,7 @@ namespace dyn::load {
 
 namespace {
 
-constexpr int max_bodies = 200000, max_copies = 100;
+constexpr int most_replicas = 10000000, max_copies = 100;
 
 // Type and sizes of a site, which sensors read. Sizes that are not given are 5 mm; half: of its length, where its ends are given.
 void read_zone(const Reader& reader, const Element& e, const std::optional<double>& half, MjcfSite& site) {
@@ -42,7 +42,7 @@ void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
   }
   site.X = context.X * X;
   read_zone(reader, e, half, site);
-  if (!site.name.empty()) body.sites.push_back(std::move(site));
+  if (!site.name.empty()) body.sites.push_back(std::move(site)), file.robot.names.reset();
 }
 
 // Elements whose content is read next, each with its context; the last one comes first. A list, so that nesting needs no
@@ -53,8 +53,10 @@ struct Todo {
 };
 using TodoList = std::vector<Todo>;
 void add_content(MjcfFile& file, Element& e, MjcfContext context, TodoList& todo) {
-  const auto shared = std::make_shared<const MjcfContext>(std::move(context));
   const std::vector<Element*> children = file.source.children(e);
+  const std::int64_t names = std::int64_t(context.childclass.size() + 4 * (context.prefix.size() + context.suffix.size()));
+  file.source.charge(&Budget::add_bytes, bytes_of_element + (bytes_of_part + names) * std::int64_t(children.size()), e);
+  const auto shared = std::make_shared<const MjcfContext>(std::move(context));
   for (auto c = children.rbegin(); c != children.rend(); ++c) todo.push_back({*c, shared});
 }
 
@@ -75,8 +77,14 @@ void read_replicate(MjcfFile& file, Element& e, MjcfContext context, TodoList& t
                 {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp",
                  "composite", "plugin"});
   const double count = reader.number(e, "count");
-  if (!(count >= 1 && count <= max_bodies && count == std::floor(count)))
-    reader.bad_numbers(e, "count", "an integer from 1 to " + std::to_string(max_bodies) + " is expected");
+  if (!(count >= 1 && count <= most_replicas && count == std::floor(count)))
+    reader.bad_numbers(e, "count", "an integer from 1 to " + std::to_string(most_replicas) + " is expected");
+  context.replicas *= count;
+  const LoadLimits& limits = file.options.limits;
+  if (context.replicas > double(limits.bodies + limits.shapes))
+    reader.fail(DYN_ERROR_LIMIT, e,
+                "it asks for " + text(context.replicas) + " copies, and the limits are " + std::to_string(limits.bodies) +
+                    " bodies and " + std::to_string(limits.shapes) + " shapes: raise max_bodies if the file is trusted");
   const auto offset = reader.vector3(e, "offset").value_or(std::array<double, 3>{0, 0, 0}),
              angles = reader.vector3(e, "euler").value_or(std::array<double, 3>{0, 0, 0});
   const SE3<double> first = context.X;
@@ -85,6 +93,8 @@ void read_replicate(MjcfFile& file, Element& e, MjcfContext context, TodoList& t
   const std::string separator = attribute(e, "sep"), outer = context.suffix;
   context.replicate = &e;
   const size_t digits = std::to_string(int(count) - 1).size();
+  const std::int64_t names = std::int64_t(separator.size() + context.prefix.size() + outer.size() + context.childclass.size());
+  file.source.charge(&Budget::add_bytes, (bytes_of_element + 2 * names) * std::int64_t(count), e);
   std::vector<MjcfContext> replicas;
   for (int k = 0; k < int(count); ++k) {
     const std::string number = std::to_string(k);
@@ -143,7 +153,7 @@ void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList&
   body.parent = context.body;
   const Reader reader = file.source.reader(e, "body " + load::in_quotes(body.name));
   body.place = {&reader.report, line(e), reader.owner};
-  if (at > max_bodies) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_bodies) + " bodies");
+  file.source.charge(&Budget::add_bodies, 1, e);
   reader.unread(
       e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "user", "mocap", "sleep", "gravcomp"},
       {"inertial", "joint", "freejoint", "geom", "site", "camera", "light", "body", "frame", "replicate", "attach", "composite",
@@ -166,7 +176,7 @@ void read_body(MjcfFile& file, Element& e, const MjcfContext& context, TodoList&
   MjcfContext inside = context;
   inside.body = at, inside.X = SE3<double>::identity();
   inside.childclass = file.defaults.around(file.source, e, context.childclass);
-  robot.bodies.push_back(std::move(body));
+  robot.bodies.push_back(std::move(body)), robot.names.reset();
   add_content(file, e, std::move(inside), todo);
 }
 
@@ -175,7 +185,8 @@ void read_unsupported(MjcfFile& file, const Element& e, const MjcfContext& conte
   file.source.report(e).physics(line(e), "<" + kind + "> is not used: what it would make is missing from the model");
   if (kind == "plugin") return;
   file.robot.lost_mass = true;
-  file.robot.lost_names.push_back(context.prefix + (kind == "flexcomp" ? attribute(e, "name") + "_" : attribute(e, "prefix")));
+  const std::string begin = context.prefix + (kind == "flexcomp" ? attribute(e, "name") + "_" : attribute(e, "prefix"));
+  file.robot.lost_names.insert(begin), file.robot.lost_lengths.insert(begin.size());
 }
 
 void read_all(MjcfFile& file, TodoList todo) {
@@ -205,11 +216,26 @@ void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
 }
 
 const Element* read_mjcf_named(MjcfFile& file, Element& e, MjcfContext context, std::string_view kind, std::string_view name) {
-  context.childclass = file.defaults.around(file.source, e, context.childclass);
-  for (Element* c : file.source.children(e)) {
-    if (c->Name() == kind && c->Attribute("name") && c->Attribute("name") == name) return read_mjcf_body(file, *c, context), c;
-    if (c->Name() != std::string_view("body") && c->Name() != std::string_view("frame")) continue;
-    if (const Element* found = read_mjcf_named(file, *c, context, kind, name)) return found;
+  struct Level {
+    Element* e;
+    std::string childclass;
+  };
+  std::vector<Level> todo;  // the next one last
+  const auto add = [&](Element& of, const std::string& around) {
+    const std::vector<Element*> children = file.source.children(of);
+    file.source.charge(&Budget::add_bytes, bytes_of_visit * std::int64_t(children.size()) / 4, of);
+    for (auto c = children.rbegin(); c != children.rend(); ++c) todo.push_back({*c, around});
+  };
+  add(e, file.defaults.around(file.source, e, context.childclass));
+  while (!todo.empty()) {
+    const Level at = std::move(todo.back());
+    todo.pop_back();
+    const std::string_view is = at.e->Name();
+    if (is == kind && attribute(*at.e, "name") == name) {
+      context.childclass = at.childclass;
+      return read_mjcf_body(file, *at.e, context), at.e;
+    }
+    if (is == "body" || is == "frame") add(*at.e, file.defaults.around(file.source, *at.e, at.childclass));
   }
   return nullptr;
 }

@@ -16,17 +16,12 @@ const std::initializer_list<std::string_view> srdf_elements = {
     "end_effector", "passive_joint",      "joint_property",    "link_sphere_approximation",  "gripper",       "handle",
     "contact",      "specificities",      "rotor_params"};
 
-template <class Item, class Name>
-bool known(const Element& e, const char* kind, const std::string& name, const std::string& owner, const SrdfContext& context,
-           const std::vector<Item>& items, const Name& name_of) {
-  std::vector<const std::string*> all;
-  for (const Item& t : items) {
-    if (name_of(t) == name) return true;
-    all.push_back(&name_of(t));
-  }
-  context.report.physics(line(e),
-                         owner + ": there is no " + kind + " " + in_quotes(name) + " in the robot" + did_you_mean(name, all));
-  return false;
+constexpr int max_suggestions = 100;  // each looks at all names
+
+void report_unknown(const Element& e, const char* kind, const std::string& name, const std::string& owner,
+                    const SrdfContext& context, const std::vector<const std::string*>& all) {
+  const std::string suggestion = ++context.unknown <= max_suggestions ? did_you_mean(name, all) : "";
+  context.report.physics(line(e), owner + ": there is no " + kind + " " + in_quotes(name) + " in the robot" + suggestion);
 }
 
 // Checks names that groups and similar elements refer to.
@@ -37,7 +32,7 @@ void check_references(const Element& e, const std::string& owner, const SrdfCont
     const std::string_view kind = c->Name();
     const char* name = c->Attribute("name");
     if (name && kind == "link") known_link(*c, name, owner, context);
-    if (name && kind == "joint" && !is_virtual(*e.Parent()->ToElement(), name)) known_joint(*c, name, owner, context);
+    if (name && kind == "joint" && !is_virtual(context, name)) known_joint(*c, name, owner, context);
     if (kind == "chain") check_references(*c, owner, context);
   }
 }
@@ -58,7 +53,7 @@ void list_unused(const Element& root, const SrdfContext& context) {
       const char* joint = kind == "passive_joint" ? e->Attribute("name") : e->Attribute("joint_name");
       context.report.info(line(*e),
                           kind + (joint ? " " + in_quotes(joint) : "") + ": not used: forces on joints are the caller's");
-      if (joint && !is_virtual(root, joint)) known_joint(*e, joint, kind, context);
+      if (joint && !is_virtual(context, joint)) known_joint(*e, joint, kind, context);
     } else if (kind == "rotor_params") {
       context.report.physics(line(*e), "<rotor_params>: the rotors' inertias are not used");
     } else if (kind == "gripper" || kind == "handle" || kind == "contact" || kind == "specificities") {
@@ -69,27 +64,30 @@ void list_unused(const Element& root, const SrdfContext& context) {
 
 }  // namespace
 
-bool is_virtual(const Element& root, const std::string& joint) {
-  if (joint == "root_joint") return true;
-  for (const Element* e = first(root, "virtual_joint"); e; e = next(*e, "virtual_joint"))
-    if (e->Attribute("name", joint.c_str())) return true;
-  return false;
+bool is_virtual(const SrdfContext& context, const std::string& joint) {
+  return joint == "root_joint" || context.virtual_joints.count(joint);
 }
 
 bool known_link(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context) {
-  return known(e, "link", name, owner, context, context.robot.links,
-               [](const UrdfLink& l) -> const std::string& { return l.name; });
+  if (context.links.count(name)) return true;
+  std::vector<const std::string*> all;
+  for (const UrdfLink& l : context.robot.links) all.push_back(&l.name);
+  return report_unknown(e, "link", name, owner, context, all), false;
 }
 bool known_joint(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context) {
-  return known(e, "joint", name, owner, context, context.robot.joints,
-               [](const UrdfJoint& j) -> const std::string& { return j.spec.name; });
+  if (context.joints.count(name)) return true;
+  std::vector<const std::string*> all;
+  for (const UrdfJoint& j : context.robot.joints) all.push_back(&j.spec.name);
+  return report_unknown(e, "joint", name, owner, context, all), false;
 }
 
-Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict,
+Srdf load_srdf(const LoadOptions& options, const UrdfRobot& robot, const UrdfTree& tree, bool floating,
                std::vector<Report::Entry>& entries) {
-  Report report(file, strict);
-  const std::string text = read_file(file, "an SRDF file");
-  check_xml(text, report);
+  const std::string& file = options.srdf;
+  Report report(file, options.strict);
+  const std::string text = read_file(file, "an SRDF file", options.confined ? FileKind::Regular : FileKind::Pipe);
+  const std::int64_t bytes = check_xml(text, report);
+  if (options.budget) options.budget->add_bytes(bytes, report, 0);
   const Document document(text, report);
   const Element& root = document.root();
   if (std::string_view(root.Name()) != "robot" || first(root, "link"))
@@ -99,7 +97,11 @@ Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& 
   Reader{report, "the SRDF"}.unread(root, {"name", "version"}, srdf_elements);
   if (const char* name = root.Attribute("name"); name && name != robot.name)
     report.warning(line(root), "this SRDF is for robot " + in_quotes(name) + ", and the robot is " + in_quotes(robot.name));
-  const SrdfContext context{robot, robot.links[std::size_t(tree.root)].name, floating, report};
+  SrdfContext context{robot, robot.links[std::size_t(tree.root)].name, floating, report, options.budget};
+  for (const UrdfLink& l : robot.links) context.links.insert(l.name);
+  for (const UrdfJoint& j : robot.joints) context.joints.emplace(j.spec.name, &j.spec);
+  for (const Element* e = first(root, "virtual_joint"); e; e = next(*e, "virtual_joint"))
+    if (const char* virtual_name = e->Attribute("name")) context.virtual_joints.insert(virtual_name);
   Srdf out;
   out.states = read_states(root, context);
   out.pairs = read_pairs(root, context);

@@ -1,6 +1,10 @@
 // An SRDF that belongs to a URDF: named configurations, and disabled collision pairs.
 #pragma once
 
+#include <map>
+#include <set>
+
+#include "budget.hpp"
 #include "urdf_robot.hpp"
 
 namespace dyn::load {
@@ -24,10 +28,15 @@ struct SrdfContext {
   const std::string& root;  // link
   bool floating;            // the root link is on "root_joint"
   Report& report;
+  Budget* budget;
+  std::set<std::string_view> links = {};
+  std::map<std::string_view, const JointSpec*> joints = {};
+  std::set<std::string_view> virtual_joints = {};  // of the SRDF
+  mutable int unknown = 0;                         // names so far
 };
 
 // Reads the file. Report entries begin with its name.
-Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict,
+Srdf load_srdf(const LoadOptions& options, const UrdfRobot& robot, const UrdfTree& tree, bool floating,
                std::vector<Report::Entry>& entries);
 
 // srdf_states.cpp
@@ -39,6 +48,6 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
 bool known_link(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context);
 bool known_joint(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context);
 // Virtual joints connect the root to the world. In the model it is "root_joint", whatever the SRDF calls it.
-bool is_virtual(const Element& root, const std::string& joint);
+bool is_virtual(const SrdfContext& context, const std::string& joint);
 
 }  // namespace dyn::load

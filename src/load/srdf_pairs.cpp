@@ -25,6 +25,7 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
     if (!disabled.insert(ordered(a, b)).second) return false;
     if (out.size() == max_pairs)
       report.fail(DYN_ERROR_LIMIT, line(e), "more than " + std::to_string(max_pairs) + " disabled pairs, which is the limit");
+    if (context.budget) context.budget->add_bytes(bytes_of_part, report, line(e));
     out.push_back({a, b, printable(reason)});
     return true;
   };
@@ -40,6 +41,7 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
   };
 
   PairNames names;
+  std::set<std::string> by_default;  // links
   for (const Element* e = first(root, "disable_collisions"); e; e = next(*e, "disable_collisions"))
     if (pair(*e, names) && !add(*e, names.first, names.second, e->Attribute("reason") ? e->Attribute("reason") : ""))
       report.count("<disable_collisions> of a pair that is disabled already", line(*e));
@@ -49,7 +51,7 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
     const Reader reader{report, "<disable_default_collisions>"};
     reader.unread(*e, {"link"}, {});
     const std::string link = reader.name(*e, "link");
-    if (!known_link(*e, link, reader.owner, context)) continue;
+    if (!known_link(*e, link, reader.owner, context) || !by_default.insert(link).second) continue;
     for (const UrdfLink& other : context.robot.links)
       if (other.name != link && !enabled.count(ordered(link, other.name))) add(*e, link, other.name, "Default");
   }

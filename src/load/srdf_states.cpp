@@ -12,12 +12,6 @@ namespace dyn::load {
 
 namespace {
 
-const JointSpec* find(const UrdfRobot& robot, const std::string& name) {
-  for (const UrdfJoint& j : robot.joints)
-    if (j.spec.name == name) return &j.spec;
-  return nullptr;
-}
-
 // A joint's coordinates from the file's numbers. Converts between an angle and (cos, sin). Returns an empty vector if the count
 // is wrong.
 std::vector<double> coordinates(dynJointType type, const std::vector<double>& given) {
@@ -35,17 +29,18 @@ bool is_zero_rotation(dynJointType type, const std::vector<double>& given) {
 }
 
 struct StateReader {
-  const Element& root;
   const SrdfContext& context;
   Reader reader;  // named after the state
+  std::set<std::string> given = {};
 
   void joint(const Element& e, Srdf::State& state) {
     reader.unread(e, {"name", "value"}, {});
     const std::string name = reader.name(e, "name"), who = reader.owner + ": joint " + in_quotes(name);
-    const JointSpec* spec = find(context.robot, name);
+    const auto known = context.joints.find(name);
+    const JointSpec* spec = known == context.joints.end() ? nullptr : known->second;
     JointSpec base;
     base.name = "root_joint", base.type = DYN_JOINT_TYPE_FREE_FLYER;
-    if (!spec && is_virtual(root, name)) {
+    if (!spec && is_virtual(context, name)) {
       if (!context.floating) return context.report.info(line(e), who + " is not used: the base is fixed");
       spec = &base;
     }
@@ -61,8 +56,7 @@ struct StateReader {
                                                  std::to_string(joint_nq(spec->type)) + ": not used");
     if (is_zero_rotation(spec->type, *value))
       reader.fail(DYN_ERROR_QUATERNION, e, "joint " + in_quotes(name) + ": its quaternion or (cos, sin) is zero: give norm 1");
-    for (const auto& [other, numbers] : state.joints)
-      if (other == spec->name) return context.report.physics(line(e), who + " occurs twice: the first value is used");
+    if (!given.insert(spec->name).second) return context.report.physics(line(e), who + " occurs twice: the first value is used");
     if (!spec->lower.empty() && (q[0] < spec->lower[0] || q[0] > spec->upper[0]))
       context.report.warning(line(e), who + " is at " + text(q[0]) + ", outside of its limits, " + text(spec->lower[0]) + " to " +
                                           text(spec->upper[0]));
@@ -83,7 +77,7 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
   std::vector<Srdf::State> out;
   for (const Element* e = first(root, "group_state"); e; e = next(*e, "group_state")) {
     const std::string state = unnamed.name(*e, "name"), group = e->Attribute("group") ? e->Attribute("group") : "";
-    StateReader in{root, context, {context.report, "group_state " + in_quotes(state)}};
+    StateReader in{context, {context.report, "group_state " + in_quotes(state)}};
     in.reader.unread(*e, {"name", "group"}, {"joint"});
     if (!group.empty() && !known_groups.empty() && !known_groups.count(group)) {
       std::vector<const std::string*> all;
@@ -94,6 +88,10 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
     if (printable(s.name) != s.name)
       in.reader.fail(DYN_ERROR_NAME, *e, "its name is not UTF-8, or has a control character in it: rename it");
     for (const Element* j = first(*e, "joint"); j; j = next(*j, "joint")) in.joint(*j, s);
+    if (context.budget) {
+      context.budget->add_keys(1, context.report, line(*e));
+      context.budget->add_bytes(100 * std::int64_t(context.robot.joints.size()), context.report, line(*e));
+    }
     if (!taken.insert(s.name).second) {
       context.report.physics(line(*e),
                              in.reader.owner + " of group " + in_quotes(group) + " occurs twice: the first one is used");

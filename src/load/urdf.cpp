@@ -1,4 +1,5 @@
 // URDF to model: read, check, compare with urdfdom, build.
+#include "budget.hpp"
 #include "srdf.hpp"
 #include "urdf_robot.hpp"
 
@@ -31,7 +32,8 @@ void add_link(Builder& builder, const UrdfLink& link, const Parent& parent, Pair
 
 ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadOptions& options) {
   Report report(file, options.strict);
-  check_xml(text, report);
+  const std::int64_t bytes = check_xml(text, report);
+  if (options.budget) options.budget->add_bytes(bytes, report, 0);
   UrdfRobot robot = read_urdf(Document(text, report).root(), report, options);
   const UrdfTree tree = check_tree(robot, report);
   check_mimic(robot, report);
@@ -43,7 +45,7 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   compare_with_urdfdom(text, robot, tree, report);
   read_collision_meshes(robot, report, options);
   auto entries = report.finish();
-  const Srdf srdf = options.srdf.empty() ? Srdf() : load_srdf(options.srdf, robot, tree, floating, options.strict, entries);
+  const Srdf srdf = options.srdf.empty() ? Srdf() : load_srdf(options, robot, tree, floating, entries);
 
   Builder builder(robot.name);
   with_location(report, 0, [&] {

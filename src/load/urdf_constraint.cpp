@@ -10,6 +10,7 @@
 
 #include "constraint/loop.hpp"
 #include "model/constraints.hpp"
+#include "budget.hpp"
 #include "reader.hpp"
 #include "table/names.hpp"
 #include "urdf_robot.hpp"
@@ -80,9 +81,14 @@ const char* constraint_type_name(const dynConstraint& c) {
   return c.type == DYN_CONSTRAINT_TYPE_LOOP ? name_of(c.joint_type) : name_of(c.type);
 }
 
-void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out) {
+void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out, Budget* budget) {
   Reader{report, "<libdyn>"}.unread(block, {}, {"constraint"});
-  for (const Element* e = first(block, "constraint"); e; e = next(*e, "constraint")) out.push_back(read_constraint(*e, report));
+  for (const Element* e = first(block, "constraint"); e; e = next(*e, "constraint")) {
+    out.push_back(read_constraint(*e, report));
+    Constraint c{};
+    c.type = out.back().spec.type, c.joint_type = out.back().spec.joint_type;
+    if (budget) budget->add_rows(constraint_rows(c), report, line(*e));
+  }
 }
 
 }  // namespace dyn::load

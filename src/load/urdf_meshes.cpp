@@ -26,6 +26,7 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
         try {
           meshes::MeshOptions how;
           how.scale = shape.size, how.package_dirs = options.package_dirs, how.confined = Confined(report.file(), options);
+          how.budget = options.budget;
           if (!found) how.relative_to = report.file();  // so that messages list the paths tried
           collision = collision_mesh_of(meshes::read_mesh(shape.mesh, how), options.meshes);
         } catch (const Error& e) {

@@ -1,6 +1,7 @@
 // The top level of a URDF: <robot>, its links and joints in order, and blocks of other programs.
 #include <algorithm>
 
+#include "budget.hpp"
 #include "reader.hpp"
 #include "urdf_robot.hpp"
 
@@ -101,15 +102,19 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
   reader.unread(root, {"name", "version"}, urdf_elements);
 
   MeshPaths meshes(report.file(), options.package_dirs);
+  Budget* const budget = options.budget;
   const Colours colours = urdf_colours(root);
   for (const Element* e = first(root); e; e = next(*e)) {
     const std::string_view name = e->Name();
-    if (name == "link")
+    if (name == "link") {
+      if (budget) budget->add_bodies(1, report, line(*e));
       robot.links.push_back(read_link(*e, report, meshes, colours));
-    else if (name == "joint")
+      if (budget) budget->add_shapes(std::int64_t(robot.links.back().shapes.size()), report, line(*e));
+    } else if (name == "joint") {
+      if (budget) budget->add_joints(1, report, line(*e));
       robot.joints.push_back(read_joint(*e, report, options));
-    else if (name == "libdyn")
-      read_constraints(*e, report, robot.constraints);
+    } else if (name == "libdyn")
+      read_constraints(*e, report, robot.constraints, budget);
     else if (name != "material" && std::find(urdf_elements.begin(), urdf_elements.end(), name) != urdf_elements.end())
       report_foreign_block(*e, report);
   }

@@ -56,7 +56,7 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
 UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes, const Colours& colours);
 // urdf_constraint.cpp: the content of a <libdyn> block, and names of constraint types. A loop has the name of its joint's type.
 const char* constraint_type_name(const dynConstraint& c);
-void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out);
+void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out, Budget* budget);
 UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& options);
 
 // urdf_tree.cpp: one root, no cycle, every link known and with one parent. Mimic leaders exist and move.

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <string_view>
 
+#include "budget.hpp"
+
 namespace dyn::load {
 
 namespace {
@@ -90,7 +92,7 @@ int line_at(std::string_view text, size_t at) {
 
 }  // namespace
 
-void check_xml(const std::string& text, const Report& report, int deepest) {
+std::int64_t check_xml(const std::string& text, const Report& report, int deepest) {
   const auto fail = [&](dynStatus status, size_t at, const std::string& message) {
     report.fail(status, line_at(text, at), message);
   };
@@ -111,7 +113,7 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
 
   Markup m;
   m.text = text;
-  size_t elements = 0;
+  size_t elements = 0, attributes = 0;
   struct Opened {
     size_t at;
     std::string_view name;
@@ -126,7 +128,8 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
         if (!opened.empty())
           fail(DYN_ERROR_PARSE, opened.back().at,
                "<" + shown_name(opened.back().name) + "> is never closed: the file is cut off or an end tag is missing");
-        return;
+        return std::int64_t(2 * text.size()) + bytes_of_element * std::int64_t(elements) +
+               bytes_of_attribute * std::int64_t(attributes);
       case Markup::other:
         break;
       case Markup::doctype:
@@ -145,6 +148,7 @@ void check_xml(const std::string& text, const Report& report, int deepest) {
       case Markup::open:
         if (m.name.empty()) fail(DYN_ERROR_PARSE, m.begin, "malformed element: a name follows '<' at once");
         check_references(m.begin, m.at);
+        attributes += size_t(m.attributes);
         if (++elements > max_elements)
           fail(DYN_ERROR_LIMIT, m.begin, "more than " + std::to_string(max_elements) + " elements, which is the limit");
         if (m.attributes > max_attributes)

@@ -5,20 +5,18 @@
 
 #include <string>
 
-#include "report.hpp"
+#include "file.hpp"
 
 namespace dyn::load {
 
 using Element = tinyxml2::XMLElement;
 
-inline constexpr size_t max_file_bytes = size_t(128) << 20;
-
 inline constexpr int max_depth = 80;           // of elements; tinyxml2 stops at 100, and real files stay below 20
 inline constexpr int max_split_depth = 10010;  // of a text that split_deep divides
 
 // Checks a text before parsing. Refuses document types with entities, zero bytes, excessive nesting and sizes, and xacro macros.
-// Throws through the report.
-void check_xml(const std::string& text, const Report& report, int deepest = max_depth);
+// Throws through the report. Returns an estimate of the memory that the text and its document take.
+std::int64_t check_xml(const std::string& text, const Report& report, int deepest = max_depth);
 
 // Divides a checked text that is nested deeper than the parser allows. Each element at a depth that is a multiple of 64 becomes a
 // text of its own, with its line number, and <dyn:part n="its number"/> stands for it. The first text is the main one; a shallow

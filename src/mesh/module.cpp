@@ -1,7 +1,6 @@
 // The module's function table. The only place that turns exceptions into failures.
 #include "module.hpp"
 
-#include <assimp/version.h>
 #include <libqhull_r/libqhull_r.h>
 
 #include <cstdlib>
@@ -44,17 +43,6 @@ T* handed_over(const std::vector<T>& from) {
   return to;
 }
 
-bool read(const char* path, bool up_z, std::int64_t max_triangles, Soup* out, Failure* failure) {
-  *out = {};
-  return guarded(failure, [&] {
-    const Triangles t = read_assimp(path, up_z, max_triangles);
-    out->vertices = handed_over(t.vertices), out->vertex_count = std::int64_t(t.vertices.size() / 3);
-    out->triangles = handed_over(t.corners), out->colours = handed_over(t.colours),
-    out->triangle_count = std::int64_t(t.corners.size() / 3);
-    out->skipped = t.skipped;
-  });
-}
-
 bool hull(const double* points, std::int32_t count, HullFaces* out, Failure* failure) {
   *out = {};
   return guarded(failure, [&] {
@@ -65,7 +53,6 @@ bool hull(const double* points, std::int32_t count, HullFaces* out, Failure* fai
   });
 }
 
-void free_soup(Soup* s) { std::free(s->vertices), std::free(s->triangles), std::free(s->colours), *s = {}; }
 void free_hull(HullFaces* h) { std::free(h->corners), std::free(h->face_start), std::free(h->face_corners), *h = {}; }
 
 }  // namespace
@@ -74,9 +61,7 @@ void free_hull(HullFaces* h) { std::free(h->corners), std::free(h->face_start), 
 
 extern "C" __attribute__((visibility("default"))) const dyn::mesh::Module* dyn_mesh_module(std::uint32_t version) {
   using namespace dyn::mesh;
-  static const std::string libraries = "assimp " + std::to_string(aiGetVersionMajor()) + "." +
-                                       std::to_string(aiGetVersionMinor()) + "." + std::to_string(aiGetVersionPatch()) +
-                                       ", qhull " + qh_version2;
-  static const Module module = {module_version, sizeof(Module), read, hull, free_soup, free_hull, libraries.c_str()};
+  static const std::string libraries = std::string("qhull ") + qh_version2;
+  static const Module module = {module_version, sizeof(Module), hull, free_hull, libraries.c_str()};
   return version == module_version ? &module : nullptr;
 }

@@ -1,4 +1,4 @@
-// Interface between libdyn.so and the module libdyn_mesh.so (assimp, qhull), which is opened with the first mesh. One function,
+// Interface between libdyn.so and the module libdyn_mesh.so (qhull), which is opened with the first hull. One function,
 // dyn_mesh_module, returns a table of functions. Plain values and no exceptions, because the compilers may differ.
 #pragma once
 
@@ -8,21 +8,11 @@
 
 namespace dyn::mesh {
 
-inline constexpr std::uint32_t module_version = 2;  // of this interface
+inline constexpr std::uint32_t module_version = 3;  // of this interface
 
 struct Failure {
   dynStatus status;
   char message[600];
-};
-
-// Triangles as in the file; corners may be shared. Points and lines are counted.
-struct Soup {
-  double* vertices;  // 3 each
-  std::int64_t vertex_count;
-  std::int32_t* triangles;  // 3 each
-  std::uint32_t* colours;   // of the triangles, as in model/colour.hpp
-  std::int64_t triangle_count;
-  std::int64_t skipped;
 };
 
 // A convex polytope whose corners are some of the given points.
@@ -36,13 +26,10 @@ struct HullFaces {
 
 struct Module {
   std::uint32_t version, size;
-  // Reads a file's triangles in metres. up_z: the file's up axis becomes z.
-  bool (*read)(const char* path, bool up_z, std::int64_t max_triangles, Soup* out, Failure* failure);
   // points: 3 each, finite
   bool (*hull)(const double* points, std::int32_t count, HullFaces* out, Failure* failure);
-  void (*free_soup)(Soup*);
   void (*free_hull)(HullFaces*);
-  const char* libraries;  // "assimp 5.2.5, qhull 2020.2.r"
+  const char* libraries;  // "qhull 2020.2.r"
 };
 
 // Returns null if this module has another version.

@@ -16,15 +16,6 @@ struct Refusal : std::runtime_error {
   Refusal(dynStatus s, const std::string& message) : std::runtime_error(message), status(s) {}
 };
 
-struct Triangles {
-  std::vector<double> vertices;
-  std::vector<std::int32_t> corners;
-  std::vector<std::uint32_t> colours;  // of the triangles
-  std::int64_t skipped = 0;
-};
-// read_assimp.cpp
-Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles);
-
 struct Faces {
   std::vector<std::int32_t> corners, start, of_face;  // as in HullFaces
 };

@@ -227,6 +227,14 @@ void Builder::gravity(const std::array<double, 3>& g) {
   impl->gravity = g;
 }
 
+int Builder::Impl::find_joint(const std::string& wanted) const {
+  const auto it = frame_index.find(wanted);
+  if (it != frame_index.end())
+    for (const int k : it->second)
+      if (frames[std::size_t(k)].type == DYN_FRAME_TYPE_JOINT) return frames[std::size_t(k)].joint;
+  return -1;
+}
+
 int Builder::Impl::find(const Parent& parent, const std::string& who) const {
   if (parent.name.empty()) return 0;
   const auto it = frame_index.find(parent.name);
@@ -372,8 +380,8 @@ void Builder::colour(std::uint32_t of_last_shape) {
 void Builder::Impl::check_configuration_name(const std::string& name) const {
   check_name("configuration", name);
   if (name == "neutral") refuse(DYN_ERROR_NAME, "configuration 'neutral' is always there: choose another name");
-  for (const ConfigurationEntry& c : configurations)
-    if (c.name == name) refuse(DYN_ERROR_NAME, "configuration '" + name + "' is there already: choose another name");
+  if (names.configurations.find(configurations, name) >= 0)
+    refuse(DYN_ERROR_NAME, "configuration '" + name + "' is there already: choose another name");
 }
 
 void Builder::configuration(const std::string& name, const std::vector<double>& q) {
@@ -391,21 +399,18 @@ void Builder::configuration_of_joints(const std::string& name,
   const auto set = [&](const auto& given, std::vector<std::vector<double>>& by_joint, int (*size)(const JointEntry&)) {
     for (const auto& [joint, x] : given) {
       const std::string who = "configuration '" + name + "', joint '" + joint + "'";
-      const auto at = std::find_if(impl->joints.begin(), impl->joints.end(),
-                                   [&wanted = joint](const JointEntry& e) { return e.spec.name == wanted; });
-      if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
+      const int at = impl->find_joint(joint);
+      if (at < 0) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
       check_finite(who, x.data(), x.size());
-      if (int(x.size()) != size(*at))
-        refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(x.size()) + " numbers, needs " + std::to_string(size(*at)));
-      by_joint[std::size_t(at - impl->joints.begin())] = x;
+      if (const int needed = size(impl->joints[std::size_t(at)]); int(x.size()) != needed)
+        refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(x.size()) + " numbers, needs " + std::to_string(needed));
+      by_joint[std::size_t(at)] = x;
     }
   };
   set(joints, entry.by_joint, own_nq), set(state.v, entry.v_by_joint, own_nv);
   for (const auto& [actuator, x] : state.actuators) {
     const std::string who = "configuration '" + name + "', actuator '" + actuator + "'";
-    if (std::none_of(impl->actuators.begin(), impl->actuators.end(),
-                     [&wanted = actuator](const ActuatorEntry& a) { return a.name == wanted; }))
-      refuse(DYN_ERROR_NAME, who + ": there is no such actuator");
+    if (impl->names.actuators.find(impl->actuators, actuator) < 0) refuse(DYN_ERROR_NAME, who + ": there is no such actuator");
     check_finite(who, x.control.data(), x.control.size()), check_finite(who, &x.activation, 1);
     entry.actuators[actuator] = x;
   }
@@ -423,8 +428,7 @@ void Builder::configuration_of_joints(const std::string& name,
 
 void Builder::allow_massless_joints() { impl->allow_massless = true; }
 void Builder::initial_configuration(const std::string& name) {
-  if (name != "neutral" && std::none_of(impl->configurations.begin(), impl->configurations.end(),
-                                        [&](const ConfigurationEntry& c) { return c.name == name; }))
+  if (name != "neutral" && impl->names.configurations.find(impl->configurations, name) < 0)
     refuse(DYN_ERROR_NAME, "initial configuration: there is no configuration '" + name + "'");
   impl->initial = name;
 }

@@ -53,15 +53,15 @@ void check_muscle(const std::string& who, const dynMuscle& x) {
 }
 
 // The joint that an actuator drives by one degree of freedom.
-int find_driven_joint(const std::vector<JointEntry>& joints, const std::string& who, const std::string& name, int component) {
-  const auto at = std::find_if(joints.begin(), joints.end(), [&](const JointEntry& j) { return j.spec.name == name; });
-  if (at == joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + name + "'");
+void check_driven_joint(const std::vector<JointEntry>& joints, const std::string& who, const std::string& name, int number,
+                        int component) {
+  if (number < 0) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + name + "'");
+  const JointEntry* const at = &joints[std::size_t(number)];
   if (!at->spec.mimic.empty())
     refuse(DYN_ERROR_INVALID, who + ": joint '" + name + "' follows '" + at->spec.mimic + "': name that one");
   if (component < 0 || component >= spec_nv(at->spec))
     refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(component) + ", and joint '" + name + "' has " +
                                    std::to_string(spec_nv(at->spec)) + " degrees of freedom");
-  return int(at - joints.begin());
 }
 
 // Muscles act through a path, those of joints too.
@@ -76,8 +76,8 @@ void Builder::Impl::check_actuator_name(const std::string& name) const {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "actuator has no name: give one");
   if (name.find('\0') != std::string::npos)
     refuse(DYN_ERROR_ARGUMENT, "actuator '" + std::string(name.c_str()) + "': the name holds a zero byte");
-  for (const ActuatorEntry& a : actuators)
-    if (a.name == name) refuse(DYN_ERROR_NAME, "actuator '" + name + "' is there already: choose another name");
+  if (names.actuators.find(actuators, name) >= 0)
+    refuse(DYN_ERROR_NAME, "actuator '" + name + "' is there already: choose another name");
 }
 
 void Builder::actuator(const std::string& name, const dynActuator& spec, const std::string& target,
@@ -92,7 +92,8 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   if (!reference.empty() && spec.transmission != DYN_TRANSMISSION_SITE)
     refuse(DYN_ERROR_ARGUMENT, who + ": a reference frame needs the transmission SITE");
   if (spec.transmission == DYN_TRANSMISSION_JOINT) {
-    entry.target = find_driven_joint(impl->joints, who, target, spec.component);
+    entry.target = impl->find_joint(target);
+    check_driven_joint(impl->joints, who, target, entry.target, spec.component);
     if (spec.type == DYN_ACTUATOR_TYPE_MUSCLE && joint_nq(impl->joints[std::size_t(entry.target)].spec.type) != 1)
       refuse(DYN_ERROR_INVALID, who + ": a muscle needs a length, and joint '" + target + "' has none");
   } else if (spec.transmission == DYN_TRANSMISSION_TENDON) {
@@ -143,15 +144,19 @@ void Builder::medium(double density, double viscosity, const std::array<double, 
   impl->density = density, impl->viscosity = viscosity, impl->wind = wind;
 }
 
+int Builder::Impl::find_shape(const std::string& name, const std::string& who) const {
+  for (std::size_t& k = names.known_shapes; k < shapes.size(); ++k)
+    if (const Shape& s = shapes[k].shape; s.role == DYN_SHAPE_ROLE_COLLISION) names.shapes[s.name].push_back(int(k));
+  const auto at = names.shapes.find(name);
+  if (at != names.shapes.end() && at->second.size() > 1)
+    refuse(DYN_ERROR_NAME, who + ": there are several shapes '" + name + "'");
+  return at == names.shapes.end() ? -1 : at->second[0];
+}
+
 void Builder::pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material) {
   const std::string who = "pair of '" + shape1 + "' and '" + shape2 + "'";
   const auto find = [&](const std::string& name) {
-    int found = -1;
-    for (std::size_t k = 0; k < impl->shapes.size(); ++k)
-      if (const Shape& s = impl->shapes[k].shape; s.role == DYN_SHAPE_ROLE_COLLISION && s.name == name) {
-        if (found >= 0) refuse(DYN_ERROR_NAME, who + ": there are several shapes '" + name + "'");
-        found = int(k);
-      }
+    const int found = impl->find_shape(name, who);
     if (name.empty() || found < 0) refuse(DYN_ERROR_NAME, who + ": there is no collision shape '" + name + "': add it first");
     return found;
   };
@@ -186,8 +191,10 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
     n.nu += r.spec.controls;
     set_law(a.spec, r);
     r.v = r.path >= 0 ? -1 : joints[std::size_t(r.spec.joint)].idx_v + a.spec.component, r.q = -1;
-    for (const EuclideanSpan& s : euclidean_spans)
-      if (r.v >= s.first_v && r.v < s.first_v + s.count) r.q = s.first_q + r.v - s.first_v;
+    const auto after = std::upper_bound(euclidean_spans.begin(), euclidean_spans.end(), r.v,
+                                        [](Index v, const EuclideanSpan& s) { return v < s.first_v; });
+    if (after != euclidean_spans.begin())
+      if (const EuclideanSpan& s = after[-1]; r.v < s.first_v + s.count) r.q = s.first_q + r.v - s.first_v;
     if (r.bias[1] != 0 && r.q < 0 && r.path < 0)
       refuse(DYN_ERROR_INVALID,
              "actuator '" + a.name +

@@ -70,7 +70,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.frame_index[e.name].push_back(int(next.frames.size()));
     next.frames.push_back(std::move(e));
   }
-  const int shapes_before = int(next.shapes.size());
+  const int shapes_before = int(next.shapes.size());  // added at the end, so that indices by name hold
   for (ShapeEntry& s : other.shapes) {
     if (!s.shape.name.empty()) s.shape.name = prefix + s.shape.name;
     s.frame = place(s.frame), s.shape.body = next.frames[std::size_t(s.frame)].name;
@@ -138,9 +138,9 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
 
   // configurations of one name are one; what only one of the two names is neutral in the other
   for (ConfigurationEntry& c : other.configurations) {
-    auto at =
-        std::find_if(next.configurations.begin(), next.configurations.end(), [&](const auto& x) { return x.name == c.name; });
-    if (at == next.configurations.end()) at = next.configurations.insert(at, {c.name, true, {}, {}});
+    const int known = next.names.configurations.find(next.configurations, c.name);
+    if (known < 0) next.configurations.push_back({c.name, true, {}, {}});
+    ConfigurationEntry* const at = known < 0 ? &next.configurations.back() : &next.configurations[std::size_t(known)];
     at->by_joint.resize(std::size_t(before));
     at->by_joint.insert(at->by_joint.end(), c.by_joint.begin(), c.by_joint.end());
     at->v_by_joint.resize(std::size_t(before));

@@ -36,6 +36,7 @@ struct Compiler {
   Text text = {};
   ModelSizes n = {};
   WantedPairs wanted = {};
+  std::unordered_map<std::string, std::size_t> materials = {};  // by their bytes
   Index name = 0;               // of the model, in text
   bool mimic = false;
   ModelPtr model = {};
@@ -54,6 +55,7 @@ struct Compiler {
   // builder_links.cpp
   void place_on_mocap(const FrameEntry& f, FrameRecord& r);
   void add_frames();            // and the inertia of links
+  std::uint16_t number_of(const dynMaterial& x);
   void add_wanted_pairs();      // before shapes: their materials come first
   void add_shapes();
   void add_pairs();

@@ -6,22 +6,12 @@
 
 namespace dyn {
 
-namespace {
-
-int find_joint(const std::vector<JointEntry>& joints, const std::string& name, const std::string& who) {
-  for (std::size_t j = 0; j < joints.size(); ++j)
-    if (joints[j].spec.name == name) return int(j);
-  refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + name + "'");
-}
-
-}  // namespace
-
 void Builder::Impl::check_constraint_name(const std::string& name) const {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "the constraint has no name: give one");
   if (name.find('\0') != std::string::npos)
     refuse(DYN_ERROR_ARGUMENT, "constraint '" + std::string(name.c_str()) + "': the name holds a zero byte");
-  for (const ConstraintEntry& c : constraints)
-    if (c.name == name) refuse(DYN_ERROR_NAME, "constraint '" + name + "' exists already: choose another name");
+  if (names.constraints.find(constraints, name) >= 0)
+    refuse(DYN_ERROR_NAME, "constraint '" + name + "' exists already: choose another name");
 }
 
 void Builder::constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second) {
@@ -33,9 +23,13 @@ void Builder::constraint(const std::string& name, const dynConstraint& spec, con
     refuse(DYN_ERROR_ARGUMENT, who + ": its type is NONE: spare slots are empty by themselves");
   ConstraintEntry entry{name, spec, -1, -1};
   if (between_joints(spec.type)) {
-    entry.first = find_joint(impl->joints, first.name, who);
-    if (spec.type == DYN_CONSTRAINT_TYPE_COUPLING && second.name != "universe")
-      entry.second = find_joint(impl->joints, second.name, who);
+    const auto joint = [&](const std::string& of) {
+      const int j = impl->find_joint(of);
+      if (j < 0) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + of + "'");
+      return j;
+    };
+    entry.first = joint(first.name);
+    if (spec.type == DYN_CONSTRAINT_TYPE_COUPLING && second.name != "universe") entry.second = joint(second.name);
   } else {
     auto frame = [&](const Parent& p) { return p.name.empty() || p.name == "universe" ? 0 : impl->find(p, who); };
     entry.first = frame(first), entry.second = frame(second);

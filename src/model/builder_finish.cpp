@@ -52,7 +52,8 @@ ModelPtr Builder::finish() const {
   const Findings none;
   Compiler first(*impl, none);
   ModelPtr model = first.compile();
-  const Findings found{dyn::overlapping(*model), first.massless};
+  Findings found;
+  found.overlapping = dyn::overlapping(*model, found.all_looked_at), found.massless = first.massless;
   return found.overlapping.empty() && found.massless.empty() ? std::move(model) : Compiler(*impl, found).compile();
 }
 

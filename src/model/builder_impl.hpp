@@ -124,6 +124,29 @@ struct PairEntry {
   std::optional<dynMaterial> material;
 };
 
+// Numbers of a list's entries by name, the first of equals. Entries that were added since the last call are looked at then.
+class NameIndex {
+ public:
+  // -1: there is none.
+  template <class List, class NameOf>
+  int find(const List& list, const std::string& name, const NameOf& name_of) const {
+    if (known_ > list.size()) forget();
+    for (; known_ < list.size(); ++known_) numbers_.try_emplace(name_of(list[known_]), int(known_));
+    const auto at = numbers_.find(name);
+    return at == numbers_.end() ? -1 : at->second;
+  }
+  template <class List>
+  int find(const List& list, const std::string& name) const {
+    return find(list, name, [](const auto& x) -> const std::string& { return x.name; });
+  }
+  // To be called when entries go, or are renamed.
+  void forget() const { numbers_.clear(), known_ = 0; }
+
+ private:
+  mutable std::unordered_map<std::string, int> numbers_;
+  mutable std::size_t known_ = 0;
+};
+
 struct Builder::Impl {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
@@ -147,7 +170,15 @@ struct Builder::Impl {
   std::vector<ActuatorEntry> actuators;
   std::vector<SensorEntry> sensors;
   std::vector<PairEntry> pairs;
+  // (the names of joints and frames are in frame_index)
+  struct Names {
+    NameIndex configurations, constraints, tendons, couplings, actuators, sensors;
+    mutable std::unordered_map<std::string, std::vector<int>> shapes;  // those for collision
+    mutable std::size_t known_shapes = 0;
+  } names;
 
+  int find_joint(const std::string& name) const;  // -1: there is no moving joint of that name
+  int find_shape(const std::string& name, const std::string& who) const;  // for collision; -1: none; throws if there are several
   int find(const Parent& parent, const std::string& who) const;
   int find_frame(const std::string& name, const std::string& who) const;  // that something acts on or runs along
   void add_frame(FrameEntry entry, const std::string& who);
@@ -220,10 +251,14 @@ inline constexpr const char* massless_report = "forward dynamics may be undefine
 // What only the finished model shows; the load report says it.
 struct Findings {
   GeomPairs overlapping;
+  bool all_looked_at = true;  // the search for them ended by itself
   std::vector<std::string> massless;
 };
 // Tested pairs of filter Guess that overlap in the neutral configuration and in all of 32 random ones, or all but one. Ascending.
-GeomPairs overlapping(const Model& m);
+// The search ends after max_looks pairs with overlapping boxes, or max_overlaps pairs that overlap: shapes in one place have the
+// square of their number. all: whether it did not.
+inline constexpr std::size_t max_looks = 2000000, max_overlaps = 20000;
+GeomPairs overlapping(const Model& m, bool& all);
 
 // Sizes of a primitive joint.
 int primitive_nq(BodyType t);

@@ -27,7 +27,8 @@ void Compiler::add_limits() {
       const Index q = s.first_q + k, v = s.first_v + k;
       if (!std::isfinite(a.lower_limit[std::size_t(q)]) && !std::isfinite(a.upper_limit[std::size_t(q)])) continue;
       const Index dof = n.mimic_v ? a.own_v[std::size_t(v)] : v;
-      const auto after = std::find_if(a.bodies.begin() + 1, a.bodies.end(), [&](const Body& b) { return b.idx_v > dof; });
+      const auto after = std::upper_bound(a.bodies.begin() + 1, a.bodies.end(), dof,
+                                          [](Index v, const Body& b) { return v < b.idx_v; });
       a.limits.push_back({q, Index(after - a.bodies.begin()) - 1, dof});
     }
   for (Index i = 1; i < n.bodies; ++i)

@@ -9,14 +9,6 @@ namespace dyn {
 
 namespace {
 
-// Where x is, one of them if it is new.
-std::uint16_t number_of(std::vector<dynMaterial>& materials, const dynMaterial& x) {
-  std::size_t k = 0;
-  while (k < materials.size() && std::memcmp(&materials[k], &x, sizeof x) != 0) ++k;
-  if (k > UINT16_MAX) throw Error(DYN_ERROR_LIMIT, "more than 65536 different materials");
-  if (k == materials.size()) materials.push_back(x);
-  return std::uint16_t(k);
-}
 // Puts each surface once into the arrays; its number there.
 struct Surfaces {
   Arrays& a;
@@ -98,9 +90,18 @@ void Compiler::add_frames() {
   n.drag_boxes = Index(a.drag_boxes.size());
 }
 
+// Where x is, one of them if it is new.
+std::uint16_t Compiler::number_of(const dynMaterial& x) {
+  const std::string bytes(reinterpret_cast<const char*>(&x), sizeof x);
+  const auto [at, added] = materials.try_emplace(bytes, a.materials.size());
+  if (at->second > UINT16_MAX) throw Error(DYN_ERROR_LIMIT, "more than 65536 different materials");
+  if (added) a.materials.push_back(x);
+  return std::uint16_t(at->second);
+}
+
 void Compiler::add_wanted_pairs() {
   for (const PairEntry& p : in.pairs)
-    wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
+    wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(*p.material) : 0;
   if (a.materials.size() > std::size_t(PairRecord::max_own))
     throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
 }
@@ -116,7 +117,7 @@ void Compiler::add_shapes() {
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
     r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity,
-    r.material = number_of(a.materials, s.shape.material), r.latent = s.shape.material.latent & 0x3u,
+    r.material = number_of(s.shape.material), r.latent = s.shape.material.latent & 0x3u,
     r.priority = std::uint32_t(s.shape.material.priority) & 0x7u;
     if (r.role == DYN_SHAPE_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
@@ -144,6 +145,11 @@ void Compiler::add_reports() {
     const auto frame = [&](Index geom) { return a.shapes[std::size_t(a.geoms[std::size_t(geom)].shape)].frame; };
     ++overlaps[std::minmax({frame(g), frame(h)})];
   }
+  if (!known.all_looked_at)
+    a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0,
+                         text.add(std::string(overlap_report) + "the search ended after " + std::to_string(max_overlaps) +
+                                  " pairs, or " + std::to_string(max_looks) +
+                                  " with overlapping boxes: others that overlap are tested")});
   for (const auto& [links, count] : overlaps) {
     const auto name = [&](Index frame) { return "'" + in.frames[std::size_t(frame)].name + "'"; };
     a.reports.push_back({DYN_REPORT_LEVEL_INFO, 0,

@@ -36,8 +36,8 @@ void Builder::Impl::check_sensor_name(const std::string& name) const {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "sensor has no name: give one");
   if (name.find('\0') != std::string::npos)
     refuse(DYN_ERROR_ARGUMENT, "sensor '" + std::string(name.c_str()) + "': the name holds a zero byte");
-  for (const SensorEntry& s : sensors)
-    if (s.name == name) refuse(DYN_ERROR_NAME, "sensor '" + name + "' is there already: choose another name");
+  if (names.sensors.find(sensors, name) >= 0)
+    refuse(DYN_ERROR_NAME, "sensor '" + name + "' is there already: choose another name");
 }
 
 void Builder::sensor(const std::string& name, const dynSensor& spec, const std::string& object, const std::string& reference) {
@@ -59,22 +59,19 @@ void Builder::sensor(const std::string& name, const dynSensor& spec, const std::
   switch (row.object) {
     case SensorObject::None: break;
     case SensorObject::Joint: {
-      const auto at = std::find_if(impl->joints.begin(), impl->joints.end(),
-                                   [&](const JointEntry& j) { return j.spec.name == object; });
-      if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + object + "'");
+      entry.object = impl->find_joint(object);
+      if (entry.object < 0) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + object + "'");
+      const JointEntry* const at = &impl->joints[std::size_t(entry.object)];
       const bool ball = spec.quantity == DYN_QUANTITY_BALLQUAT || spec.quantity == DYN_QUANTITY_BALLANGVEL;
       if (ball ? at->spec.type != DYN_JOINT_TYPE_SPHERICAL : spec_nq(at->spec) != 1)
         refuse(DYN_ERROR_INVALID,
                who + ": joint '" + object + (ball ? "' is not spherical" : "' has not one coordinate, as is needed"));
-      entry.object = int(at - impl->joints.begin());
       break;
     }
     case SensorObject::Tendon: entry.object = impl->find_tendon(object, who); break;
     case SensorObject::Actuator: {
-      const auto at = std::find_if(impl->actuators.begin(), impl->actuators.end(),
-                                   [&](const ActuatorEntry& a) { return a.name == object; });
-      if (at == impl->actuators.end()) refuse(DYN_ERROR_NAME, who + ": there is no actuator '" + object + "': add it first");
-      entry.object = int(at - impl->actuators.begin());
+      entry.object = impl->names.actuators.find(impl->actuators, object);
+      if (entry.object < 0) refuse(DYN_ERROR_NAME, who + ": there is no actuator '" + object + "': add it first");
       break;
     }
     case SensorObject::Frame: {

@@ -28,6 +28,7 @@ std::vector<bool> subtree_of(const std::vector<JointEntry>& joints, int root) {
 
 void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   split_configurations();
+  names = {};
   std::vector<int> joint(joints.size(), -1), frame(frames.size(), -1);  // new index of each old one
   std::vector<JointEntry> left;
   for (std::size_t j = 0; j < joints.size(); ++j)

@@ -65,21 +65,20 @@ void check_branches(const std::string& who, const std::vector<TendonElement>& el
 
 void Builder::Impl::check_tendon_name(const std::string& name) const {
   check_name(name, "tendon");
-  for (const TendonEntry& t : tendons)
-    if (t.name == name) refuse(DYN_ERROR_NAME, "tendon '" + name + "' is there already: choose another name");
+  if (names.tendons.find(tendons, name) >= 0)
+    refuse(DYN_ERROR_NAME, "tendon '" + name + "' is there already: choose another name");
 }
 void Builder::Impl::check_coupling_name(const std::string& name) const {
   check_name(name, "coupling of tendons");
-  for (const TendonCoupling& c : couplings)
-    if (c.name == name) refuse(DYN_ERROR_NAME, "coupling '" + name + "' is there already: choose another name");
+  if (names.couplings.find(couplings, name) >= 0)
+    refuse(DYN_ERROR_NAME, "coupling '" + name + "' is there already: choose another name");
 }
 int Builder::Impl::find_frame(const std::string& name, const std::string& who) const {
   if (!frame_index.contains(name)) refuse(DYN_ERROR_NAME, who + ": there is no frame '" + name + "': add it first");
   return find({name, 0}, who);
 }
 int Builder::Impl::find_tendon(const std::string& name, const std::string& who) const {
-  for (std::size_t k = 0; k < tendons.size(); ++k)
-    if (tendons[k].name == name) return int(k);
+  if (const int k = names.tendons.find(tendons, name); k >= 0) return k;
   refuse(DYN_ERROR_NAME, who + ": there is no tendon '" + name + "': add it first");
 }
 
@@ -105,13 +104,11 @@ void Builder::tendon(const std::string& name, const dynTendon& spec, const std::
     if (!e.side.empty() && !is_wrap(e.type)) refuse(DYN_ERROR_ARGUMENT, at + ": only spheres and cylinders have a side");
     TendonElementEntry out{e.type, -1, -1, e.value};
     if (joint) {
-      const auto found = std::find_if(impl->joints.begin(), impl->joints.end(),
-                                      [&](const JointEntry& j) { return j.spec.name == e.name; });
-      if (found == impl->joints.end()) refuse(DYN_ERROR_NAME, at + ": there is no moving joint '" + e.name + "'");
-      if (spec_nq(found->spec) != 1)
-        refuse(DYN_ERROR_INVALID, at + ": joint '" + e.name + "' has " + std::to_string(spec_nq(found->spec)) +
-            " coordinates: one is needed");
-      out.id = int(found - impl->joints.begin());
+      out.id = impl->find_joint(e.name);
+      if (out.id < 0) refuse(DYN_ERROR_NAME, at + ": there is no moving joint '" + e.name + "'");
+      if (const int nq = spec_nq(impl->joints[std::size_t(out.id)].spec); nq != 1)
+        refuse(DYN_ERROR_INVALID,
+               at + ": joint '" + e.name + "' has " + std::to_string(nq) + " coordinates: one is needed");
     } else if (!pulley) {
       out.id = impl->find_frame(e.name, at);
       if (!e.side.empty()) out.side = impl->find_frame(e.side, at);

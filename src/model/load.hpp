@@ -1,9 +1,21 @@
 // Robot files to models. Host side.
 #pragma once
 
+#include <limits>
+
 #include "model/builder.hpp"
 
 namespace dyn {
+
+namespace load {
+class Budget;
+}
+
+// Defaults are those of dynLoadOptions.
+struct LoadLimits {
+  std::int64_t bodies = 200000, shapes = 200000, rows = 6000, keys = 10000, bytes = std::int64_t(1) << 30;
+  double seconds = std::numeric_limits<double>::infinity();
+};
 
 struct LoadOptions {
   dynBase base = DYN_BASE_UNSPECIFIED;
@@ -16,6 +28,8 @@ struct LoadOptions {
   int constraint_slots = 8;
   int contact_capacity = 0;
   bool confined = false;
+  LoadLimits limits;
+  load::Budget* budget = nullptr;  // of this load: set by load_file and load_string
 };
 
 // Content decides the format. Throws Error with file, line, element and remedy.

@@ -208,8 +208,8 @@ TEST(Odd, Paths) {
     EXPECT_NE(std::string::npos, l.error.find(reason)) << l.error;
     EXPECT_EQ(std::string::npos, l.error.find('\n')) << l.error;
   };
-  refuse("/dev/null", DYN_ERROR_PARSE, "the file is empty");
-  refuse("/dev/zero", DYN_ERROR_LIMIT, "which is the limit");
+  refuse("/dev/null", DYN_ERROR_FILE, "this is a device, no regular file");
+  refuse("/dev/zero", DYN_ERROR_FILE, "this is a device, no regular file");
   refuse(folder, DYN_ERROR_FILE, "this is a directory");
   refuse("/tmp/" + std::string(5000, 'x'), DYN_ERROR_FILE, "cannot be opened: File name too long");
   refuse(folder + "/a\nb%s%n.urdf", DYN_ERROR_FILE, "a b%s%n.urdf: cannot be opened");

@@ -61,13 +61,13 @@ TEST(MeshFileErrors, OthersAreCutOff) {
   expect_refused(folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), DYN_ERROR_PARSE, "");
   const std::string d = dae(brick), g = gltf(brick, "brick.bin"), b = glb(brick);
   expect_refused(folder.write("a.dae", d.substr(0, d.size() / 2)), DYN_ERROR_PARSE, "");
-  expect_refused(folder.write("b.dae", "<COLLADA/>"), DYN_ERROR_PARSE, "");
+  expect_refused(folder.write("b.dae", "<COLLADA/>"), DYN_ERROR_PARSE, "<COLLADA> has no <scene>");
   expect_refused(folder.write("c.dae", "<!DOCTYPE a [<!ENTITY b \"bbb\">]>" + d), DYN_ERROR_PARSE, "not allowed");
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<node>";
   expect_refused(folder.write("d.dae", "<COLLADA>" + deep), DYN_ERROR_LIMIT, "nested");
   expect_refused(folder.write("a.gltf", g.substr(0, g.size() / 2)), DYN_ERROR_PARSE, "cut off");
-  expect_refused(folder.write("b.gltf", g), DYN_ERROR_PARSE, "");  // its buffer is missing
+  expect_refused(folder.write("b.gltf", g), DYN_ERROR_FILE, "buffers[0]: ");  // its buffer is missing
   expect_refused(folder.write("c.gltf", std::string(1000000, '[')), DYN_ERROR_LIMIT, "nested");
   expect_refused(folder.write("a.glb", b.substr(0, b.size() - 4)), DYN_ERROR_PARSE, "cut off");
   expect_refused(folder.write("b.glb", "nonsense that is no glTF at all"), DYN_ERROR_PARSE, "not a binary glTF");

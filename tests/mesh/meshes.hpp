@@ -249,11 +249,11 @@ inline std::string glb(const Solid& s) {
   return out;
 }
 
-// Tests of files and hulls need the module.
+// Tests of hulls need the module.
 #ifdef DYN_MESH_MODULE
 #define NEEDS_MODULE()
 #else
-#define NEEDS_MODULE() GTEST_SKIP() << "built without assimp and qhull"
+#define NEEDS_MODULE() GTEST_SKIP() << "built without qhull"
 #endif
 
 // The solid of tests of files.

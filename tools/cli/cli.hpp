@@ -50,6 +50,9 @@ struct RobotOptions {
   std::string srdf;
   std::string meshes = "auto";
   int contact_capacity = 0;
+  int max_bodies = 0, max_shapes = 0, max_constraint_rows = 0, max_keys = 0;  // limits of loading; 0: the default
+  std::int64_t max_bytes = 0;
+  double max_seconds = 0;
   bool fixed = false, floating = false, strict = false, cos_sin = false, confined = false, json = false;
 };
 void add_robot_options(CLI::App& command, RobotOptions& options);

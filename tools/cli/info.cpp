@@ -31,10 +31,11 @@ json joint_json(const Robot& robot, int id) {
 // Lengths are those of the initial configuration.
 json tendons_json(const Robot& robot) {
   const int n = dyn_model_ntendons(robot);
-  const Data data(robot, 0);
-  Vector length(static_cast<std::size_t>(n));
-  if (n) check(dyn_tendons(robot, data, nullptr, nullptr, length.data(), nullptr, nullptr));
   json out = json::array();
+  if (n == 0) return out;
+  const Data data(robot, DYN_PART_KINEMATICS);
+  Vector length(static_cast<std::size_t>(n));
+  check(dyn_tendons(robot, data, nullptr, nullptr, length.data(), nullptr, nullptr));
   for (int k = 0; k < n; ++k) {
     dynTendon t{};
     t.struct_size = sizeof t;

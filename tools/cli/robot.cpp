@@ -34,6 +34,15 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->check(whole)
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
+  const auto limit = [&](const char* name, auto& to, const char* what) {
+    command.add_option(name, to, what)->check(decimal)->check(CLI::NonNegativeNumber);
+  };
+  limit("--max-bodies", options.max_bodies, "Refuse a file with more links, or more joints; default 200000");
+  limit("--max-shapes", options.max_shapes, "Refuse a file with more shapes; default 200000");
+  limit("--max-constraint-rows", options.max_constraint_rows, "Refuse a file with more rows of constraints; default 6000");
+  limit("--max-keys", options.max_keys, "Refuse a file with more named configurations; default 10000");
+  limit("--max-bytes", options.max_bytes, "Refuse a file that takes more memory, by estimate; default 2^30");
+  limit("--max-seconds", options.max_seconds, "Refuse a file that takes more processor time to load; default: no limit");
   command.add_flag("--strict", options.strict, "Refuse a file with physics that would be dropped");
   command.add_flag("--confined", options.confined, "Refuse included files and meshes outside of FILE's folder and --package-dir");
   command.add_flag("--cos-sin", options.cos_sin, "Store continuous joints as (cos, sin)");
@@ -51,6 +60,9 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   load.contact_capacity = options.contact_capacity;
   load.cos_sin = options.cos_sin;
   load.confined = options.confined;
+  load.max_bodies = options.max_bodies, load.max_shapes = options.max_shapes;
+  load.max_constraint_rows = options.max_constraint_rows, load.max_keys = options.max_keys;
+  load.max_bytes = options.max_bytes, load.max_seconds = options.max_seconds;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();
   load.meshes = static_cast<dynMeshUse>(value_of("dynMeshUse", "--collision-meshes", options.meshes));

@@ -71,14 +71,14 @@ def mask(flag: type[E], value: Any, what: str) -> int:
     return bits
 
 
-def whole(x: Any, what: str, least: int = -(2**31)) -> int:
-    """An integer of 32 bits: ctypes would cut a longer one."""
+def whole(x: Any, what: str, least: int = -(2**31), bits: int = 31) -> int:
+    """An integer of 32 bits, or of others and a sign: ctypes would cut a longer one."""
     try:
         number = operator.index(x)
     except TypeError:
         raise ArgumentError(f"{what} is {x!r}, but must be an integer.") from None
-    if not least <= number < 2**31:
-        raise ArgumentError(f"{what} is {number}, but must be from {least} to 2^31 - 1.")
+    if not least <= number < 2**bits:
+        raise ArgumentError(f"{what} is {number}, but must be from {least} to 2^{bits} - 1.")
     return number
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any,
-             contacts: Any, confined: bool):
+             contacts: Any, confined: bool, limits: dict[str, Any]):
     options = abi.initialized(abi.LoadOptions)
     if base is not None:
         options.base = member(Base, base, "base")
@@ -41,6 +41,11 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
     options.meshes = member(MeshUse, meshes, "meshes")
     options.constraint_slots, options.contact_capacity = whole(slots, "constraint_slots"), whole(contacts, "contact_capacity")
     options.confined = bool(confined)
+    for name, given in limits.items():
+        if name == "max_seconds":
+            options.max_seconds = float(checked(given, (), name))
+        else:
+            setattr(options, name, whole(given, name, bits=63 if name == "max_bytes" else 31))
     return options
 
 
@@ -68,6 +73,12 @@ def load(
     constraint_slots: int = 8,
     contact_capacity: int = 0,
     confined: bool = False,
+    max_bodies: int = 0,
+    max_shapes: int = 0,
+    max_constraint_rows: int = 0,
+    max_keys: int = 0,
+    max_bytes: int = 0,
+    max_seconds: float = 0,
 ) -> Model:
     """Reads a robot from a URDF file, or a model from an MJCF file.
 
@@ -83,6 +94,9 @@ def load(
     constraint_slots  spare slots for constraints that a data of the model has
     contact_capacity  contact points that a step has room for, the deepest; 0: what the shapes need
     confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are errors
+    max_bodies, max_shapes, max_constraint_rows, max_keys, max_bytes, max_seconds  limits: a file that asks for more is a dyn.LimitError
+                  before it is expanded. 0: the default, of 200,000 links and as many joints, 200,000 shapes, 6,000 rows of constraints,
+                  10,000 named configurations, 2^30 bytes of memory (estimated), and no limit of processor time
     srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
 
     Physics of the file that the model lacks (ReportLevel.DROPPED) is shown once a model, as a dyn.LoadWarning. Model.report has all lines.
@@ -91,7 +105,9 @@ def load(
     if b"\0" in name:
         raise ArgumentError(f"path holds a zero character: {path!r}.")
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined,
+                       {"max_bodies": max_bodies, "max_shapes": max_shapes, "max_constraint_rows": max_constraint_rows,
+                        "max_keys": max_keys, "max_bytes": max_bytes, "max_seconds": max_seconds})
     check(lib.dyn_model_load(name, byref(options), byref(out)))
     return _made(out.value, os.fsdecode(name))
 
@@ -109,9 +125,17 @@ def load_string(
     constraint_slots: int = 8,
     contact_capacity: int = 0,
     confined: bool = False,
+    max_bodies: int = 0,
+    max_shapes: int = 0,
+    max_constraint_rows: int = 0,
+    max_keys: int = 0,
+    max_bytes: int = 0,
+    max_seconds: float = 0,
 ) -> Model:
     """Reads a robot from the text of a URDF or MJCF; otherwise as dyn.load."""
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined,
+                       {"max_bodies": max_bodies, "max_shapes": max_shapes, "max_constraint_rows": max_constraint_rows,
+                        "max_keys": max_keys, "max_bytes": max_bytes, "max_seconds": max_seconds})
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
     return _made(out.value, "the text")

@@ -58,7 +58,7 @@ def test_bad_arrays():
 
 def test_files_and_hulls(tmp_path):
     if not has_module(tmp_path):
-        pytest.skip("built without assimp and qhull")
+        pytest.skip("built without qhull")
     mesh = dyn.load_mesh(obj(tmp_path / "a.obj"), scale=(1, 1, -2))
     assert mesh.info.convex and mesh.info.volume == pytest.approx(2, rel=1e-14) and mesh.info.orientation == 1
     assert dyn.load_mesh("a.obj", relative_to=tmp_path / "robot.urdf").info.hull_volume_ratio == pytest.approx(1)
@@ -139,7 +139,7 @@ def test_shapes_of_meshes(tmp_path):
 
 def test_meshes_of_robots(tmp_path):
     if not has_module(tmp_path):
-        pytest.skip("built without assimp and qhull")
+        pytest.skip("built without qhull")
     dented = CUBE.copy()
     dented[7] = [0.6, 0.6, 0.6]
     obj(tmp_path / "a.obj", dented)
@@ -170,7 +170,7 @@ def test_meshes_of_robots(tmp_path):
 @pytest.mark.skipif(not CLI, reason="the command dyn is not built")
 def test_cli_collision_meshes(tmp_path):
     if not has_module(tmp_path):
-        pytest.skip("built without assimp and qhull")
+        pytest.skip("built without qhull")
     obj(tmp_path / "a.obj")
     part = "<collision><geometry><mesh filename='a.obj'/></geometry></collision>"
     path = tmp_path / "r.urdf"
@@ -190,7 +190,7 @@ def test_cli_collision_meshes(tmp_path):
 
 def test_colours(tmp_path):
     if not has_module(tmp_path):
-        pytest.skip("built without assimp and qhull")
+        pytest.skip("built without qhull")
     (tmp_path / "m.mtl").write_text("newmtl paint\nKd 0.2 0.4 1\nnewmtl bare\n")
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     (tmp_path / "m.obj").write_text("mtllib m.mtl\n" + corners

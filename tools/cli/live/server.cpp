@@ -166,7 +166,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 class Listener {
  public:
-  Listener(asio::io_context& io, Service& service, unsigned short port) : acceptor_(io), service_(service) {
+  Listener(asio::io_context& io, Service& service, unsigned short port) : acceptor_(io), pause_(io), service_(service) {
     const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
     error_code error;
     acceptor_.open(endpoint.protocol(), error);
@@ -186,10 +186,19 @@ class Listener {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (!error) std::make_shared<Connection>(std::move(socket), service_)->begin();
-      accept();
+      if (error) wait();
+      else accept();
+    });
+  }
+  // Out of descriptors the connection stays in the queue: accepting again at once would spin.
+  void wait() {
+    pause_.expires_after(std::chrono::milliseconds(100));
+    pause_.async_wait([this](error_code error) {
+      if (!error) accept();
     });
   }
   tcp::acceptor acceptor_;
+  asio::steady_timer pause_;
   Service& service_;
 };
 
