@@ -75,7 +75,7 @@ void fit_contact_rows(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Index rows = 0;
   for (Index k = 0; k < w.contact_count; ++k) rows += w.laws[k].rows;
-  while (rows > contact_row_room(m)) {
+  while (rows > contact_row_capacity(m)) {
     Index shallowest = 0;
     for (Index k = 1; k < w.contact_count; ++k)
       if (w.contacts[k].contact.distance > w.contacts[shallowest].contact.distance) shallowest = k;

@@ -53,7 +53,8 @@ struct Elimination {
   // Trees have fewer segments than the capacity, and small ones much less fill-in than pairs of segments.
   static std::ptrdiff_t entry_capacity(const Model& m) {
     const std::ptrdiff_t count = segment_capacity(m), nv = m.n.nv, each = tuning::elimination::entries_a_segment;
-    const std::ptrdiff_t some = std::max(2 * nv - tuning::room::short_support, std::min(each * count, 6 * nv) - tuning::room::entries);
+    const std::ptrdiff_t some =
+        std::max(2 * nv - tuning::capacity::short_support, std::min(each * count, 6 * nv) - tuning::capacity::entries);
     return std::min(count * (count - 1) / 2, std::max<std::ptrdiff_t>(some, 1)) + 1;
   }
   // Room for eight segments a constraint on average; larger islands use another solver.
@@ -63,9 +64,10 @@ struct Elimination {
   }
 
   static std::ptrdiff_t row_lane_capacity(const Model& m, Index constraints) {
-    using namespace tuning::room;
+    using namespace tuning::capacity;
+    const std::ptrdiff_t few_here = few - std::min(few, std::max(0, m.n.carriers - short_support));
     return std::min(max_rows * run_capacity(m, constraints),
-                    std::max<std::ptrdiff_t>(least_row_lanes, row_lanes_of_runs * std::ptrdiff_t(constraints - few) + m.n.nv));
+                    std::max<std::ptrdiff_t>(least_row_lanes, row_lanes_of_runs * (constraints - few_here) + m.n.nv));
   }
 
   template <class F>

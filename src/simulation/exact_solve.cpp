@@ -40,7 +40,8 @@ void Island::sweeps_and_newton(dynContactReport& report) {
     report.residual = sweeps.residual();
     Index tries = 0;
     const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
-    for (Index some = first_sweeps; (!has_room_for_matrix() || some <= max_small) && report.residual > enough && may_sweep(); some *= 2) {
+    const bool alone = !has_room_for_matrix();
+    for (Index some = first_sweeps; (alone || some <= max_small) && report.residual > enough && may_sweep(); some *= 2) {
       w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
       for (Index k = 0; k < some && may_sweep(); ++k) sweeps.sweep(), ++report.iterations;
       report.residual = sweeps.finish();

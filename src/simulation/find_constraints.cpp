@@ -41,7 +41,8 @@ struct Finder {
   ActiveConstraint& append(ConstraintInstance<double>& s, RowKind kind, Index index) {
     const bool joints = between_joints(s.c.type);
     auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
-    return w.active[count++] = {&s, {}, 0, s.rows, 0, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false, false};
+    const Index tree1 = tree(s.c.body1, s.c.v1), tree2 = tree(s.c.body2, s.c.v2);
+    return w.active[count++] = {&s, {}, 0, s.rows, 0, kind, index, tree1, tree2, 0, false, false};
   }
   ConstraintInstance<double>& next() { return w.instances[added]; }
   void append_limit(Index index) { keep_rows(m, d, next(), append(next(), RowKind::Box, index)), ++added; }

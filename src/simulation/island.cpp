@@ -167,7 +167,8 @@ void Island::drop_redundant() {
   Index count = 0;
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
-    if (x.kind == RowKind::Equality && is_rigid_equality(x.s->c)) d.equality_rows[count++] = {x.s, x.kept.support, const_cast<double*>(x.kept.Y)};
+    if (x.kind == RowKind::Equality && is_rigid_equality(x.s->c))
+      d.equality_rows[count++] = {x.s, x.kept.support, const_cast<double*>(x.kept.Y)};
   }
   dropped = count > 0 && d.misalignment[0] > 0 ? drop_redundant_rows(m, d, count, d.misalignment[0]) : 0;
 }

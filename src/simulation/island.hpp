@@ -52,7 +52,9 @@ struct Island {
   bool large() const { return rows > tuning::island::dense_rows; }
   bool has_room_for_matrix() const { return rows <= w.solver.max_rows; }
   // small islands with restitution use the dense solver, which guards the energy
-  bool uses_sweeps_only() const { return w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS && (!has_room_for_matrix() || !bounces); }
+  bool uses_sweeps_only() const {
+    return w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS && (!has_room_for_matrix() || !bounces);
+  }
 
   // island.cpp: numbers rows, fills vectors
   void assign_rows();

@@ -86,7 +86,7 @@ void Island::prepare_sweeps() {
   if (has_cones) return;
   has_cones = true;
   Index cones = 0;
-  const Index most = cone_room(m);
+  const Index most = cone_capacity(m);
   for (Index k = 0; k < constraint_count; ++k) {
     Block& s = w.blocks[k];
     if (!s.is_cone()) continue;

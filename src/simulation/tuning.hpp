@@ -68,7 +68,7 @@ inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterati
 }  // namespace island
 
 // Room of a step's arrays (workspace.hpp). What exceeds it is solved by other methods, or made anew where it is read.
-namespace room {
+namespace capacity {
 inline constexpr Index more_contact_rows = 24;   // beside three a contact
 inline constexpr Index dense_rows = 40;          // of the dense matrix, at least: for each body that flies
 inline constexpr Index few = 42;                 // constraints of a small model
@@ -78,7 +78,7 @@ inline constexpr Index cones = 16;               // in small models
 inline constexpr Index row_lanes_of_runs = 8;    // of a constraint, rows by segments
 inline constexpr Index least_row_lanes = 240;    // the same of small models
 inline constexpr Index entries = 240;            // blocks of the Newton matrix that small models do not have
-}  // namespace room
+}  // namespace capacity
 
 // Sweeps (sweeps.cpp, exact_solve.cpp).
 namespace sweeps {

@@ -47,7 +47,7 @@ enum class Use {
   Step,     // from the contact search on: distances of pairs, which are those of another configuration
 };
 
-// Buffers of other parts that lie idle while a step solves its constraints (algorithm/constrained/fields.def, collision/fields.def).
+// Buffers of other parts that lie idle while a step solves its constraints (fields.def of algorithm/constrained and collision).
 class SharedMemory {
  public:
   explicit SharedMemory(const Model& m) {
@@ -124,7 +124,8 @@ struct Layout {
 
 void for_each_array(const Model& m, Workspace& w, Layout& f) {
   const std::ptrdiff_t slots = step_constraints(m), carriers = m.n.carriers, rows = padded_rows(step_rows(m)),
-                       kept = columns(m) + 2 * carriers + 3 * std::ptrdiff_t(m.n.path_dofs), room = padded_rows(dense_room(m));
+                       kept = columns(m) + 2 * carriers + 3 * std::ptrdiff_t(m.n.path_dofs),
+                       room = padded_rows(dense_capacity(m));
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
   for_each_array(m, w.free_bodies, f);
   if (slots == 0) return;
@@ -141,7 +142,7 @@ void for_each_array(const Model& m, Workspace& w, Layout& f) {
   f(w.path_rows, m.n.path_rows);
   f(w.blocks, slots, Use::Rows), f(w.vectors, island_vectors * rows, Use::Rows);
   w.elimination.arrays(m, Index(slots), f);
-  f(w.run_rows, segment_lanes * std::ptrdiff_t(w.elimination.max_row_lanes), Use::Rows), f(w.cones, cone_room(m), Use::Rows);
+  f(w.run_rows, segment_lanes * std::ptrdiff_t(w.elimination.max_row_lanes), Use::Rows), f(w.cones, cone_capacity(m), Use::Rows);
   f(w.bounds, 2 * step_bounds(m)), f(w.coefficients, contact_vectors * m.n.contacts), f(w.contact_rows, m.n.contacts);
   f(w.by_dof, m.n.nv), f(w.tree_speeds, 2 * m.n.bodies);
   f(w.advancement_cache.q, m.n.nq), f(w.advancement_cache.lever, m.n.nv);
@@ -156,7 +157,7 @@ void for_each_array(const Model& m, Workspace& w, Layout& f) {
     f(w.blocks_above, 2 * BlockFactor::size * entries, Use::Solve), f(w.diagonal, BlockFactor::size * segments, Use::Solve);
   };
   const auto by_matrix = [&] {
-    w.solver.max_rows = dense_room(m), w.solver.places_active = !matrix_is_shared(m);
+    w.solver.max_rows = dense_capacity(m), w.solver.places_active = !matrix_is_shared(m);
     w.solver.arrays([&](auto*& array, std::ptrdiff_t n) { f(array, n, Use::Solve); });
     if (matrix_is_shared(m)) w.solver.active.x = w.matrix;
   };

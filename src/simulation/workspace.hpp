@@ -247,27 +247,27 @@ inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts 
 // Bounded rows.
 inline Index step_bounds(const Model& m) { return m.n.slots + m.n.limits + m.n.path_rows; }
 // Rows of contacts: three each. Contacts with torsion or rolling have up to six.
-inline Index contact_row_room(const Model& m) {
-  return std::min(6 * m.n.contacts, 3 * m.n.contacts + tuning::room::more_contact_rows);
+inline Index contact_row_capacity(const Model& m) {
+  return std::min(6 * m.n.contacts, 3 * m.n.contacts + tuning::capacity::more_contact_rows);
 }
 // Cones that are kept between sweeps.
-inline Index cone_room(const Model& m) {
-  return std::min(step_constraints(m), tuning::room::cones + std::max(0, step_constraints(m) - 3 * tuning::room::few));
+inline Index cone_capacity(const Model& m) {
+  return std::min(step_constraints(m), tuning::capacity::cones + std::max(0, step_constraints(m) - 3 * tuning::capacity::few));
 }
-inline Index step_rows(const Model& m) { return m.n.constraint_rows + contact_row_room(m) + m.n.limits + m.n.path_rows; }
+inline Index step_rows(const Model& m) { return m.n.constraint_rows + contact_row_capacity(m) + m.n.limits + m.n.path_rows; }
 // Whose forces are remembered: limits, then rows on paths.
 inline Index remembered_rows(const Model& m) { return m.n.limits + m.n.path_rows; }
 // Rows of the largest island for which there is a dense Delassus matrix. More than two a degree of freedom are redundant: other
 // methods are cheaper.
-inline Index dense_room(const Model& m) {
-  const Index some = std::max(tuning::room::dense_rows * std::max<Index>(1, m.n.manifold_joints), 2 * m.n.nv);
+inline Index dense_capacity(const Model& m) {
+  const Index some = std::max(tuning::capacity::dense_rows * std::max<Index>(1, m.n.manifold_joints), 2 * m.n.nv);
   return std::min({step_rows(m), some, tuning::island::dense_rows});
 }
 // Small models: the matrix of an island is made anew after each solve, which uses its memory.
-inline bool matrix_is_shared(const Model& m) { return dense_room(m) <= tuning::room::dense_rows; }
+inline bool matrix_is_shared(const Model& m) { return dense_capacity(m) <= tuning::capacity::dense_rows; }
 // Columns of rows that are kept, by supporting degrees of freedom; those of other constraints are made anew (PropagatedRows).
 inline std::ptrdiff_t columns(const Model& m) {
-  using namespace tuning::room;
+  using namespace tuning::capacity;
   const std::ptrdiff_t own = m.n.contacts + m.n.limits, wide = std::max(0, m.n.carriers - short_support);
   return std::min(own * m.n.carriers, std::max<std::ptrdiff_t>(least_columns, own_columns * (own - few)) + wide_rows * wide);
 }

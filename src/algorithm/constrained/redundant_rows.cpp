@@ -166,7 +166,8 @@ Index RedundantRows::eliminate() {
   return rank;
 }
 
-// Marks and clears the dropped rows. d.row_dependence (dependence.hpp): a column for each, its coefficients in the caller's units.
+// Marks and clears the dropped rows. d.row_dependence: a column for each (dependence.hpp), its coefficients in the caller's
+// units.
 void RedundantRows::finish(Index rank) {
   Index& dropped = d.row_system[2];
   d.rows_dropped = 1;
