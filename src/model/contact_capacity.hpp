@@ -1,6 +1,6 @@
 // For how many contact points a step has room by default. A body that flies freely may lie in a heap, where a convex shape
-// touches up to twelve others: six pairs a shape, each with as many points as its faces make. A shape of a robot may lie flat on
-// one other.
+// touches up to twelve others: six pairs a shape, each with as many points as its faces make. Not all shapes of a robot lie on
+// others at once: two points a shape are the average.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace dyn {
 
-inline constexpr std::int64_t any_contacts = 16, most_of_pair = 8, pairs_in_heap = 6, least_in_heap = 8;
-inline constexpr std::int64_t max_default_contacts = 50000;  // 250 MB
+inline constexpr std::int64_t any_contacts = 16, most_of_pair = 8, pairs_in_heap = 6, least_in_heap = 8, most_of_part = 2;
+inline constexpr std::int64_t max_default_contacts = 50000;  // 150 MB
 
 // Most contact points of a shape with a plane.
 inline std::int64_t points_of_shape(dynShapeType type) {
@@ -31,7 +31,7 @@ inline std::int64_t contact_capacity_of(const Model& m) {
     if (joint == 0) continue;
     const bool flies = m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER && m.joints()[joint].parent == 0;
     const std::int64_t points = points_of_shape(dynShapeType(s.type));
-    room += flies && !carries(joint) ? std::max(least_in_heap, pairs_in_heap * points) : points;
+    room += flies && !carries(joint) ? std::max(least_in_heap, pairs_in_heap * points) : std::min(points, most_of_part);
     ++moving;
   }
   if (moving == 0) return 0;

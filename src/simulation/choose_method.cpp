@@ -7,8 +7,9 @@ namespace dyn::simulation {
 bool Island::sparse() {
   has_runs();
   const double whole = double(rows) * rows * rows, block = tuning::newton::block_price;
-  if (!large() && whole <= block * w.elimination.size) return false;
-  return ordered() && (large() || whole > block * (w.elimination.size + w.elimination.entries()));
+  const bool dense = has_room_for_matrix();
+  if (dense && whole <= block * w.elimination.size) return false;
+  return ordered() && (!dense || whole > block * (w.elimination.size + w.elimination.entries()));
 }
 
 bool Island::has_runs() {

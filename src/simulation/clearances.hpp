@@ -18,12 +18,12 @@ class Clearances {
 
   static constexpr double rounding = 1e-12;  // of the sums
   static constexpr int ways = 4;              // places in a bucket: pairs that share one do not displace each other every step
-  // Places are four times the pairs that come near at once, as a power of two.
+  // Places are three times the pairs that come near at once, as a power of two.
   static int bits(const Model& m) {
     const std::ptrdiff_t geoms = m.n.geoms, all = lists_pairs(m) ? m.n.pairs : geoms * (geoms - 1) / 2,
                          pairs = std::min(16 * geoms, all);
     int count = 1;
-    while (std::ptrdiff_t(ways) << count < 4 * pairs) ++count;
+    while (std::ptrdiff_t(ways) << count < 3 * pairs) ++count;
     return count;
   }
   int shift_;

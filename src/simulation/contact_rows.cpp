@@ -39,17 +39,17 @@ bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, 
 
 // Returns whether no impulse along the normal moves anything: joints let the bodies slide along one another only. Then an impulse
 // from rounding would be one of any size.
-bool has_immovable_normal(const Model& m, const Data<double>& d, const ActiveConstraint& x) {
+bool has_immovable_normal(const Model& m, const Data<double>& d, const ActiveConstraint& x, const PropagatedRows& of) {
   using P = Simd<double, row_lanes>;
   const double* Dinv = inverse_pivots(m, d);
   P sum = P::zero();
-  for (Index n = 0; n < x.s->support_count; ++n) {
-    const P y = P::load(x.Y + row_lanes * n);
-    sum = sum + y * y * Dinv[x.support[n]];
+  for (Index n = 0; n < x.support_count; ++n) {
+    const P y = P::load(of.Y + row_lanes * n);
+    sum = sum + y * y * Dinv[of.support[n]];
   }
   double most = 0;
-  for (Index r = 0; r < std::min(x.s->rows, Index(3)); ++r) most = std::max(most, sum[int(r)]);
-  return !(sum[int(normal_row(x.s->rows))] > tuning::immovable_normal * most);
+  for (Index r = 0; r < std::min(x.rows, Index(3)); ++r) most = std::max(most, sum[int(r)]);
+  return !(sum[int(normal_row(x.rows))] > tuning::immovable_normal * most);
 }
 
 Vec3<double> surface_velocity(const Data<double>& d, Index geom) {
@@ -58,7 +58,7 @@ Vec3<double> surface_velocity(const Data<double>& d, Index geom) {
 
 }  // namespace
 
-void init_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s) {
+void init_contact(const Model& m, Data<double>& d, Index contact, double h) {
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
@@ -69,22 +69,30 @@ void init_contact(const Model& m, Data<double>& d, Index contact, double h, Cons
   law.material = own ? m.materials()[own - 1] : shape::combined(w.materials[a], w.materials[b]);
   law.rows = shape::contact_rows(law.material);
   law.idle = is_idle(d, c, law, h);
-  s.c.type = DYN_CONSTRAINT_TYPE_POINT;
-  s.c.body1 = d.geoms[b].body, s.c.body2 = d.geoms[a].body;
-  s.rows = law.rows;
 }
 
-void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x) {
+void fit_contact_rows(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
-  const dynContact& c = w.contacts[x.index].contact;
-  ContactLaw& law = w.laws[x.index];
-  ConstraintInstance<double>& s = *x.s;
-  law.axes[2] = load3(c.normal);
-  across(law.axes[2], law.axes[0], law.axes[1]);
-  const Vec3<double> slip = surface_velocity(d, law.geom_b) - surface_velocity(d, law.geom_a);
-  for (int k = 0; k < 2; ++k) law.slip[k] = dot(law.axes[k], slip);
+  Index rows = 0;
+  for (Index k = 0; k < w.contact_count; ++k) rows += w.laws[k].rows;
+  while (rows > contact_row_capacity(m)) {
+    Index shallowest = 0;
+    for (Index k = 1; k < w.contact_count; ++k)
+      if (w.contacts[k].contact.distance > w.contacts[shallowest].contact.distance) shallowest = k;
+    rows -= w.laws[shallowest].rows, ++w.report.dropped;
+    std::copy(w.contacts + shallowest + 1, w.contacts + w.contact_count, w.contacts + shallowest);
+    std::copy(w.laws + shallowest + 1, w.laws + w.contact_count, w.laws + shallowest);
+    --w.contact_count;
+  }
+}
 
-  const Vec3<double> at = load3(c.position);
+const ConstraintInstance<double>& contact_wrenches(const Model& m, Data<double>& d, const ActiveConstraint& x) {
+  Workspace& w = *d.step;
+  const ContactLaw& law = w.laws[x.index];
+  ConstraintInstance<double>& s = w.instances[m.n.limits + m.n.path_rows];
+  s.c.type = DYN_CONSTRAINT_TYPE_POINT, s.rows = law.rows;
+  s.c.body1 = d.geoms[law.geom_b].body, s.c.body2 = d.geoms[law.geom_a].body;
+  const Vec3<double> at = load3(w.contacts[x.index].contact.position);
   auto fill = [&](Index body, double sign, double* lanes) {
     std::fill_n(lanes, 6 * row_lanes, 0.0);
     if (!body) return;
@@ -95,11 +103,37 @@ void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x
     }
   };
   fill(s.c.body1, 1, s.F1), fill(s.c.body2, -1, s.F2);
+  return s;
+}
+
+PropagatedRows propagate_anew(const Model& m, Data<double>& d, const ActiveConstraint& x, int slot) {
+  Workspace& w = *d.step;
+  const std::ptrdiff_t at = columns(m) + slot * std::ptrdiff_t(m.n.carriers);
+  Index* const support = w.support + at;
+  double* const Y = w.Y + row_lanes * at;
+  if (!x.s) contact_wrenches(m, d, x);
+  propagate_rows(m, d, x.s ? *x.s : w.instances[m.n.limits + m.n.path_rows], support, Y);
+  return {support, Y};
+}
+
+void assemble_contact(const Model& m, Data<double>& d, ActiveConstraint& x) {
+  Workspace& w = *d.step;
+  const dynContact& c = w.contacts[x.index].contact;
+  ContactLaw& law = w.laws[x.index];
+  law.axes[2] = load3(c.normal);
+  across(law.axes[2], law.axes[0], law.axes[1]);
+  const Vec3<double> slip = surface_velocity(d, law.geom_b) - surface_velocity(d, law.geom_a);
+  for (int k = 0; k < 2; ++k) law.slip[k] = dot(law.axes[k], slip);
+
+  contact_wrenches(m, d, x);
+  ConstraintInstance<double>& s = w.instances[m.n.limits + m.n.path_rows];
   using Six = SixEights<double>;
-  (Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2])).store(s.rate);
+  (Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2])).store(law.rate);
   ensure_columns(m, d, s.c.body1), ensure_columns(m, d, s.c.body2);
-  propagate_rows(m, d, x);
-  if (has_immovable_normal(m, d, x)) s.support_count = 0;
+  const Index before = w.stored;
+  keep_rows(m, d, s, x);
+  const PropagatedRows made{w.support + before, w.Y + row_lanes * std::ptrdiff_t(before)};
+  if (has_immovable_normal(m, d, x, made)) x.support_count = 0, x.kept = made, w.stored = before;
 }
 
 }  // namespace dyn::simulation

@@ -22,7 +22,7 @@ std::size_t search_bytes(const Model& m);  // of a PairSearch (pair_search.hpp)
 }
 namespace simulation {
 std::size_t workspace_bytes(const Model& m);
-Workspace* place(const Model& m, void* memory);
+Workspace* place(const Model& m, Data<double>& d, void* memory);
 }  // namespace simulation
 
 namespace detail {
@@ -85,8 +85,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   if constexpr (possible & DYN_PART_SIMULATION)
     if (d.step_memory) std::memset(d.step_memory, 0, simulation::workspace_bytes(m));
 #endif
-  if constexpr (possible & DYN_PART_SIMULATION)
-    if (d.step_memory) d.step = simulation::place(m, d.step_memory);
+  if constexpr ((possible & DYN_PART_SIMULATION) && std::is_same_v<T, double>)
+    if (d.step_memory) d.step = simulation::place(m, d, d.step_memory);
   for (Index j = 0; j < m.n.joints; ++j)
     d.chosen_effects[j] = DYN_EFFECT_DEFAULT, d.effects[j] = DYN_EFFECT_DEFAULT & DYN_EFFECT_ALL;
   apply_effects(m, d);

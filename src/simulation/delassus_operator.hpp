@@ -27,6 +27,12 @@ struct IslandOperator {
   DYN_INLINE void change(Index k, const double* by) const {
     static_cast<const Operator&>(*this).template scatter<rows>(k, by);
   }
+  // A cone that is not kept between sweeps.
+  void set_cone(Index k, solver::LocalCone& own) const {
+    double G[max_rows * max_rows];
+    x.scaled_block(k, G);
+    own.set(G, block(k).rows, block(k).rows);
+  }
   // Calls f(block, its number).
   template <class F>
   void for_each(F&& f) const {

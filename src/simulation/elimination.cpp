@@ -17,16 +17,20 @@ void find_segments(const Model& m, Segments& s) {
 bool Elimination::find_runs(const Island& x) {
   const Segments& s = x.w.segments;
   Index count = 0;
-  for (Index k = 0; k < x.constraint_count; ++k)
-    for (Index n = 0; n < x.constraint(k).s->support_count; ++n) local[s.of[x.constraint(k).support[n]]] = -1;
+  for (Index k = 0; k < x.constraint_count; ++k) {
+    const Index* const support = x.rows_of(k).support;
+    for (Index n = 0; n < x.constraint(k).support_count; ++n) local[s.of[support[n]]] = -1;
+  }
   size = 0;
+  Index lanes = 0;
   for (Index k = 0; k < x.constraint_count; ++k) {
     const ActiveConstraint& a = x.constraint(k);
+    const Index* const support = x.rows_of(k).support;
     first_run[k] = count;
-    for (Index n = 0, last = -1; n < a.s->support_count; ++n) {
-      const Index now = s.of[a.support[n]];
+    for (Index n = 0, last = -1; n < a.support_count; ++n) {
+      const Index now = s.of[support[n]];
       if (now == last) continue;
-      if (count == max_runs) return false;
+      if (count == max_runs || (lanes += a.rows) > max_row_lanes) return false;
       last = now;
       if (local[now] < 0) segment[size] = now, first_of[size] = -1, local[now] = size++;
       runs[count] = {local[now], k, nullptr};

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "constraint/constraint.hpp"
 #include "model/model.hpp"
 #include "simulation/tuning.hpp"
 
@@ -47,11 +48,14 @@ struct Elimination {
   Index *degree, *mark, *of_degree, *before, *after;  // linked lists of segments by degree
   Index *lists, *next_list;     // linked lists of what couples a segment: runs and entries
   bool* merged;                   // constraints and positions whose list is part of another
-  Index max_entries, max_runs;
+  Index max_entries, max_runs, max_row_lanes;  // max_row_lanes: rows of all runs
 
-  static std::ptrdiff_t entry_capacity(Index segments) {
-    const std::ptrdiff_t count = segments;
-    return std::min<std::ptrdiff_t>(count * (count - 1) / 2, tuning::elimination::entries_a_segment * count) + 1;
+  // Trees have fewer segments than the capacity, and small ones much less fill-in than pairs of segments.
+  static std::ptrdiff_t entry_capacity(const Model& m) {
+    const std::ptrdiff_t count = segment_capacity(m), nv = m.n.nv, each = tuning::elimination::entries_a_segment;
+    const std::ptrdiff_t some =
+        std::max(2 * nv - tuning::capacity::short_support, std::min(each * count, 6 * nv) - tuning::capacity::entries);
+    return std::min(count * (count - 1) / 2, std::max<std::ptrdiff_t>(some, 1)) + 1;
   }
   // Room for eight segments a constraint on average; larger islands use another solver.
   static std::ptrdiff_t run_capacity(const Model& m, Index constraints) {
@@ -59,10 +63,18 @@ struct Elimination {
            m.n.nv;
   }
 
+  static std::ptrdiff_t row_lane_capacity(const Model& m, Index constraints) {
+    using namespace tuning::capacity;
+    const std::ptrdiff_t few_here = few - std::min(few, std::max(0, m.n.carriers - short_support));
+    return std::min(max_rows * run_capacity(m, constraints),
+                    std::max<std::ptrdiff_t>(least_row_lanes, row_lanes_of_runs * (constraints - few_here) + m.n.nv));
+  }
+
   template <class F>
   void arrays(const Model& m, Index constraints, F&& f) {
     const Index count = segment_capacity(m);
-    max_entries = Index(entry_capacity(count)), max_runs = Index(run_capacity(m, constraints));
+    max_entries = Index(entry_capacity(m)), max_runs = Index(run_capacity(m, constraints)),
+    max_row_lanes = Index(row_lane_capacity(m, constraints));
     for (Index** a :
          {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists})
       f(*a, count + 2);

@@ -40,7 +40,8 @@ void Island::sweeps_and_newton(dynContactReport& report) {
     report.residual = sweeps.residual();
     Index tries = 0;
     const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
-    for (Index some = first_sweeps; (large() || some <= max_small) && report.residual > enough && may_sweep(); some *= 2) {
+    const bool alone = !has_room_for_matrix();
+    for (Index some = first_sweeps; (alone || some <= max_small) && report.residual > enough && may_sweep(); some *= 2) {
       w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
       for (Index k = 0; k < some && may_sweep(); ++k) sweeps.sweep(), ++report.iterations;
       report.residual = sweeps.finish();
@@ -72,12 +73,12 @@ void Island::correct_by_sweeps() {
 // What Newton's method from the guess does not solve.
 void Island::solve_exactly(dynContactReport& report) {
   const auto is_above = [&](double wanted) { return report.residual > wanted && !w.time_is_up(); };
-  const bool by_sweeps = large() || (!bounces && sparse());
+  const bool by_sweeps = !has_room_for_matrix() || (!bounces && sparse());
   w.limit.expect(by_sweeps ? solver::TimeLimit::Unit::Sweep : solver::TimeLimit::Unit::Matrix,
                  by_sweeps ? rows : double(rows) * rows);
   if (w.time_is_up()) scale_restitution(1), sweeps_and_newton(report);
   else if (by_sweeps) sweeps_and_newton(report);
-  if (!large() && is_above(tolerance)) {
+  if (has_room_for_matrix() && is_above(tolerance)) {
     if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
     solve(report);
   }

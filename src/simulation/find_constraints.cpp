@@ -28,7 +28,7 @@ struct Finder {
   Workspace& w;
   const double* v;  // free
   double h;
-  Index count = 0, added = 0;  // active constraints; those in w.instances
+  Index count = 0, added = 0;  // active constraints; those of w.instances
   double min_distance = shape::infinity;  // between any two shapes
 
   // Row of the nearer limit: gap >= 0.
@@ -38,18 +38,14 @@ struct Finder {
     s.error[0] = low ? q - lower : upper - q;
     s.lower[0] = 0, s.upper[0] = HUGE_VAL;
   }
-  void append(ConstraintInstance<double>& s, Index* support, double* carried, RowKind kind, Index index) {
+  ActiveConstraint& append(ConstraintInstance<double>& s, RowKind kind, Index index) {
     const bool joints = between_joints(s.c.type);
     auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
-    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false, false};
-    if (kind != RowKind::Contact) propagate_rows(m, d, w.active[count - 1]);
+    const Index tree1 = tree(s.c.body1, s.c.v1), tree2 = tree(s.c.body2, s.c.v2);
+    return w.active[count++] = {&s, {}, 0, s.rows, 0, kind, index, tree1, tree2, 0, false, false};
   }
   ConstraintInstance<double>& next() { return w.instances[added]; }
-  void append_next(RowKind kind, Index index) {
-    append(next(), w.support + added * std::ptrdiff_t(m.n.carriers), w.Y + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind,
-           index);
-    ++added;
-  }
+  void append_limit(Index index) { keep_rows(m, d, next(), append(next(), RowKind::Box, index)), ++added; }
 
   void constraints() {
     if (active_rows(m, d) == 0) return;
@@ -59,7 +55,9 @@ struct Finder {
       const bool box = one_sided(s.c.type);
       if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = box_rate(m, d, s, v);
       if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
-      append(s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k), box ? RowKind::Box : RowKind::Equality, -1);
+      ActiveConstraint& x = append(s, box ? RowKind::Box : RowKind::Equality, -1);
+      propagate_rows(m, d, s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k));
+      x.kept = {supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k)}, x.support_count = s.support_count;
     });
   }
   void limits() {
@@ -89,7 +87,7 @@ struct Finder {
       s.rows = 1;
       limit(s, q, lower, upper);
       s.rate[0] = box_rate(m, d, s, v);
-      append_next(RowKind::Box, k);
+      append_limit(k);
     }
   }
   void ball(const LimitRecord& r, Index k, double near) {
@@ -103,7 +101,7 @@ struct Finder {
     s.rows = 1, s.g1 = 1, s.g2 = 0;
     s.error[0] = x.gap, s.lower[0] = 0, s.upper[0] = HUGE_VAL;
     s.rate[0] = box_rate(m, d, s, v);
-    append_next(RowKind::Box, k);
+    append_limit(k);
   }
   void paths() {
     if (m.n.path_rows == 0 || !(d.acting & driving_effects)) return;
@@ -111,32 +109,35 @@ struct Finder {
     for (Index k = 0; k < m.n.tendons && w.closed_gap > 0; ++k) fast = std::max(fast, std::abs(d.path_velocity[k]));
     const double reached = w.closed_gap > 0 ? contact_margin(w, h, fast, 0.0) : 0;
     bool columns = false;
+    std::ptrdiff_t stored = simulation::columns(m) + 2 * std::ptrdiff_t(m.n.carriers);
     for (Index k = 0, rows = list_path_rows(m, d, h, reached, w.path_rows); k < rows; ++k) {
       if (!columns) ensure_all_columns(m, d), columns = true;
       const auto [row, path] = w.path_rows[k];
       ConstraintInstance<double>& s = next();
       const RowKind kind = set_path_row(m, d, row, path, h, s);
-      Index* const support = w.support + added * std::ptrdiff_t(m.n.carriers);
-      double* const Y = w.Y + row_lanes * added * std::ptrdiff_t(m.n.carriers);
+      Index* const support = w.support + stored;
+      double* const Y = w.Y + row_lanes * stored;
       s.rate[0] = path_rate(m, d, s, v);
       propagate_path(m, d, s, support, Y);
       // its first and its last tree; islands.cpp knows of those between them
       const auto tree = [&](Index n) {
         return w.tree_of[body_of_dof(m, m.has_mimic ? m.own_v()[support[n]] : support[n])];
       };
-      w.active[count++] = {&s, support, Y, kind, kind == RowKind::Box ? m.n.limits + row : -1, tree(s.support_count - 1),
-          tree(0), 0,
+      const Index number = kind == RowKind::Box ? m.n.limits + row : -1;
+      w.active[count++] = {&s, {support, Y}, s.support_count, s.rows, 0, kind, number, tree(s.support_count - 1), tree(0), 0,
                            false, false};
-      ++added;
+      ++added, stored += s.support_count;
     }
   }
   void contacts() {
     if (m.n.contacts == 0) return;
     find_contacts(m, d, h, min_distance);
+    for (Index k = 0; k < w.contact_count; ++k) init_contact(m, d, k, h);
+    fit_contact_rows(m, d);
+    const auto tree = [&](Index geom) { return d.geoms[geom].body == 0 ? -1 : w.tree_of[d.geoms[geom].body]; };
     for (Index k = 0; k < w.contact_count; ++k) {
-      ConstraintInstance<double>& s = next();
-      init_contact(m, d, k, h, s);
-      append_next(RowKind::Contact, k);
+      const ContactLaw& law = w.laws[k];
+      w.active[count++] = {nullptr, {}, 0, law.rows, 0, RowKind::Contact, k, tree(law.geom_b), tree(law.geom_a), 0, false, false};
     }
   }
 };
@@ -157,11 +158,12 @@ BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, co
 double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v) {
   if (x.kind == RowKind::Box) return -box_rate(m, d, *x.s, v);
   const dynContact& c = d.step->contacts[x.index].contact;
+  const ContactLaw& law = d.step->laws[x.index];
   const auto speed = [&](Index body) {
     const Motion<double> V = body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V;
     return dot(load3(c.normal), velocity_at(d, body, load3(c.position), V));
   };
-  return speed(x.s->c.body2) - speed(x.s->c.body1);
+  return speed(d.geoms[law.geom_a].body) - speed(d.geoms[law.geom_b].body);
 }
 
 void record_overshoot(const Model& m, Data<double>& d, const double* dq, double closed) {
@@ -185,6 +187,7 @@ Index find_constraints(const Model& m, Data<double>& d, const double* v_free, do
   }
   if (!m.has_mimic) with_unbatched_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);
+  d.step->stored = 0, d.invalidate(Stage::Distances);  // rows lie in the results of pairs (workspace.cpp)
   Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits(), find.paths(), find.contacts();
   update_advancement_cache(m, d, v, h, !some_sleep && find.count == 0 && active_rows(m, d) == 0 ? find.min_distance : 0);

@@ -48,7 +48,7 @@ void fill_path_force(const Island& x, const ActiveConstraint& a) {
 
 void fill_box(const Island& x, const ActiveConstraint& a, Index k) {
   const ConstraintInstance<double>& s = *a.s;
-  const Index i = s.first;
+  const Index i = a.first;
   x.g[i] = s.rate[0], x.bias[i] = gap_bias(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
   x.compliance[i] = x.v_minus[i] = 0;
@@ -68,8 +68,9 @@ Motion<double> velocity(const Island& x, Index body) {
 struct Approach {
   double before, gained;
 };
-Approach approach(const Island& x, const ConstraintInstance<double>& s, Index normal) {
+Approach approach(const Island& x, const ActiveConstraint& slot, Index normal) {
   using Six = SixEights<double>;
+  const ConstraintInstance<double>& s = contact_wrenches(x.m, x.d, slot);
   const auto along = [&](const double* F, const Motion<double>& V) { return Six::load(F).dot(V)[int(normal)]; };
   const double first = along(s.F1, velocity(x, s.c.body1)), second = along(s.F2, velocity(x, s.c.body2));
   const double by_first = along(s.F1, x.w.root_velocity[s.c.body1]) - first,
@@ -78,40 +79,42 @@ Approach approach(const Island& x, const ConstraintInstance<double>& s, Index no
 }
 
 // Rolling bodies with an error in the gap lose or gain distance at the rate at which they turn.
-double rolling_gap_rate(const Island& x, const ConstraintInstance<double>& s, double gap) {
-  const auto turns = [&](Index body) { return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular)); };
-  return x.w.closed_gap > 0 ? gap * (turns(s.c.body1) + turns(s.c.body2)) : 0;
+double rolling_gap_rate(const Island& x, const ContactLaw& law, double gap) {
+  const auto turns = [&](Index geom) {
+    const Index body = x.d.geoms[geom].body;
+    return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular));
+  };
+  return x.w.closed_gap > 0 ? gap * (turns(law.geom_b) + turns(law.geom_a)) : 0;
 }
 
 void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
-  const ConstraintInstance<double>& s = *slot.s;
   const dynContactForce& f = x.w.contacts[slot.index];
   const ContactLaw& law = x.w.laws[slot.index];
   const dynMaterial& material = law.material;
   const double gap = f.contact.distance;
   x.friction[k] = material.friction, x.torsion[k] = material.torsion, x.rolling[k] = material.rolling, x.restitution[k] = 0;
-  for (Index r = 0; r < s.rows; ++r) {
-    const Index i = s.first + r;
-    x.g[i] = s.rate[r] + (r < 2 && s.rows > 1 ? law.slip[r] : 0);
+  for (Index r = 0; r < slot.rows; ++r) {
+    const Index i = slot.first + r;
+    x.g[i] = law.rate[r] + (r < 2 && slot.rows > 1 ? law.slip[r] : 0);
     x.lambda[i] = x.h * dot(law.axis(r), load3(r < 3 ? f.force_on_b : f.moment_on_b));
     x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
-  const Index normal = normal_row(s.rows), n = s.first + normal;
+  const Index normal = normal_row(slot.rows), n = slot.first + normal;
   const bool pressed = is_active(f);
-  x.bias[n] = gap_bias(x, gap, s.rate[normal], pressed) + rolling_gap_rate(x, s, gap);
+  x.bias[n] = gap_bias(x, gap, law.rate[normal], pressed) + rolling_gap_rate(x, law, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total),
     x.bias[n] = gap > 0 ? gap / x.h : material.stiffness * gap / total;  // the damper acts only while shapes touch
-  } else if (material.restitution > 0 && (x.w.closed_gap > 0 ? gap <= x.w.closed_gap : gap + x.h * s.rate[normal] <= 0)) {
-    const auto [before, gained] = approach(x, s, normal);
+  } else if (material.restitution > 0 && (x.w.closed_gap > 0 ? gap <= x.w.closed_gap : gap + x.h * law.rate[normal] <= 0)) {
+    const auto [before, gained] = approach(x, slot, normal);
     // slower approach is rest, not an impact: gravity in one step makes it, or it would not rebound above closed_gap
     const double least = x.w.closed_gap > 0 ? std::max(x.w.closed_gap, std::sqrt(2 * x.w.closed_gap * gained / x.h))
                                               : std::min(2 * gained, tuning::island::impact_speed * slow_speed(x.d, x.h));
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }
-  if (x.w.closed_gap > 0 && !pressed && !is_soft(material)) record_contact_overshoot(x, gap, approach(x, s, normal).before);
+  if (x.w.closed_gap > 0 && !pressed && !is_soft(material)) record_contact_overshoot(x, gap, approach(x, slot, normal).before);
   x.w.report.penetration = std::max(x.w.report.penetration, -gap);
 }
 
@@ -120,11 +123,12 @@ void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
 void Island::assign_rows() {
   for (Index k = 0; k < constraint_count; ++k) {
     ActiveConstraint& x = constraint(k);
-    x.s->first = rows, rows += x.s->rows;
-    supported = supported || (std::min(x.tree1, x.tree2) < 0 && !between_joints(x.s->c.type));
-    if (x.kind == RowKind::Equality) equalities += x.s->rows;
+    x.first = rows, rows += x.rows;
+    if (x.s) x.s->first = x.first;
+    supported = supported || (std::min(x.tree1, x.tree2) < 0 && !(x.s && between_joints(x.s->c.type)));
+    if (x.kind == RowKind::Equality) equalities += x.rows;
     else if (x.kind == RowKind::Box) ++boxes;
-    else w.contact_rows[contacts++] = x.s->rows;
+    else w.contact_rows[contacts++] = x.rows;
   }
 }
 
@@ -133,7 +137,7 @@ void Island::fill() {
   if (is_exact()) tolerance = w.has_tolerance() ? w.tolerance() : tuning::island::fine;
   if (!is_exact()) slack = tuning::island::slack * shape::norm(load3(d.world_gravity)) * h * h;
   for (Index k = 0; k < constraint_count && w.closed_gap > 0; ++k)
-    for (Index r = 0; r < constraint(k).s->rows; ++r) fast = std::max(fast, std::abs(constraint(k).s->rate[r]));
+    for (Index r = 0; r < constraint(k).rows; ++r) fast = std::max(fast, std::abs(rates_of(w, constraint(k))[r]));
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
     if (x.kind == RowKind::Equality) fill_equality(*this, *x.s);
@@ -150,11 +154,11 @@ double Island::wanted(double residual, double usual) const {
   using namespace tuning::island;
   if (!(residual <= usual && residual > solver::tuning::round_off)) return usual;
   double fast = 0;
-  for (Index k = 0; k < constraint_count; ++k)
-    for (Index n = 0; n < constraint(k).s->support_count; ++n) {
-      const Index dof = constraint(k).support[n];
-      fast = std::max(fast, std::abs(v_before[dof]) * (is_length(m, dof) ? 1 : w.length));
-    }
+  for (Index k = 0; k < constraint_count; ++k) {
+    const Index* const support = rows_of(k).support;
+    for (Index n = 0; n < constraint(k).support_count; ++n)
+      fast = std::max(fast, std::abs(v_before[support[n]]) * (is_length(m, support[n]) ? 1 : w.length));
+  }
   return fast < standing * residual * fastest ? gain * residual : usual;
 }
 
@@ -163,23 +167,27 @@ void Island::drop_redundant() {
   Index count = 0;
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
-    if (x.kind == RowKind::Equality && is_rigid_equality(x.s->c)) d.equality_rows[count++] = {x.s, x.support, x.Y};
+    if (x.kind == RowKind::Equality && is_rigid_equality(x.s->c))
+      d.equality_rows[count++] = {x.s, x.kept.support, const_cast<double*>(x.kept.Y)};
   }
   dropped = count > 0 && d.misalignment[0] > 0 ? drop_redundant_rows(m, d, count, d.misalignment[0]) : 0;
 }
 
 void Island::keep_all() {
-  for (Index k = 0; dropped > 0 && k < constraint_count; ++k) constraint(k).s->dropped = 0;
+  for (Index k = 0; dropped > 0 && k < constraint_count; ++k)
+    if (constraint(k).s) constraint(k).s->dropped = 0;
 }
 
 void Island::clear_supporting_dofs() const {
-  for (Index k = 0; k < constraint_count; ++k)
-    for (Index n = 0; n < constraint(k).s->support_count; ++n) by_dof[constraint(k).support[n]] = 0;
+  for (Index k = 0; k < constraint_count; ++k) {
+    const Index* const support = rows_of(k).support;
+    for (Index n = 0; n < constraint(k).support_count; ++n) by_dof[support[n]] = 0;
+  }
 }
 
 // by_dof += Y^T lambda
 void Island::scatter_all() const {
-  for (Index k = 0; k < constraint_count; ++k) scatter(constraint(k), lambda + constraint(k).s->first);
+  for (Index k = 0; k < constraint_count; ++k) scatter(constraint(k), lambda + constraint(k).first);
 }
 
 }  // namespace dyn::simulation

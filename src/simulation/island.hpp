@@ -36,14 +36,25 @@ struct Island {
 
   double* vector(int k) const { return w.vectors + k * padded_rows(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5),
-         *lower = vector(6), *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10),
-         *restitution = vector(11), *kept = vector(12);
+         *kept = vector(6);
+  // of bounded rows; of contacts
+  double *lower = w.bounds, *upper = lower + step_bounds(m);
+  double *friction = w.coefficients, *torsion = friction + m.n.contacts, *rolling = torsion + m.n.contacts,
+         *restitution = rolling + m.n.contacts;
 
   ActiveConstraint& constraint(Index k) const { return w.active[order[k]]; }
+  DYN_INLINE PropagatedRows rows_of(const ActiveConstraint& a) const {
+    if (a.kept.Y) [[likely]] return a.kept;
+    return propagate_anew(m, d, a, 0);
+  }
+  DYN_INLINE PropagatedRows rows_of(Index k) const { return rows_of(constraint(k)); }
   std::ptrdiff_t stride() const { return padded_rows(rows); }
-  bool large() const { return rows > island_rows(m); }
+  bool large() const { return rows > tuning::island::dense_rows; }
+  bool has_room_for_matrix() const { return rows <= w.solver.max_rows; }
   // small islands with restitution use the dense solver, which guards the energy
-  bool uses_sweeps_only() const { return w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS && (large() || !bounces); }
+  bool uses_sweeps_only() const {
+    return w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS && (!has_room_for_matrix() || !bounces);
+  }
 
   // island.cpp: numbers rows, fills vectors
   void assign_rows();
@@ -69,6 +80,7 @@ struct Island {
   // blocks, and rows by segments (island_rows.cpp)
   void prepare_blocks();
   void prepare_sweeps();
+  void scaled_block(Index k, double* G) const;
   void build_rows();  // needs prepare_blocks and has_runs
 
   // sweeps and what starts from them (exact_solve.cpp, restitution.cpp)
@@ -101,22 +113,24 @@ struct Island {
   // clear: by_dof = 0 at supporting dofs. scatter: by_dof += Y^T by. gather: Y D^-1 by_dof = G lambda, rows in lanes.
   void clear_supporting_dofs() const;
   DYN_INLINE void scatter(const ActiveConstraint& a, const double* by) const {
-    with_row_count(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
-      const double* y = a.Y;
-      for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) {
+    const PropagatedRows of = rows_of(a);
+    with_row_count(a.rows, [&]<int rows>() DYN_INLINE_LAMBDA {
+      const double* y = of.Y;
+      for (Index n = 0; n < a.support_count; ++n, y += row_lanes) {
         double sum = 0;
 #pragma GCC unroll 6
         for (int r = 0; r < rows; ++r) sum += y[r] * by[r];
-        by_dof[a.support[n]] += sum;
+        by_dof[of.support[n]] += sum;
       }
     });
   }
   DYN_INLINE Simd<double, row_lanes> gather(const ActiveConstraint& a, const double* Dinv) const {
     using P = Simd<double, row_lanes>;
     P sum = P::zero();
-    const double* y = a.Y;
-    for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes)
-      sum = sum + P::load(y) * (Dinv[a.support[n]] * by_dof[a.support[n]]);
+    const PropagatedRows of = rows_of(a);
+    const double* y = of.Y;
+    for (Index n = 0; n < a.support_count; ++n, y += row_lanes)
+      sum = sum + P::load(y) * (Dinv[of.support[n]] * by_dof[of.support[n]]);
     return sum;
   }
   bool is_angle(const ActiveConstraint& x, Index row) const;

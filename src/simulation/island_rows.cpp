@@ -13,25 +13,25 @@ constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 double unit_of(double diagonal) { return diagonal > 0 ? 1 / std::sqrt(diagonal) : 1; }
 
 // Diagonal of a constraint's own block of G.
-void own_diagonal(const ActiveConstraint& a, const double* Dinv, double* diagonal) {
+void own_diagonal(const ActiveConstraint& a, const PropagatedRows& of, const double* Dinv, double* diagonal) {
   using P = Simd<double, row_lanes>;
   P sum = P::zero();
-  const double* y = a.Y;
-  for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * P::load(y) * Dinv[a.support[n]];
+  const double* y = of.Y;
+  for (Index n = 0; n < a.support_count; ++n, y += row_lanes) sum = sum + P::load(y) * P::load(y) * Dinv[of.support[n]];
   sum.store(diagonal);
 }
 
 // The block itself, column by column.
-void own_block(const ActiveConstraint& a, const double* Dinv, double* block) {
+void own_block(const ActiveConstraint& a, const PropagatedRows& of, const double* Dinv, double* block) {
   using P = Simd<double, row_lanes>;
   P G[max_rows];
   for (P& column : G) column = P::zero();
-  const double* y = a.Y;
-  for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) {
-    const P e = P::load(y) * Dinv[a.support[n]];
-    for (Index r = 0; r < a.s->rows; ++r) G[r] = G[r] + e * y[r];
+  const double* y = of.Y;
+  for (Index n = 0; n < a.support_count; ++n, y += row_lanes) {
+    const P e = P::load(y) * Dinv[of.support[n]];
+    for (Index r = 0; r < a.rows; ++r) G[r] = G[r] + e * y[r];
   }
-  for (Index r = 0; r < a.s->rows; ++r) G[r].store(block + row_lanes * r);
+  for (Index r = 0; r < a.rows; ++r) G[r].store(block + row_lanes * r);
 }
 
 void set_rows(Block& s, const double* diagonal, const double* compliance) {
@@ -68,8 +68,8 @@ void Island::prepare_blocks() {
     const ActiveConstraint& a = constraint(k);
     Block& s = w.blocks[k];
     double diagonal[row_lanes];
-    own_diagonal(a, Dinv, diagonal);
-    s.first = a.s->first, s.rows = a.s->rows;
+    own_diagonal(a, rows_of(a), Dinv, diagonal);
+    s.first = a.first, s.rows = a.rows;
     const Index contact = a.kind == RowKind::Contact ? in_contacts++ : 0;
     if (a.kind == RowKind::Contact && s.rows > 1) {
       set_cone(*this, contact, diagonal, compliance + s.first, s);
@@ -85,19 +85,30 @@ void Island::prepare_blocks() {
 void Island::prepare_sweeps() {
   if (has_cones) return;
   has_cones = true;
-  const double* Dinv = inverse_pivots(m, d);
+  Index cones = 0;
+  const Index most = cone_capacity(m);
   for (Index k = 0; k < constraint_count; ++k) {
     Block& s = w.blocks[k];
     if (!s.is_cone()) continue;
-    double own[max_rows * row_lanes], G[max_rows * max_rows];
-    own_block(constraint(k), Dinv, own);
-    for (Index j = 0; j < s.rows; ++j) {
-      for (Index i = 0; i < s.rows; ++i)
-        G[i + s.rows * j] = s.unit[i] * s.unit[j] * own[s.order[i] + row_lanes * s.order[j]];
-      G[j + s.rows * j] += s.soft[j];
+    double G[max_rows * max_rows];
+    scaled_block(k, G);
+    if (s.rows == 3 && s.point.set(G, 3)) {
+      s.kind = Block::Kind::point;
+      continue;
     }
-    if (s.rows == 3 && s.point.set(G, 3)) s.kind = Block::Kind::point;
-    else s.cone = &w.cones[k], s.cone->set(G, s.rows, s.rows);
+    s.cone = cones < most ? &w.cones[cones++] : nullptr;
+    if (s.cone) s.cone->set(G, s.rows, s.rows);
+  }
+}
+
+// A constraint's own block of G in the units of its rows, with its compliance, column by column.
+void Island::scaled_block(Index k, double* G) const {
+  const Block& s = w.blocks[k];
+  double own[max_rows * row_lanes];
+  own_block(constraint(k), rows_of(k), inverse_pivots(m, d), own);
+  for (Index j = 0; j < s.rows; ++j) {
+    for (Index i = 0; i < s.rows; ++i) G[i + s.rows * j] = s.unit[i] * s.unit[j] * own[s.order[i] + row_lanes * s.order[j]];
+    G[j + s.rows * j] += s.soft[j];
   }
 }
 
@@ -107,12 +118,12 @@ double Island::speed() const {
   for (Index k = 0, contact = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
     const bool touches = a.kind == RowKind::Contact;
-    for (Index r = 0; r < a.s->rows; ++r) {
+    for (Index r = 0; r < a.rows; ++r) {
       const double length = r < 3 || !touches ? 1
                             : friction[contact] > 0
-                                ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact]
+                                ? (r == a.rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact]
                                 : 0;
-      most = std::max(most, length * std::abs(g[a.s->first + r] + bias[a.s->first + r]));
+      most = std::max(most, length * std::abs(g[a.first + r] + bias[a.first + r]));
     }
     contact += touches;
   }
@@ -130,15 +141,16 @@ void Island::build_rows() {
     const ActiveConstraint& a = constraint(k);
     const Block& s = w.blocks[k];
     Index n = 0;
-    const double* Y = a.Y;
+    const auto [support, columns] = rows_of(a);
+    const double* Y = columns;
     for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
       ConstraintRun& run = e.runs[r];
       const Index of = e.segment[run.segment], begin = w.segments.first[of];
       run.rows = to;
       std::fill_n(to, segment_lanes * s.rows, 0.0);
-      for (; n < a.s->support_count && w.segments.of[a.support[n]] == of; ++n, Y += row_lanes) {
-        const double root = std::sqrt(Dinv[a.support[n]]);
-        for (Index i = 0; i < s.rows; ++i) to[segment_lanes * i + a.support[n] - begin] = root * s.unit[i] * Y[s.order[i]];
+      for (; n < a.support_count && w.segments.of[support[n]] == of; ++n, Y += row_lanes) {
+        const double root = std::sqrt(Dinv[support[n]]);
+        for (Index i = 0; i < s.rows; ++i) to[segment_lanes * i + support[n] - begin] = root * s.unit[i] * Y[s.order[i]];
       }
       to += segment_lanes * s.rows;
     }

@@ -8,15 +8,15 @@ namespace dyn::simulation {
 namespace {
 
 bool share_no_tree(const ActiveConstraint& a, const ActiveConstraint& b) {
-  if (of_path(a.s->c) || of_path(b.s->c)) return false;  // of several trees
+  if (is_path_row(a) || is_path_row(b)) return false;  // of several trees
   auto in = [&](Index tree) { return tree >= 0 && (tree == b.tree1 || tree == b.tree2); };
   return !in(a.tree1) && !in(a.tree2);
 }
 
 template <int columns>
-void couple_constraints(const ActiveConstraint& a, const ActiveConstraint& b, const double* Dinv, double* block,
-                        std::ptrdiff_t ld) {
-  couple<columns>(a.support, a.s->support_count, a.Y, b.support, b.s->support_count, b.Y, Dinv, block, ld);
+void couple_constraints(const ActiveConstraint& a, const PropagatedRows& of_a, const ActiveConstraint& b,
+                        const PropagatedRows& of_b, const double* Dinv, double* block, std::ptrdiff_t ld) {
+  couple<columns>(of_a.support, a.support_count, of_a.Y, of_b.support, b.support_count, of_b.Y, Dinv, block, ld);
 }
 
 dynContactProblem problem(const Island& x) {
@@ -38,8 +38,9 @@ bool Island::dense_matrix() {
   std::ptrdiff_t carried = 0;
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
-    if (a.s->support_count == 0) continue;
-    low = std::min(low, a.support[a.s->support_count - 1]), high = std::max(high, a.support[0]), carried += a.s->support_count;
+    if (a.support_count == 0) continue;
+    const Index* const support = rows_of(a).support;
+    low = std::min(low, support[a.support_count - 1]), high = std::max(high, support[0]), carried += a.support_count;
   }
   const Index dofs = high - low + 1;
   if (dofs < 1 || dofs > rows || std::ptrdiff_t(dofs) * rows > row_lanes * carried) return false;
@@ -50,9 +51,10 @@ bool Island::dense_matrix() {
   std::fill_n(Z, ld * dofs, 0.0);
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
-    for (Index n = 0; n < a.s->support_count; ++n) {
-      const Index dof = a.support[n] - low;
-      (P::load(a.Y + row_lanes * n) * root[dof]).store(Z + ld * dof + a.s->first);
+    const PropagatedRows of = rows_of(a);
+    for (Index n = 0; n < a.support_count; ++n) {
+      const Index dof = of.support[n] - low;
+      (P::load(of.Y + row_lanes * n) * root[dof]).store(Z + ld * dof + a.first);
     }
   }
   constexpr int columns = 4;
@@ -84,13 +86,15 @@ void Island::matrix() {
   std::fill_n(G, ld * rows, 0.0);
   for (Index i = 0; i < constraint_count; ++i) {
     const ActiveConstraint& a = constraint(i);
+    const PropagatedRows of_a = rows_of(a);
     for (Index j = i; j < constraint_count; ++j) {
       const ActiveConstraint& b = constraint(j);
       if (share_no_tree(a, b)) continue;
-      double *block = G + b.s->first + ld * a.s->first, *mirrored = G + a.s->first + ld * b.s->first;
-      couples[std::size_t(a.s->rows - 1)](a, b, Dinv, block, ld);
-      for (Index col = 0; col < a.s->rows; ++col)
-        for (Index row = 0; row < b.s->rows; ++row) mirrored[col + ld * row] = block[row + ld * col];
+      double *block = G + b.first + ld * a.first, *mirrored = G + a.first + ld * b.first;
+      const PropagatedRows of_b = b.kept.Y ? b.kept : propagate_anew(m, d, b, 1);
+      couples[std::size_t(a.rows - 1)](a, of_a, b, of_b, Dinv, block, ld);
+      for (Index col = 0; col < a.rows; ++col)
+        for (Index row = 0; row < b.rows; ++row) mirrored[col + ld * row] = block[row + ld * col];
     }
   }
 }
@@ -125,10 +129,11 @@ void Island::project_rhs_to_range() {
 // Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. By default a short
 // try comes before them for the fine residual, which costs little or very much.
 void Island::solve(dynContactReport& best) {
+  if (!has_room_for_matrix()) return;
   w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
   if (w.time_is_up()) return;
   matrix();
-  double* const asked = kept;
+  double* const asked = c;
   std::copy_n(g, equalities, asked);
   if (equalities > 0) project_rhs_to_range();
   dynContactProblem p = problem(*this);
@@ -149,6 +154,7 @@ void Island::solve(dynContactReport& best) {
   std::int32_t iterations = best.iterations, newton_steps = best.newton_steps;  // counts what was tried before
   for (const auto& t : tries) {
     if (t.most == 0) continue;
+    matrix();
     solver::Budget b;
     b.tolerance = t.tolerance,
     b.max_iterations = std::min(t.most, std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
@@ -156,6 +162,7 @@ void Island::solve(dynContactReport& best) {
     b.brief = true, b.limit = &w.limit;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
+    has_matrix = !matrix_is_shared(m);
     iterations += report.iterations, newton_steps += report.newton_steps;
     if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
     if (iterations + newton_steps >= w.max_iterations() || best.residual <= enough ||
@@ -171,9 +178,9 @@ void Island::soften_far_equalities() {
   for (Index k = 0; k < constraint_count && constraint(k).kind == RowKind::Equality; ++k) {
     const ActiveConstraint& x = constraint(k);
     double largest[2] = {};
-    const auto own = [&](Index r) -> double& { return w.matrix[(stride() + 1) * (x.s->first + r)]; };
-    for (Index r = 0; r < x.s->rows; ++r) largest[is_angle(x, r)] = std::max(largest[is_angle(x, r)], own(r));
-    for (Index r = 0; r < x.s->rows; ++r) own(r) += tuning::island::far_softness * largest[is_angle(x, r)];
+    const auto own = [&](Index r) -> double& { return w.matrix[(stride() + 1) * (x.first + r)]; };
+    for (Index r = 0; r < x.rows; ++r) largest[is_angle(x, r)] = std::max(largest[is_angle(x, r)], own(r));
+    for (Index r = 0; r < x.rows; ++r) own(r) += tuning::island::far_softness * largest[is_angle(x, r)];
   }
 }
 
@@ -197,6 +204,7 @@ void Island::solve_displacement(bool far) {
   b.limit = &w.limit;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
+  has_matrix = !matrix_is_shared(m);
   solver::unscale(p, w.solver.problem, w.solver.y, lambda);
 }
 

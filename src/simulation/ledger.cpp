@@ -127,10 +127,10 @@ void record_impulses(const Island& x) {
   const auto before = [&](Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; };
   for (Index k = 0; k < x.constraint_count; ++k) {
     const ActiveConstraint& a = x.constraint(k);
-    const ConstraintInstance<double>& s = *a.s;
+    const ConstraintInstance<double>& s = a.s ? *a.s : contact_wrenches(x.m, x.d, a);
     const bool joints = between_joints(s.c.type);
     double c0[max_rows] = {};
-    if (of_path(s.c)) {
+    if (is_path_row(a)) {
       c0[0] = path_rate(x.m, x.d, s, x.v_before);
     } else if (joints) {
       c0[0] = of_ball(s.c) ? box_rate(x.m, x.d, s, x.v_before) : s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ?
@@ -142,11 +142,11 @@ void record_impulses(const Island& x) {
     const Index normal = a.kind == RowKind::Contact ? normal_row(s.rows) : -1;
     double across = 0, pressed = 0;
     for (Index r = 0; r < s.rows; ++r) {
-      const Index i = s.first + r;
+      const Index i = a.first + r;
       const double slip =
           a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // velocity of a belt
       const double work = x.lambda[i] * (c0[r] + x.c[i] - slip) / 2;
-      if (of_path(s.c) && x.compliance[i] > 0) continue;  // a force along a path: among the powers of the state
+      if (is_path_row(a) && x.compliance[i] > 0) continue;  // a force along a path: among the powers of the state
       if (a.kind == RowKind::Equality) l.constraints += work, l.drift = std::max(l.drift, std::abs(s.error[r]));
       else if (a.kind == RowKind::Box) l.limits += work;
       else (r == normal ? l.normal : l.sliding) += work;
@@ -163,7 +163,7 @@ void record_impulses(const Island& x) {
       for (int i = 0; one != two && i < 3; ++i) l.impulse[i] += (two ? 1 : -1) * x.h * f.force_on_b[i];
     } else if (!joints && a.kind == RowKind::Equality && (s.c.body1 == 0) != (s.c.body2 == 0)) {
       for (Index r = 0; r < s.rows; ++r)
-        for (int i = 0; i < 3; ++i) l.impulse[i] += x.lambda[s.first + r] * (s.c.body1 ? s.F1 : s.F2)[row_lanes * i + r];
+        for (int i = 0; i < 3; ++i) l.impulse[i] += x.lambda[a.first + r] * (s.c.body1 ? s.F1 : s.F2)[row_lanes * i + r];
     }
   }
 }

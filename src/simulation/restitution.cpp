@@ -8,7 +8,7 @@ void Island::scale_restitution(double factor) {
   for (Index k = 0, contact = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
     if (a.kind != RowKind::Contact) continue;
-    const Index n = a.s->first + normal_row(a.s->rows);
+    const Index n = a.first + normal_row(a.rows);
     if (restitution[contact] > 0 && v_minus[n] < 0) bias[n] = factor * restitution[contact] * v_minus[n];
     ++contact;
   }

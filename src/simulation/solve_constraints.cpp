@@ -83,7 +83,7 @@ Index set_immovable_contacts_aside(Workspace& w, Index begin, Index end) {
   Index acting = begin;
   for (Index k = begin; k < end; ++k) {
     const ActiveConstraint& x = w.active[w.order[k]];
-    if (x.kind != RowKind::Contact || x.s->support_count > 0) std::swap(w.order[acting++], w.order[k]);
+    if (x.kind != RowKind::Contact || x.support_count > 0) std::swap(w.order[acting++], w.order[k]);
   }
   for (Index k = acting; k < end; ++k) copy_force(w.contacts[w.active[w.order[k]].index], nullptr);
   return acting;
@@ -98,8 +98,8 @@ void note_work(const Island& x) {
     asked += std::max(0.0, -x.lambda[i] * x.bias[i]);
   }
   for (Index k = 0; k < x.constraint_count; ++k)
-    if (const ActiveConstraint& a = x.constraint(k); a.kind == RowKind::Contact && a.s->rows > 1)
-      for (Index r = 0; r < 2; ++r) belts += std::abs(x.lambda[a.s->first + r] * x.w.laws[a.index].slip[r]);
+    if (const ActiveConstraint& a = x.constraint(k); a.kind == RowKind::Contact && a.rows > 1)
+      for (Index r = 0; r < 2; ++r) belts += std::abs(x.lambda[a.first + r] * x.w.laws[a.index].slip[r]);
   x.w.rows_work += asked + belts;
   if (!(work <= asked + (accept::energy + accept::energy_by_tolerance * x.tolerance) * size)) x.w.rows_add_energy = true;
 }
@@ -129,7 +129,7 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   const double asked = tolerance;
-  if (bounces && large()) {
+  if (bounces && !has_room_for_matrix()) {
     solve_restitution(report);
   } else if (uses_sweeps_only()) {
     accelerated_sweeps(report);
@@ -147,14 +147,14 @@ void Island::impulses(dynContactReport& report) {
   w.limit.leave();
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
-    if (x.kind == RowKind::Box && x.index >= 0) w.limit_forces[x.index] = x.s->g1 * lambda[x.s->first] / h;
+    if (x.kind == RowKind::Box && x.index >= 0) w.limit_forces[x.index] = x.s->g1 * lambda[x.first] / h;
     if (x.kind != RowKind::Contact) continue;
     dynContactForce& f = w.contacts[x.index];
     const ContactLaw& law = w.laws[x.index];
     Vec3<double> force = Vec3<double>::zero(), moment = force;
-    for (Index r = 0; r < x.s->rows; ++r) {
+    for (Index r = 0; r < x.rows; ++r) {
       Vec3<double>& sum = r < 3 ? force : moment;
-      sum = sum + law.axis(r) * (lambda[x.s->first + r] / h);
+      sum = sum + law.axis(r) * (lambda[x.first + r] / h);
     }
     store3(force, f.force_on_b), store3(moment, f.moment_on_b);
   }
@@ -187,25 +187,25 @@ bool Island::correct() {
   auto one_sided = [&](double gap, double unit) { return gap < 0 ? part(gap, unit) : gap; };
   for (Index k = 0, in_boxes = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
-    const ConstraintInstance<double>& s = *x.s;
     double over[2] = {1, 1};  // an equality's largest length and angle over what a step corrects: errors keep their directions
-    for (Index r = 0; r < s.rows; ++r) {
-      const Index i = s.first + r;
+    for (Index r = 0; r < x.rows; ++r) {
+      const Index i = x.first + r;
       double wrong = 0;
-      if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
-        if (dropped > 0 || !(s.dropped >> r & 1)) {
+      if (x.kind == RowKind::Equality && !(x.s->c.stiffness > 0 || x.s->c.damping > 0)) {
+        if (dropped > 0 || !(x.s->dropped >> r & 1)) {
           const bool angle = is_angle(x, r);
-          wrong = s.error[r] + ahead * c[i];
+          wrong = x.s->error[r] + ahead * c[i];
           const double size = std::abs(wrong) / (angle ? 1 : w.length);
           wrong *= tuning::island::correction;
           largest = std::max(largest, size), over[angle] = std::max(over[angle], tuning::island::correction * size / most);
         }
-      } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
-        wrong = one_sided(s.error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
+      } else if (x.kind == RowKind::Box && x.s->c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
+        wrong = one_sided(x.s->error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box) {
         lower[in_boxes] = upper[in_boxes] = w.blocks[k].lower = w.blocks[k].upper = 0;
-      } else if (x.kind == RowKind::Contact && r == normal_row(s.rows)) {
-        const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed_gap + moved * std::max(0.0, -s.rate[r]);
+      } else if (x.kind == RowKind::Contact && r == normal_row(x.rows)) {
+        const double rate = w.laws[x.index].rate[r];
+        const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed_gap + moved * std::max(0.0, -rate);
         wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most * w.length) : one_sided(gap, w.length);
       }
       g[i] = compliance[i] = 0, bias[i] = wrong;
@@ -213,11 +213,11 @@ bool Island::correct() {
     in_boxes += x.kind == RowKind::Box;
     if (!(over[0] > 1 || over[1] > 1)) continue;
     far = true;
-    for (Index r = 0; r < s.rows; ++r) bias[s.first + r] /= over[is_angle(x, r)];
+    for (Index r = 0; r < x.rows; ++r) bias[x.first + r] /= over[is_angle(x, r)];
   }
   if (!(largest > tuning::slop)) return false;
   if (dropped > 0) share_errors(m, d, bias);
-  if (large() || equalities == 0) correct_by_sweeps();
+  if (!has_room_for_matrix() || equalities == 0) correct_by_sweeps();
   else solve_displacement(far), scatter_all();
   return true;
 }
@@ -227,7 +227,7 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
   bool corrected = false, pushed = false;
   Index islands = 0, rows = 0;
   for_each_island(w, slots, [&](Index begin, Index end) { ++islands, pushed |= !skip_idle(m, d, h, begin, end); });
-  for (Index k = 0; k < slots; ++k) rows += w.active[k].open ? 0 : w.active[k].s->rows;
+  for (Index k = 0; k < slots; ++k) rows += w.active[k].open ? 0 : w.active[k].rows;
   w.report.islands = std::max(w.report.islands, islands), w.report.rows = std::max(w.report.rows, rows);
   w.report.contacts = std::max(w.report.contacts, w.contact_count);
   if (!pushed) return false;

@@ -100,16 +100,34 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
 Index find_contacts(const Model& m, Data<double>& d, double h, double& min_distance);
 void take_previous_forces(const Model& m, Data<double>& d);  // first_guess.cpp
 // contact_rows.cpp: the bodies and the material of a contact, then its rows.
-void init_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s);
-void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x);
+void init_contact(const Model& m, Data<double>& d, Index contact, double h);
+void assemble_contact(const Model& m, Data<double>& d, ActiveConstraint& x);
+// Drops the contacts with the largest distances while the rows of all exceed their room.
+void fit_contact_rows(const Model& m, Data<double>& d);
 void order_by_islands(const Model& m, Data<double>& d, Index slots);  // islands.cpp
 
-// Fills x.Y, the J^T columns propagated to the root.
-inline void propagate_rows(const Model& m, Data<double>& d, const ActiveConstraint& x) {
-  if (m.has_mimic) eliminate_constraint(m, d, *x.s, x.support, x.Y);
-  else propagate(m, d, *x.s, x.support, x.Y);
-  if (x.s->dropped) clear_dropped(*x.s, x.Y);
+// The wrenches of a contact's rows, in an instance that the next call overwrites. Its frame must be known (assemble_contact).
+const ConstraintInstance<double>& contact_wrenches(const Model& m, Data<double>& d, const ActiveConstraint& x);
+// Rows that are not kept. slot: 0 or 1, which of two are made.
+PropagatedRows propagate_anew(const Model& m, Data<double>& d, const ActiveConstraint& x, int slot);
+// J^T columns propagated to the root; sets s.support_count.
+inline void propagate_rows(const Model& m, Data<double>& d, ConstraintInstance<double>& s, Index* support, double* Y) {
+  if (m.has_mimic) eliminate_constraint(m, d, s, support, Y);
+  else propagate(m, d, s, support, Y);
+  if (s.dropped) clear_dropped(s, Y);
 }
+// Propagates the rows of s and keeps them for x, if there is room.
+inline void keep_rows(const Model& m, Data<double>& d, ConstraintInstance<double>& s, ActiveConstraint& x) {
+  Workspace& w = *d.step;
+  Index* const support = w.support + w.stored;
+  double* const Y = w.Y + row_lanes * std::ptrdiff_t(w.stored);
+  propagate_rows(m, d, s, support, Y);
+  x.support_count = s.support_count, x.kept = {support, Y};
+  if (w.stored + s.support_count <= columns(m)) w.stored += s.support_count;
+  else x.kept = {};
+}
+inline bool is_path_row(const ActiveConstraint& x) { return x.s && of_path(x.s->c); }
+inline const double* rates_of(const Workspace& w, const ActiveConstraint& x) { return x.s ? x.s->rate : w.laws[x.index].rate; }
 
 // Returns by how much (m) the bounding box of a shape is enlarged in a step.
 double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h);

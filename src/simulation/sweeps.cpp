@@ -92,7 +92,7 @@ void Sweeps<Operator>::accelerate(bool grew) {
   G.start(y), project();
 }
 
-// Calls f(block, Y^T z in its rows).
+// Calls f(block, Y^T z in its rows, their number).
 template <class Operator>
 template <class F>
 double Sweeps<Operator>::residual(F&& f) const {
@@ -101,7 +101,7 @@ double Sweeps<Operator>::residual(F&& f) const {
     double c[max_rows];
     solver::by_rows(s, [&]<int rows>() DYN_INLINE_LAMBDA {
       G.template gather<rows>(k, c);
-      f(s, c);
+      f(s, c, Index(rows));
       G.template add_own<rows>(s, y + s.first, c);
     });
     worst.take(s, y + s.first, c);
@@ -111,7 +111,7 @@ double Sweeps<Operator>::residual(F&& f) const {
 
 template <class Operator>
 double Sweeps<Operator>::residual() const {
-  return residual([](const Block&, const double*) {});
+  return residual([](const Block&, const double*, Index) {});
 }
 
 template <class Operator>
@@ -174,8 +174,8 @@ void Sweeps<Operator>::write() const {
 template <class Operator>
 double Sweeps<Operator>::settle() const {
   G.to_dofs();
-  return residual([&](const Block& s, const double* c) {
-    for (Index i = 0; i < s.rows; ++i) {
+  return residual([&](const Block& s, const double* c, Index rows) {
+    for (Index i = 0; i < rows; ++i) {
       const Index in = s.first + s.order[i];
       x.c[in] = x.g[in] + (s.unit[i] > 0 ? c[i] / s.unit[i] : 0);
     }

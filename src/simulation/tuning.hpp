@@ -70,6 +70,19 @@ inline constexpr double slack = 0.05;           // of g h^2, what gravity closes
 inline constexpr Index iterations = 100, methods = 12, fine_iterations = iterations * methods;  // default of max_iterations
 }  // namespace island
 
+// Room of a step's arrays (workspace.hpp). What exceeds it is solved by other methods, or made anew where it is read.
+namespace capacity {
+inline constexpr Index more_contact_rows = 24;   // beside three a contact
+inline constexpr Index dense_rows = 40;          // of the dense matrix, at least: for each body that flies
+inline constexpr Index few = 42;                 // constraints of a small model
+inline constexpr Index least_columns = 256, own_columns = 12;  // of propagated rows: in small models; of a constraint beyond few
+inline constexpr Index short_support = 18, wide_rows = 64;     // rows on all degrees of freedom beyond short_support
+inline constexpr Index cones = 16;               // in small models
+inline constexpr Index row_lanes_of_runs = 8;    // of a constraint, rows by segments
+inline constexpr Index least_row_lanes = 240;    // the same of small models
+inline constexpr Index entries = 240;            // blocks of the Newton matrix that small models do not have
+}  // namespace capacity
+
 // Sweeps (sweeps.cpp, exact_solve.cpp).
 namespace sweeps {
 inline constexpr double progress = 0.8;         // of the change, from check to check: more is no progress

@@ -16,10 +16,17 @@ namespace dyn::simulation {
 
 enum class RowKind : Index { Equality, Box, Contact };
 
+// Degrees of freedom that a constraint acts on, descending, and its J^T columns propagated to the root, row_lanes numbers each
+// (algorithm/constrained/delassus.hpp).
+struct PropagatedRows {
+  const Index* support;
+  const double* Y;
+};
+
 struct ActiveConstraint {
-  ConstraintInstance<double>* s;
-  Index* support;   // supporting degrees of freedom, descending
-  double* Y;  // J^T columns propagated to the root, row_lanes numbers a supporting dof (algorithm/constrained/delassus.hpp)
+  ConstraintInstance<double>* s;  // null: of a contact (ContactLaw)
+  PropagatedRows kept;            // null: there was no room, they are made anew where they are read (rows_of)
+  Index support_count, rows, first;
   RowKind kind;
   Index index;         // number of the contact or joint limit, or -1
   Index tree1, tree2;  // -1: the world
@@ -30,6 +37,7 @@ struct ActiveConstraint {
 
 // Frame and material of a contact.
 struct ContactLaw {
+  alignas(64) double rate[row_lanes];  // free velocities of its rows
   Index geom_a, geom_b;
   Vec3<double> axes[3];  // two tangents, then the normal
   dynMaterial material;
@@ -51,7 +59,7 @@ struct NewtonConstraint : solver::BlockState {
   double correction, corrected, relaxed;
   solver::LawMatrix law;
 };
-inline constexpr int island_vectors = 13, newton_vectors = 17;
+inline constexpr int island_vectors = 7, contact_vectors = 4, newton_vectors = 17;
 
 // A row on the length of a path (path_rows.hpp).
 struct PathRow {
@@ -145,9 +153,11 @@ struct Workspace {
   // tree_of: first body of a body's tree, -1 the world; trees coupled by mimic joints share it. tree_links: union-find
   Index *tree_of, *tree_links;
   Motion<double>* root_velocity;  // free twist of each body at its tree's root
-  ConstraintInstance<double>* instances;          // of contacts and limits
+  ConstraintInstance<double>* instances;          // of limits and rows on paths; one more: a contact, while its rows are made
+  // PropagatedRows: `stored` of columns() in use, room for two constraints whose rows are not kept, and for the rows on paths
   Index* support;
   double* Y;
+  Index stored;
   ActiveConstraint* active;
   Index* order;                 // active constraints by islands
   // contacts of the last step, of the one before, and those saved for retries of a step
@@ -157,10 +167,11 @@ struct Workspace {
   Index limits;
   PathRow* path_rows;  // that act
   ContactLaw* laws;
-  double *vectors, *matrix;     // of one island
+  // of one island: by rows, by bounded rows, by contacts; its matrix
+  double *vectors, *bounds, *coefficients, *matrix;
   Index* contact_rows;
   solver::Block* blocks;        // of an island's constraints
-  solver::LocalCone* cones;     // of those whose friction cone has more than three rows, or a singular block
+  solver::LocalCone* cones;     // of some whose friction cone has more than three rows, or a singular block
   double* by_dof;
   double* tree_speeds;          // of an island: fastest point of a tree, and of the trees that it touches
   Segments segments;            // of Newton's method
@@ -171,8 +182,7 @@ struct Workspace {
   bool *newton_acts, *newton_filled;
   Sleep sleep;
   Index constraint_count;             // active in this step
-  char* solver_memory;
-  solver::Workspace solver;
+  solver::Workspace solver;     // of islands with a dense matrix
 };
 
 // Room of the pair list. It holds all pairs where the advancement cache skips most searches.
@@ -233,16 +243,39 @@ inline void invalidate_sleep(Data<double>& d) {
 // Arrays over shapes are read four at a time.
 inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Double4::lanes; }
 
-// Largest island that is solved by its dense Delassus matrix.
 inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows; }
-inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits + m.n.path_rows; }
+// Bounded rows.
+inline Index step_bounds(const Model& m) { return m.n.slots + m.n.limits + m.n.path_rows; }
+// Rows of contacts: three each. Contacts with torsion or rolling have up to six.
+inline Index contact_row_capacity(const Model& m) {
+  return std::min(6 * m.n.contacts, 3 * m.n.contacts + tuning::capacity::more_contact_rows);
+}
+// Cones that are kept between sweeps.
+inline Index cone_capacity(const Model& m) {
+  return std::min(step_constraints(m), tuning::capacity::cones + std::max(0, step_constraints(m) - 3 * tuning::capacity::few));
+}
+inline Index step_rows(const Model& m) { return m.n.constraint_rows + contact_row_capacity(m) + m.n.limits + m.n.path_rows; }
 // Whose forces are remembered: limits, then rows on paths.
 inline Index remembered_rows(const Model& m) { return m.n.limits + m.n.path_rows; }
-inline Index island_rows(const Model& m) { return std::min(step_rows(m), tuning::island::dense_rows); }
+// Rows of the largest island for which there is a dense Delassus matrix. More than two a degree of freedom are redundant: other
+// methods are cheaper.
+inline Index dense_capacity(const Model& m) {
+  const Index some = std::max(tuning::capacity::dense_rows * std::max<Index>(1, m.n.manifold_joints), 2 * m.n.nv);
+  return std::min({step_rows(m), some, tuning::island::dense_rows});
+}
+// Small models: the matrix of an island is made anew after each solve, which uses its memory.
+inline bool matrix_is_shared(const Model& m) { return dense_capacity(m) <= tuning::capacity::dense_rows; }
+// Columns of rows that are kept, by supporting degrees of freedom; those of other constraints are made anew (PropagatedRows).
+inline std::ptrdiff_t columns(const Model& m) {
+  using namespace tuning::capacity;
+  const std::ptrdiff_t own = m.n.contacts + m.n.limits, wide = std::max(0, m.n.carriers - short_support);
+  return std::min(own * m.n.carriers, std::max<std::ptrdiff_t>(least_columns, own_columns * (own - few)) + wide_rows * wide);
+}
 
-// The workspace in the memory given: zeros, aligned to 64 bytes.
+// The workspace in the memory given: zeros, aligned to 64 bytes. Arrays that an island's solve alone uses lie in buffers of
+// other parts that it does not use (SharedMemory in workspace.cpp).
 std::size_t workspace_bytes(const Model& m);
-Workspace* place(const Model& m, void* memory);
+Workspace* place(const Model& m, Data<double>& d, void* memory);
 dynStepOptions default_options();
 dynStepOptions default_options(const Model& m);  // of new data
 

@@ -3,6 +3,7 @@
 //   block(k)                   the block
 //   velocity<rows>(k, y, c)    c = G y + g of block k, whose own impulses are y
 //   change<rows>(k, by)        the impulses of block k change
+//   set_cone(k, cone)          the cone of block k, if blocks may be without theirs
 #pragma once
 
 #include "solver/block.hpp"
@@ -51,8 +52,15 @@ double sweep(const Operator& G, double omega, double* y) {
     if (s.kind == Block::Kind::point) most = std::max(most, sweep_cone<3>(G, s, s.point, k, omega, own));
     else
       with_row_count(s.rows, [&]<int rows>() {
-        if (s.kind == Block::Kind::cone) most = std::max(most, sweep_cone<rows>(G, s, *s.cone, k, omega, own));
-        else
+        if (s.kind == Block::Kind::cone) {
+          if constexpr (requires(LocalCone c) { G.set_cone(k, c); })
+            if (!s.cone) {
+              LocalCone cone;
+              G.set_cone(k, cone);
+              return void(most = std::max(most, sweep_cone<rows>(G, s, cone, k, omega, own)));
+            }
+          most = std::max(most, sweep_cone<rows>(G, s, *s.cone, k, omega, own));
+        } else
           for (Index r = 0; r < rows; ++r) most = std::max(most, sweep_row<rows>(G, s, k, r, omega, own));
       });
   }

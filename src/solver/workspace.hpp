@@ -17,6 +17,7 @@ struct Workspace {
   double *newton = nullptr, *newton_c = nullptr, *trial = nullptr, *trial_c = nullptr;
   double *step = nullptr, *step_c = nullptr, *t = nullptr, *exact = nullptr;
   Matrix factor, active;
+  bool places_active = true;  // false: the caller gives the memory of `active`
   Index* pivots = nullptr;
   BlockState* state = nullptr;
   LawMatrix* laws = nullptr;
@@ -26,7 +27,8 @@ struct Workspace {
   void arrays(F&& f) {
     const std::ptrdiff_t n = padded(max_rows), square = n * n;
     Problem& p = problem;
-    for (double** a : {&p.G.x, &factor.x, &active.x}) f(*a, square);
+    for (double** a : {&p.G.x, &factor.x}) f(*a, square);
+    if (places_active) f(active.x, square);
     for (double** a : {&p.g, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g,  &y,    &c,      &x, &z,
                        &s,   &r,       &v,       &u,   &newton, &newton_c,   &trial,      &trial_c, &step, &step_c, &t, &exact})
       f(*a, n);

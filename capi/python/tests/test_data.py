@@ -1,6 +1,9 @@
 """Data: its fields, stale reads, lifetimes, memory."""
 
 import gc
+import re
+import subprocess
+import sys
 import weakref
 
 import numpy as np
@@ -173,3 +176,36 @@ def test_parts(arm):
     for bad in ("wheels", 1 << 21, -1, 1.5):
         with pytest.raises(dyn.ArgumentError):
             arm.data(bad)
+
+
+LARGE = """
+import resource
+import libdyn as dyn
+body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+links = ['<link name="l0"/>'] + [f'<link name="l{i + 1}">{body}</link>' for i in range(6000)]
+joints = [
+    f'<joint name="j{i}" type="continuous"><parent link="l{i}"/><child link="l{i + 1}"/><axis xyz="0 1 0"/></joint>'
+    for i in range(6000)
+]
+m = dyn.load_string("<robot name='chain'>" + "".join(links + joints) + "</robot>", base="fixed")
+resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+try:
+    m.data()
+except dyn.OutOfMemoryError as error:
+    print(error)
+assert m.data("simulation").step() is None
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits the address space")
+def test_an_error_names_the_parts_that_are_large():
+    out = subprocess.run([sys.executable, "-c", LARGE], capture_output=True, text=True, check=True).stdout
+    assert re.search(r"no memory for [\d.]+ GB: ask for fewer parts", out)
+    for part in ("FORWARD_DERIVATIVES", "SECOND_ORDER", "CONSTRAINT_DERIVATIVES"):
+        assert re.search(rf"; {part} takes [\d.]+ GB", out), part
+    assert "MASS takes" not in out  # 0.3 GB
+
+
+def test_simulations_of_a_quadruped_take_little(go2):
+    ground = dyn.Builder.from_model(go2).add_shape("universe", "half_space", name="ground").finish()
+    assert ground.data_size("simulation") <= 400e3

@@ -1,3 +1,4 @@
+#include "algorithm/constrained/dependence.hpp"
 #include "algorithm/constrained/redundant_rows_search.hpp"
 
 namespace dyn {
@@ -165,17 +166,19 @@ Index RedundantRows::eliminate() {
   return rank;
 }
 
-// Marks and clears the dropped rows. d.row_dependence: a column for each, its coefficients in the caller's units.
+// Marks and clears the dropped rows. d.row_dependence: a column for each (dependence.hpp), its coefficients in the caller's
+// units.
 void RedundantRows::finish(Index rank) {
   Index& dropped = d.row_system[2];
   d.rows_dropped = 1;
   for (Index i = 0; i < n; ++i) {
     if (state[i] != 2) continue;
-    double* column = d.row_dependence + ld * dropped;
+    double* column = d.row_dependence + std::ptrdiff_t(rank) * dropped;
     d.row_system[3 + dropped++] = i;
     std::fill_n(weight, n, 0.0);
     if (scale[i] > 0) weights(i, rank);
-    for (Index j = 0; j < n; ++j) column[j] = scale[i] > 0 ? weight[j] * scale[j] / scale[i] : 0;
+    for (Index j = 0; j < n; ++j)
+      if (state[j] != 2) *column++ = scale[i] > 0 ? weight[j] * scale[j] / scale[i] : 0;
   }
   for_each_row([&](const EqualityRows& x, Index row) {
     for (Index r = 0; r < x.s->rows; ++r)

@@ -23,14 +23,22 @@ void share_errors(const Model& m, Data<double>& d, double* errors) {
   for_each_error([&](double error, Index row) { out[row] = own[row] = error; });
   std::fill_n(A, ld * n, 0.0);
   for (Index i = 0; i < n; ++i) A[ld * i + i] = 1;
-  for (Index k = 0; k < dropped; ++k) {
-    const double* C = d.row_dependence + ld * k;
-    const Index row = d.row_system[3 + k];
-    out[row] = 0;
-    for (Index i = 0; i < n; ++i) {
-      out[i] += C[i] * own[row];
-      for (Index j = 0; j < n; ++j) A[ld * j + i] += C[i] * C[j];
+  const Index* const dropped_rows = d.row_system + 3;
+  // f(row, its place among them) for the kept rows
+  const auto for_each_kept = [&](auto&& f) {
+    for (Index i = 0, gone = 0; i < n; ++i) {
+      if (gone < dropped && dropped_rows[gone] == i) ++gone;
+      else f(i, i - gone);
     }
+  };
+  for (Index k = 0; k < dropped; ++k) {
+    const double* C = d.row_dependence + std::ptrdiff_t(n - dropped) * k;
+    const Index row = dropped_rows[k];
+    out[row] = 0;
+    for_each_kept([&](Index i, Index a) {
+      out[i] += C[a] * own[row];
+      for_each_kept([&](Index j, Index b) { A[ld * j + i] += C[a] * C[b]; });
+    });
   }
   factor_rows(A, ld, n, 0.0, 0.0, work.factor, work.vector(0));
   solve_factored(work.factor, work.vector(0), ld, n, out);
