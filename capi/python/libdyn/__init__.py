@@ -17,9 +17,8 @@ except ModuleNotFoundError:
     raise ImportError("libdyn needs numpy: pip install numpy") from None
 del _numpy
 
-from . import accuracy, batch, constraint, enums, ik
+from . import accuracy, batch, constraint, enums, ik, spatial
 from .actuator import Actuator, Muscle
-from .arrays import Placement
 from .batch import Batch, Rollout
 from .builder import Builder
 from .collision import Distance, geometry_distance
@@ -96,6 +95,7 @@ from .loading import load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import Model
+from .placement import Placement
 from .simulate import Simulation, Trajectory
 from .sensor import Sensor
 from .simulation import ContactForce, ErrorLedger, StepReport
@@ -119,5 +119,6 @@ __all__ = [
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
     "is_physically_consistent", "last_error", "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters",
     "log_cholesky_jacobian", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia", "pseudo_inertia_from_parameters",
+    "spatial",
 ]  # fmt: skip
 __all__ += enums.__all__
