@@ -12,6 +12,7 @@ from . import abi
 from .arrays import address, checked
 from .choices import member
 from .enums import ActuatorType, Reference, Transmission
+from .errors import SizeError
 from .handles import DataHandle, ModelHandle
 from .library import check, lib
 
@@ -149,6 +150,9 @@ class Actuation(DataHandle):
 
     def set_control(self, u: ArrayLike) -> None:
         """Controls of the actuators, (nu,), until others are set."""
+        if not self.model.nu:
+            raise SizeError(f"model {self.model.name!r} has no actuators, and so no controls: torques of its joints are set by "
+                            "data.tau_applied = x or Simulation.step(tau=x).")
         check(lib.dyn_data_set_control(self._m, self._d, address(checked(u, (self.model.nu,), "u"))))
 
     def apply_wrench(

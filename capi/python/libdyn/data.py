@@ -127,6 +127,11 @@ class Data(
         return Effect(out.value)
 
 
+def adopted(state: bytes, data: Data) -> bytes:
+    """A saved state of an equal model, for this data: the second number of a state is its model's."""
+    return state[:8] + data.save_state()[8:16] + state[16:]
+
+
 def restored(model: Model, parts: Part, state: Any, stepping: dict[str, Any], settings: dict[Any, Any],
              wrenches: dict[Any, Any]) -> Data:
     """The data that Data._contents describes."""
@@ -140,7 +145,7 @@ def restored(model: Model, parts: Part, state: Any, stepping: dict[str, Any], se
     for (frame, point, reference), wrench in wrenches.items():
         data.apply_wrench(frame, wrench, None if point is None else np.frombuffer(point), reference)
     if isinstance(state, bytes):
-        data.restore_state(state)
+        data.restore_state(adopted(state, data))
     else:
         data.set_state(**state)
     return data
