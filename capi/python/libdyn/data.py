@@ -95,10 +95,10 @@ class Data(
         """State, options of steps, settings, wrenches."""
         try:
             state: Any = self.save_state()
-        except PartError:
-            state = self.state
-        options = self.step_options
-        stepping = {name: getattr(options, name) for name, *_ in options._fields_ if name not in ("struct_size", "reserved")}
+            options = self.step_options
+            stepping = {name: getattr(options, name) for name, *_ in options._fields_[1:]}
+        except PartError:  # it makes no steps
+            state, stepping = self.state, {}
         return state, stepping, dict(self._settings), dict(self._wrenches)
 
     def plan(self) -> dict[str, EffectPlan]:
@@ -136,10 +136,11 @@ def restored(model: Model, parts: Part, state: Any, stepping: dict[str, Any], se
              wrenches: dict[Any, Any]) -> Data:
     """The data that Data._contents describes."""
     data = Data(model, parts)
-    options = data.step_options
-    for name, x in stepping.items():
-        setattr(options, name, x)
-    check(lib.dyn_data_set_step_options(data._m, data._d, byref(options)))
+    if stepping:
+        options = data.step_options
+        for name, x in stepping.items():
+            setattr(options, name, x)
+        check(lib.dyn_data_set_step_options(data._m, data._d, byref(options)))
     for (method, _), arguments in settings.items():
         getattr(data, method)(*arguments)
     for (frame, point, reference), wrench in wrenches.items():

@@ -276,7 +276,7 @@ class Viewer:
         """Steps in real time by the page's speed, with the controller, from when a page looks on until it is closed, duration
         seconds are simulated, or Ctrl-C."""
         sim = self.simulation
-        while not self._pages and not self._closed:
+        while not self._pages and self.is_running():
             time.sleep(0.02)
         end = np.inf if duration is None else sim.time + duration
         self._set_pace()

@@ -184,7 +184,7 @@ def recorded(model: Model, recording: Recording) -> str:
     if pieces:
         pieces = [pieces[k] for k in keep]
         out["tendons"] = {"first": pack.indices(np.cumsum([0, *map(len, pieces)])), "pieces": pack.q16(np.concatenate(pieces), 7)}
-    return filled(page, {**head, "kind": "sim", "recording": out, "notes": notes}, pack.base64())
+    return filled(page, {**head, "kind": "simulation", "recording": out, "notes": notes}, pack.base64())
 
 
 def _kept(recording: Recording, notes: list[str]) -> tuple[list[int], list[str]]:
