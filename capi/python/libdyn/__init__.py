@@ -17,9 +17,8 @@ except ModuleNotFoundError:
     raise ImportError("libdyn needs numpy: pip install numpy") from None
 del _numpy
 
-from . import accuracy, batch, constraint, enums, ik
+from . import accuracy, batch, constraint, enums, ik, spatial
 from .actuator import Actuator, Muscle
-from .arrays import Placement
 from .batch import Batch, Rollout
 from .builder import Builder
 from .collision import Distance, geometry_distance
@@ -92,10 +91,13 @@ from .inertia import (
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
+from .live import Viewer, view
 from .loading import load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import Model
+from .placement import Placement
+from .recording import Recording
 from .simulate import Simulation, Trajectory
 from .sensor import Sensor
 from .simulation import ContactForce, ErrorLedger, StepReport
@@ -112,12 +114,13 @@ __all__ = [
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
     "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError",
-    "RayHit", "Rays", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
+    "RayHit", "Rays", "Recording", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
     "StateLayout", "StepReport", "StrictError", "Tendon", "TendonElement", "TendonPath", "Trajectory", "UnknownNameError",
-    "UnsupportedError", "WORLD", "accuracy", "batch",
+    "UnsupportedError", "Viewer", "WORLD", "accuracy", "batch",
     "body_regressor", "build_info", "constraint", "contact_compliance", "contact_compliance_hertz", "contact_problem_qp",
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
     "is_physically_consistent", "last_error", "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters",
     "log_cholesky_jacobian", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia", "pseudo_inertia_from_parameters",
+    "spatial", "view",
 ]  # fmt: skip
 __all__ += enums.__all__

@@ -12,6 +12,7 @@ from . import abi
 from .arrays import address, checked
 from .choices import member
 from .enums import ActuatorType, Reference, Transmission
+from .errors import SizeError
 from .handles import DataHandle, ModelHandle
 from .library import check, lib
 
@@ -149,6 +150,9 @@ class Actuation(DataHandle):
 
     def set_control(self, u: ArrayLike) -> None:
         """Controls of the actuators, (nu,), until others are set."""
+        if not self.model.nu:
+            raise SizeError(f"model {self.model.name!r} has no actuators, and so no controls: torques of its joints are set by "
+                            "data.tau_applied = x or Simulation.step(tau=x).")
         check(lib.dyn_data_set_control(self._m, self._d, address(checked(u, (self.model.nu,), "u"))))
 
     def apply_wrench(
@@ -162,13 +166,16 @@ class Actuation(DataHandle):
         "local": in the frame's axes, turning with it; "local_world_aligned": world axes; "world": world axes, moment about the
         world's origin."""
         at = None if point is None else checked(point, (3,), "point")
-        kind = member(Reference, reference, "reference")
+        kind, id = member(Reference, reference, "reference"), self.model._frame(frame)
         w = checked(wrench, (6,), "wrench")
-        check(lib.dyn_data_apply_wrench(self._m, self._d, self.model._frame(frame), address(at), address(w), kind))
+        check(lib.dyn_data_apply_wrench(self._m, self._d, id, address(at), address(w), kind))
+        key = (id, None if at is None else at.tobytes(), int(kind))
+        self._wrenches[key] = self._wrenches.get(key, 0.0) + w
 
     def clear_wrenches(self) -> None:
         """Ends what apply_wrench began."""
         check(lib.dyn_data_clear_wrenches(self._m, self._d))
+        self._wrenches.clear()
 
     def set_gravity(self, gravity: ArrayLike) -> None:
         """Gravity in this data, (3,), m/s^2, world axes; the field world_gravity reads it."""

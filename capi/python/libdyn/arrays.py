@@ -5,12 +5,13 @@ from __future__ import annotations
 import ctypes
 import weakref
 from collections.abc import Mapping
-from typing import Any, Callable, NamedTuple, Union
+from typing import Any, Callable, NoReturn, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import ArgumentError, SizeError
+from .placement import Placement
 
 F64 = np.dtype(np.float64)
 Numbers = NDArray[np.float64]
@@ -31,22 +32,35 @@ class Owner:
         self.free(self.address)
 
 
-class Placement(NamedTuple):
-    """A pose X_AB: p_A = rotation @ p_B + translation. Of many frames: one more axis, in front."""
+class ReadOnly(np.ndarray):
+    """A view of the library's memory. It computes as any array does, with plain arrays as results."""
 
-    rotation: Numbers
-    """(3, 3)"""
-    translation: Numbers
-    """(3,), m"""
+    hint = "this array is a view of the library's memory, which cannot be written: change a copy, x.copy()."
+    __array_wrap__ = np.empty(()).__array_wrap__  # of a plain array: what numpy's functions return is one
 
-    @property
-    def matrix(self) -> Numbers:
-        """Homogeneous, (4, 4)."""
-        out = np.zeros((*self.translation.shape[:-1], 4, 4))
-        out[..., :3, :3] = self.rotation
-        out[..., :3, 3] = self.translation
-        out[..., 3, 3] = 1.0
-        return out
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if not self.flags.writeable:
+            raise ArgumentError(self.hint)
+        super().__setitem__(key, value)
+
+    def _refused(self, other: Any) -> NoReturn:
+        raise ArgumentError(self.hint)
+
+    __iadd__ = __isub__ = __imul__ = __itruediv__ = __ipow__ = _refused  # type: ignore[assignment]
+
+    def copy(self, order: Any = "C") -> Any:
+        return np.array(self, order=order)
+
+    def __repr__(self) -> str:
+        return repr(np.asarray(self))
+
+    def __reduce__(self) -> Any:
+        return np.array(self).__reduce__()
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return np.array(self)
+
+    __copy__ = copy
 
 
 def numbers(x: Any, name: str) -> Numbers:
@@ -84,7 +98,7 @@ def slot(shape: tuple[int, ...], name: str, model: weakref.ref) -> Callable[[Any
     def put(x):
         if x is None:
             return None
-        if type(x) is not np.ndarray:
+        if type(x) is not np.ndarray and type(x) is not ReadOnly:
             x = model()._named(x, name) if isinstance(x, Mapping) and len(shape) == 1 else numbers(x, name)
         elif x.dtype is not F64 and x.dtype != F64:
             x = numbers(x, name)
@@ -131,8 +145,9 @@ def to_placements(x: np.ndarray) -> Placement:
     return Placement(x[..., :9].reshape(*x.shape[:-1], 3, 3).swapaxes(-1, -2), x[..., 9:])
 
 
-def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owner: Owner) -> Numbers:
-    """Read-only view of the library's memory that keeps its owner alive; cols None: a vector. Strides in doubles."""
+def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owner: Owner, hint: str = "") -> Numbers:
+    """Read-only view of the library's memory that keeps its owner alive; cols None: a vector. Strides in doubles. hint: what an
+    assignment says."""
     shape = (rows,) if cols is None else (rows, cols)
     if 0 in shape:
         empty = np.empty(shape, order="F")
@@ -141,6 +156,8 @@ def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owne
     extent = 1 + sum((n - 1) * s for n, s in zip(shape, strides))
     memory = (ctypes.c_double * extent).from_address(start)
     memory._owner = owner
-    array = np.ndarray(shape, F64, memory, strides=tuple(8 * s for s in strides[: len(shape)]))
+    array = ReadOnly(shape, F64, memory, strides=tuple(8 * s for s in strides[: len(shape)]))
     array.flags.writeable = False
+    if hint:
+        array.hint = hint
     return array

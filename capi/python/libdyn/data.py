@@ -15,8 +15,9 @@ from .collision import CollisionQueries
 from .constraint import ConstraintCalls
 from .contact import ContactQueries
 from .enums import Effect, Part
-from .errors import ArgumentError
+from .errors import ArgumentError, PartError
 from .evaluation import Evaluation
+from .guard import guarded
 from .ik import InverseKinematics
 from .library import check, lib
 from .mocap import MocapCalls
@@ -80,6 +81,26 @@ class Data(
     def _repr_html_(self) -> str:
         return html.data(self)
 
+    def __copy__(self) -> Data:
+        """A data of its own in the same state, with the same settings. What was computed is not copied."""
+        return restored(self.model, self.parts, *self._contents())
+
+    def __deepcopy__(self, memo: Any) -> Data:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return restored, (self.model, self.parts, *self._contents())
+
+    def _contents(self) -> tuple[Any, ...]:
+        """State, options of steps, settings, wrenches."""
+        try:
+            state: Any = self.save_state()
+            options = self.step_options
+            stepping = {name: getattr(options, name) for name, *_ in options._fields_[1:]}
+        except PartError:  # it makes no steps
+            state, stepping = self.state, {}
+        return state, stepping, dict(self._settings), dict(self._wrenches)
+
     def plan(self) -> dict[str, EffectPlan]:
         """Returns the effects of this data's steps, by name."""
         out, info = {}, abi.EffectInfo()
@@ -104,3 +125,31 @@ class Data(
         out = c_uint32()
         check(lib.dyn_data_effects(self._m, self._d, self.model._joint(joint), byref(out)))
         return Effect(out.value)
+
+
+def adopted(state: bytes, data: Data) -> bytes:
+    """A saved state of an equal model, for this data: the second number of a state is its model's."""
+    return state[:8] + data.save_state()[8:16] + state[16:]
+
+
+def restored(model: Model, parts: Part, state: Any, stepping: dict[str, Any], settings: dict[Any, Any],
+             wrenches: dict[Any, Any]) -> Data:
+    """The data that Data._contents describes."""
+    data = Data(model, parts)
+    if stepping:
+        options = data.step_options
+        for name, x in stepping.items():
+            setattr(options, name, x)
+        check(lib.dyn_data_set_step_options(data._m, data._d, byref(options)))
+    for (method, _), arguments in settings.items():
+        getattr(data, method)(*arguments)
+    for (frame, point, reference), wrench in wrenches.items():
+        data.apply_wrench(frame, wrench, None if point is None else np.frombuffer(point), reference)
+    if isinstance(state, bytes):
+        data.restore_state(adopted(state, data))
+    else:
+        data.set_state(**state)
+    return data
+
+
+guarded(Data)

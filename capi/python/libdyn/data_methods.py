@@ -15,6 +15,7 @@ import numpy as np
 from . import abi
 from .arrays import checked, to_placement, to_placements
 from .choices import reference
+from .guard import nested
 from .handles import DataHandle
 from .interface import FUNCTIONS, INTERFACE
 from .library import fail, lib
@@ -107,19 +108,27 @@ def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callabl
     name = method_name(algorithm.name)
     lines = [
         f"def {name}({', '.join(['self', *signature(names)])}):",
-        f"    {', '.join(f'(t{k}, p{k})' for k in range(outputs))}, = self._outputs.get({algorithm.name!r}) or _outputs(self, "
+        "    free = self._free",
+        "    try:",
+        "        free.pop()",
+        "    except IndexError:",
+        "        free = _nested(self)",
+        "    try:",
+        f"        {', '.join(f'(t{k}, p{k})' for k in range(outputs))}, = self._outputs.get({algorithm.name!r}) or _outputs(self, "
         f"{algorithm.name!r})",
-        f"    status = _call({', '.join(arguments)})",
-        "    if status:",
-        "        _fail(status)",
-        f"    return {value}",
+        f"        status = _call({', '.join(arguments)})",
+        "        if status:",
+        "            _fail(status)",
+        f"        return {value}",
+        "    finally:",
+        "        free.append(0)",
     ]
     source, file = "\n".join(lines) + "\n", f"<libdyn.Data.{name}>"
     linecache.cache[file] = len(source), None, source.splitlines(True), file  # for tracebacks
     known: dict[str, Any] = {
         "_call": getattr(lib, f"dyn_{algorithm.name}"), "_outputs": _outputs, "_fail": fail,
         "_Result": RESULTS.get(algorithm.name), "_vector": _vector, "_reference": reference, "_placement": to_placement,
-        "_placements": to_placements, "_together": together,
+        "_placements": to_placements, "_together": together, "_nested": nested,
     }  # fmt: skip
     exec(compile(source, file, "exec"), known)
     method = known[name]

@@ -125,7 +125,7 @@ class NumericError(Error, ArithmeticError):
 
 
 class BusyError(Error):
-    """Checked builds: a data used by two threads at once."""
+    """A data or a batch used by two threads at once."""
 
     status_name = "DYN_ERROR_BUSY"
 

@@ -6,6 +6,8 @@ import operator
 import weakref
 from typing import TYPE_CHECKING, Any, Callable
 
+import numpy as np
+
 from .arrays import Owner, slot
 from .choices import member, size, string, text
 from .enums import FrameType
@@ -93,6 +95,10 @@ class DataHandle:
         self._fext_slot: Callable[[Any], int | None] | None = None
         self._outputs: dict[str, list[tuple[Callable[..., Any], int | None]]] = {}  # of each algorithm: see data_methods
         self._kept: Any = None
+        self._free = [0]  # see guard
+        self._holder = 0
+        self._settings: dict[tuple[str, Any], tuple[Any, ...]] = {}
+        self._wrenches: dict[tuple[int, bytes | None, int], np.ndarray] = {}
 
     def _fext(self, fext: Any) -> int | None:
         if fext is None:

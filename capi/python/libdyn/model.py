@@ -49,6 +49,12 @@ class Model(
     def __reduce__(self) -> tuple[Any, tuple[bytes]]:
         return Model.from_image, (self.image(),)
 
+    def __copy__(self) -> Model:
+        return self  # it never changes
+
+    def __deepcopy__(self, memo: Any) -> Model:
+        return self
+
     @classmethod
     def from_buffer(cls, buffer: Any) -> Model:
         """The model that lies in a buffer (numpy.memmap of a .dynb, shared memory), used where it is: nothing is copied.

@@ -19,6 +19,9 @@ DESCRIBED: dict[Any, tuple[str, str]] = {array: (array.__doc__ or "").partition(
 """Size of each array, "nq", "nv" or a number, and its sentence."""
 
 
+_HINT = "a model is not changed: dyn.Builder.from_model(model) makes another one. To change a copy of the array: x.copy()."
+
+
 class ModelArrays(ModelHandle):
     """The part of Model that has arrays."""
 
@@ -30,7 +33,7 @@ class ModelArrays(ModelHandle):
         n = int(size) if size.isdigit() else {"nq": self.nq, "nv": self.nv}[size]
         if start is None and n:
             fail(2)
-        return view(start, n, None, (1, 0), self._owner)
+        return view(start, n, None, (1, 0), self._owner, _HINT)
 
 
 def _property(which: Any, size: str, sentence: str) -> cached_property:

@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+import copy
+import os
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Union
 
 import numpy as np
 
-from .errors import ArgumentError
+from .choices import whole
+from .data import adopted
+from .enums import JointType
+from .errors import ArgumentError, SizeError, StaleError
+from .loading import load
+from .model import Model
+from .recording import Recording
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from .arrays import Numbers
     from .data import Data
-    from .enums import EffectLike, IntegratorLike
-    from .model import Model
+    from .enums import BaseLike, EffectLike, IntegratorLike
+    from .live import Viewer
+    from .simulation import ContactForce
 
 Controller = Callable[["Simulation"], Any]
-"""Called before each control period: it returns controls (nu,), or torques (nv,) where the model has no actuators, or calls methods
-of simulation.data."""
+"""Called before each control period. Returns torques (nv,) or controls (nu,), {"tau": torques, "ctrl": controls} with one or both
+of them, or None: those that are held."""
+ByName = Union["ArrayLike", Mapping[str, Any]]
 
 
 class Trajectory(NamedTuple):
@@ -30,30 +43,87 @@ class Trajectory(NamedTuple):
     """(R, nv)."""
 
 
+class Sensors(Mapping[str, Any]):
+    """Values of a simulation's sensors by name, at its state. Accelerations are the mean ones of the last step."""
+
+    def __init__(self, simulation: Simulation):
+        self._simulation = simulation
+        self._places = {s.name: slice(s.idx, s.idx + s.size) for s in simulation.model.sensors}
+
+    def __getitem__(self, name: str) -> Numbers:
+        place = self._places.get(name)
+        if place is None:
+            self._simulation.model.sensor_id(name)  # says which names are near
+            raise KeyError(name)
+        return np.array(self.values_of_all()[place])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._places
+
+    def get(self, name: str, default: Any = None) -> Any:
+        return self[name] if name in self else default
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def __repr__(self) -> str:
+        return f"<sensors: {', '.join(self._places)}>"
+
+    def values_of_all(self) -> Numbers:
+        """(nsensordata,): a view."""
+        data = self._simulation.data
+        try:
+            return data.field("sensor_data")
+        except StaleError:
+            data.sensors(a=self._simulation._acceleration)
+            return data.field("sensor_data")
+
+
 class Simulation:
     """A data that goes on in time: the loop that one would write oneself.
 
-        sim = dyn.Simulation(model)
-        trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q) - kd * sim.v)
+    >>> import libdyn as dyn
+    >>> sim = dyn.Simulation("models/robots/panda.urdf", base="fixed")
+    >>> sim.step(tau=sim.data.gravity_torque())              # torques (nv,), held until others are given
+    >>> motion = sim.run(1.0, lambda sim: sim.data.gravity_torque() - 5 * sim.v)
+    >>> motion.q.shape == (1001, sim.model.nq)
+    True
+    >>> scene = dyn.Simulation("models/scenes/go2_stands.xml", "standing")
+    >>> scene.step(500, ctrl={"FL_hip": 0.05})               # controls (nu,), or some by name
+    >>> len(scene.contacts)
+    4
 
+    model: a Model, or a URDF or MJCF file; base as in dyn.load.
     q: where it begins, or the name of a configuration of the model, with the velocity, controls, activations and time that it
     states; by default as new data, where an MJCF file draws it.
     dt, integrator, effects: by default those of the model's file, or 1e-3 s, "semi_implicit_euler" and all effects.
     stepping: more of Data.set_step_options. `data` is a Data like any other.
+
+    A simulation can be pickled and copied: copy.copy(sim) goes on by itself from the same state.
     """
 
     def __init__(
         self,
-        model: Model,
+        model: Model | str | os.PathLike[str],
         q: Any = None,
         v: Any = None,
         *,
+        base: BaseLike | None = None,
         dt: float | None = None,
         integrator: IntegratorLike | None = None,
         effects: EffectLike | None = None,
         **stepping: Any,
     ):
-        self.model = model
+        if isinstance(model, (str, os.PathLike)):
+            model = load(model, base)
+        elif not isinstance(model, Model):
+            raise ArgumentError(f"model is {model!r}, but must be a dyn.Model or the path of a URDF or MJCF file.")
+        elif base is not None:
+            raise ArgumentError("base is for files: a model has its base already.")
+        self.model: Model = model
         self.data: Data = model.data()
         self.data.set_step_options(integrator, dt, **stepping)
         self.dt: float = self.data.step_options.dt
@@ -61,9 +131,27 @@ class Simulation:
             self.data.set_effects(effects)
         self._set(q, v)
         self._begin = self.data.save_state()
+        self._measures_acceleration = any(s.order == 2 for s in model.sensors)
+        self._acceleration: Numbers | None = None
+        self._recordings: list[Recording] = []
 
     def __repr__(self) -> str:
         return f"<dyn.Simulation of {self.model.name!r}: t {self.time:g} s, dt {self.dt:g} s>"
+
+    def _repr_html_(self) -> str:
+        from . import page
+
+        return page.in_notebook(lambda: page.still(self.model, self.q)) or self.data._repr_html_()
+
+    def __copy__(self) -> Simulation:
+        return copy.deepcopy(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_recordings": []}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._begin = adopted(self._begin, self.data)
 
     @property
     def time(self) -> float:
@@ -80,10 +168,53 @@ class Simulation:
         """(nv,): a view of what is."""
         return self.data.v
 
+    @property
+    def tau(self) -> Numbers:
+        """(nv,): the torques that are held, a view."""
+        return self.data.tau_applied
+
+    @tau.setter
+    def tau(self, x: Any) -> None:
+        self._give_tau(x)
+
+    @property
+    def ctrl(self) -> Numbers:
+        """(nu,): the controls that are held, a view."""
+        found: Numbers = self.data.field("ctrl")
+        return found
+
+    @ctrl.setter
+    def ctrl(self, x: Any) -> None:
+        self._give_ctrl(x)
+
+    @property
+    def contacts(self) -> list[ContactForce]:
+        """Contact points of the last step with their forces."""
+        return self.data.step_contacts()
+
+    @property
+    def sensors(self) -> Sensors:
+        """Values by name: sim.sensors["imu"]."""
+        return Sensors(self)
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """Names that reset takes."""
+        return self.model.configuration_names
+
     def reset(self, q: Any = None, v: Any = None) -> None:
-        """Back to the beginning, with q or v in place of what was there, or to the state of a named configuration."""
-        self.data.restore_state(self._begin)
+        """Back to the beginning, with q or v in place of what was there, or to the state of a named configuration. Ends recordings."""
+        self.restore_state(self._begin)
         self._set(q, v)
+
+    def save_state(self) -> bytes:
+        """The state, for restore_state: see Data.save_state."""
+        return self.data.save_state()
+
+    def restore_state(self, state: bytes) -> None:
+        """Back to a state: steps go on from it bit for bit. Ends recordings."""
+        self.data.restore_state(state)
+        self._recordings, self._acceleration = [], None
 
     def _set(self, q: Any, v: Any) -> None:
         if isinstance(q, str):
@@ -91,25 +222,111 @@ class Simulation:
             q = None
         self.data.set_state(q, v)
 
-    def step(self, steps: int = 1, control: Any = None, *, tau: Any = None) -> None:
-        """Some steps, under controls (nu,) and torques tau (nv,), or those that are held."""
-        if control is not None:
-            self.data.set_control(control)
-        if tau is not None:
-            self.data.set_state(tau=tau)
-        for _ in range(steps):
-            self.data.step()
+    def _give_tau(self, x: Any) -> None:
+        m = self.model
+        shape = np.shape(x) if not isinstance(x, Mapping) else (m.nv,)
+        if shape != (m.nv,):
+            free = sum(j.nv for j in m.joints if j.type == JointType.FREE_FLYER)
+            hint = ""
+            if free and shape == (m.nv - free,) and m.joints[1].type == JointType.FREE_FLYER:
+                hint = f" The first {free} numbers are those of the floating base: write np.r_[np.zeros({free}), x]."
+            raise SizeError(f"tau has shape {shape}, but must have shape ({m.nv},) of model {m.name!r}.{hint}")
+        self.data.set_state(tau=x)
 
-    def run(self, duration: float, controller: Controller | None = None, *, every: int = 1) -> Trajectory:
-        """Runs duration seconds, a whole number of steps; controls and records are `every` steps apart."""
+    def _give_ctrl(self, x: Any) -> None:
+        if isinstance(x, Mapping):
+            u = np.array(self.ctrl)
+            for name, value in x.items():
+                a = self.model.actuator(name)
+                u[a.idx_u : a.idx_u + a.controls] = value
+            x = u
+        self.data.set_control(x)
+
+    def _give(self, x: Any, returns: str | None) -> None:
+        """What a controller returned."""
+        m = self.model
+        if x is None:
+            return
+        if isinstance(x, Mapping):
+            if not x.keys() <= {"tau", "ctrl"}:
+                raise ArgumentError(f'the controller returned a dict with {", ".join(map(repr, x))}, but its keys are "tau" and '
+                                    f'"ctrl": return {{"tau": {{joint: torque}}}} for torques by name.')
+            if "tau" in x:
+                self._give_tau(x["tau"])
+            if "ctrl" in x:
+                self._give_ctrl(x["ctrl"])
+            return
+        if returns is None:
+            shape = np.shape(x)
+            if m.nu == m.nv:
+                raise ArgumentError(f"the controller returned {m.nv} numbers, but {m.name!r} has as many degrees of freedom as controls: "
+                                    'return {"tau": x} or {"ctrl": x}, or give run returns="tau" or "ctrl".')
+            if m.nu and shape not in ((m.nu,), (m.nv,)):
+                raise SizeError(f"the controller returned shape {shape}, but controls of model {m.name!r} have shape ({m.nu},), torques "
+                                f"({m.nv},).")
+            returns = "ctrl" if m.nu and shape == (m.nu,) else "tau"
+        (self._give_ctrl if returns == "ctrl" else self._give_tau)(x)
+
+    def step(self, steps: int = 1, ctrl: ByName | None = None, *, tau: ByName | None = None) -> None:
+        """Some steps, under controls ctrl (nu,) or {actuator: control} and torques tau (nv,) or {joint: torque}, or those that are
+        held."""
+        if ctrl is not None:
+            self._give_ctrl(ctrl)
+        if tau is not None:
+            self._give_tau(tau)
+        if not isinstance(steps, int):
+            if np.ndim(steps):
+                raise ArgumentError("steps is an array: write step(tau=x) for torques, step(ctrl=x) for controls.")
+            steps = whole(steps, "steps")
+        step = self.data.step
+        if not (self._measures_acceleration or self._recordings):
+            for _ in range(steps):
+                step()
+            return
+        for k in range(steps):
+            before = self.v.copy() if self._measures_acceleration and (self._recordings or k == steps - 1) else None
+            step()
+            if before is not None:
+                self._acceleration = (self.v - before) / self.dt
+            for recording in self._recordings:
+                recording.stepped(self)
+
+    def run(
+        self, duration: float, controller: Controller | None = None, *, every: int = 1, returns: str | None = None
+    ) -> Trajectory:
+        """Runs duration seconds, a whole number of steps; controls and records are `every` steps apart.
+
+        controller  called before each period; what it returns: see Controller. The shape says whether it is torques or controls
+        returns     "tau" or "ctrl": says so where there are as many controls as degrees of freedom
+        """
+        if returns not in (None, "tau", "ctrl"):
+            raise ArgumentError(f'returns is {returns!r}, but must be "tau" or "ctrl".')
         steps = round(duration / self.dt)
         if every < 1 or steps < 1 or steps % every or abs(steps * self.dt - duration) > 1e-9 * duration:
             raise ArgumentError(f"duration is {duration} s, but must be a multiple of every * dt, {every} * {self.dt} s.")
-        t, q, v = np.empty(steps // every + 1), np.empty((steps // every + 1,
-                                                          self.model.nq)), np.empty((steps // every + 1, self.model.nv))
+        rows = steps // every + 1
+        t, q, v = np.empty(rows), np.empty((rows, self.model.nq)), np.empty((rows, self.model.nv))
         t[0], q[0], v[0] = self.time, self.q, self.v
-        name = "control" if self.model.nu else "tau"
-        for k in range(1, len(t)):
-            self.step(every, **{name: None if controller is None else controller(self)})
+        for k in range(1, rows):
+            if controller is not None:
+                self._give(controller(self), returns)
+            self.step(every)
             t[k], q[k], v[k] = self.time, self.q, self.v
         return Trajectory(t, q, v)
+
+    def record(self, every: int | None = None) -> Recording:
+        """Records from now on, until Recording.stop, the end of a `with` block, or reset.
+
+        every   steps between moments; None: about 60 moments a second, which is what a page shows
+        """
+        recording = Recording(self, max(1, round(1 / 60 / self.dt)) if every is None else whole(every, "every", 1))
+        self._recordings = [*self._recordings, recording]
+        return recording
+
+    def view(
+        self, controller: Controller | None = None, *, every: int = 1, returns: str | None = None, open: bool = True, port: int = 0
+    ) -> Viewer:
+        """Opens a live page of this simulation: see dyn.view."""
+        from .live import Viewer
+
+        return Viewer(self, controller, every=every, returns=returns, open=open, port=port)

@@ -13,6 +13,7 @@ from .choices import member, text, whole
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
 from .errors import ArgumentError, ContactWarning
+from .guard import nested
 from .handles import DataHandle
 from .library import check, fail, lib
 from .material import Material
@@ -177,26 +178,34 @@ class SimulationCalls(DataHandle):
         """Advances q, v and the time by one step under the held tau. dt and integrator are kept (set_step_options)."""
         if dt is not None or integrator is not None:
             self.set_step_options(integrator, dt)
-        status = _step(self._m, self._d)
-        if status:
-            fail(status)
+        free = self._free
+        try:
+            free.pop()
+        except IndexError:
+            free = nested(self)
+        try:
+            status = _step(self._m, self._d)
+            if status:
+                fail(status)
+        finally:
+            free.append(0)
         self._steps += 1
         if not self._steps % _LOOK_EVERY:
-            self._warn_of_dropped()
+            self._warn_of_dropped(3)
 
     def advance(self, duration: float) -> StepReport:
         """Makes the steps that duration (s) takes, and says how many."""
         check(lib.dyn_advance(self._m, self._d, duration))
-        self._warn_of_dropped()
+        self._warn_of_dropped(4)
         return self.step_report
 
-    def _warn_of_dropped(self) -> None:
+    def _warn_of_dropped(self, stacklevel: int) -> None:
         """Warns once when a step had no room for all its contact points."""
         if self._dropped or not self.step_report.dropped:
             return
         self._dropped = True
         message = f"{self.step_report.dropped} contact points had no room and were left out, the shallowest: raise contact_capacity"
-        warnings.warn(f"{self.model.name}: {message}", ContactWarning, stacklevel=3)
+        warnings.warn(f"{self.model.name}: {message}", ContactWarning, stacklevel=stacklevel)
 
     @property
     def step_report(self) -> StepReport:

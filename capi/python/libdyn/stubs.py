@@ -5,7 +5,6 @@ setup.py does this when it builds the package, with the library that goes into i
 
 from __future__ import annotations
 
-import keyword
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -87,7 +86,7 @@ def results() -> Iterator[str]:
 
 def fields() -> Iterator[str]:
     yield "from typing import Any\n\nfrom .arrays import Numbers, StateLike\nfrom .handles import DataHandle\nfrom .tables import FieldInfo\n"
-    yield "STATE: dict[str, str]\n\ndef description(info: FieldInfo) -> str: ...\n\nclass Fields(DataHandle):"
+    yield "STATE: dict[str, str]\n\ndef description(info: FieldInfo) -> str: ...\ndef attribute(name: str) -> str: ...\n\nclass Fields(DataHandle):"
     inputs = ", ".join(f"{name}: StateLike | None = None" for name in field_module.STATE.values())
     yield f"    def set_state(self, {inputs}) -> None:"
     yield _doc(field_module.Fields.set_state.__doc__ or "", "        ")
@@ -95,10 +94,8 @@ def fields() -> Iterator[str]:
                  _doc(field_module.Fields.state.__doc__ or "", "        "))
     yield _block("    def field(self, field: str | int) -> Any:", _doc(field_module.Fields.field.__doc__ or "", "        "))
     for info in FIELDS.values():
-        if keyword.iskeyword(info.name):  # reached by Data.field alone
-            continue
         kind = "Numbers" if SHAPES[info.id] else "float"
-        yield _block("    @property", f"    def {info.name}(self) -> {kind}:", _doc(field_module.description(info), "        "))
+        yield _block("    @property", f"    def {field_module.attribute(info.name)}(self) -> {kind}:", _doc(field_module.description(info), "        "))
         if info.name in field_module.STATE:
             yield f"    @{info.name}.setter\n    def {info.name}(self, value: Any) -> None: ..."
 

@@ -1,9 +1,12 @@
 """Simulation: the loop over Data's steps; and what notebooks show."""
 
+import doctest
 import html.parser
+import importlib
 
 import numpy as np
 import pytest
+from conftest import MODELS
 
 import libdyn as dyn
 
@@ -65,6 +68,110 @@ def test_it_begins_as_the_file_draws_it():
     assert low.q[2] == 2
     with pytest.raises(dyn.Error, match="lwo"):
         dyn.Simulation(robot, "lwo")
+
+
+SCENE = MODELS / "scenes" / "go2_stands.xml"
+PUSHED = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0"/><geom type="capsule" size=".05 .3" pos="0 0 -.3"/></body></worldbody>
+<actuator><motor name="motor" joint="hinge"/></actuator></mujoco>"""
+
+
+def test_files(tmp_path):
+    """URDF and MJCF, by their paths."""
+    arm = dyn.Simulation(str(MODELS / "robots" / "panda.urdf"), base="fixed")
+    arm.run(0.01, lambda sim: sim.data.gravity_torque())
+    assert np.abs(arm.v).max() < 1e-9 and dyn.Simulation(SCENE, "standing").model.nu == 12
+    with pytest.raises(dyn.BaseChoiceError, match='base="fixed"'):
+        dyn.Simulation(MODELS / "robots" / "go2.urdf")
+    with pytest.raises(dyn.ArgumentError, match="for files"):
+        dyn.Simulation(arm.model, base="fixed")
+    with pytest.raises(dyn.ArgumentError, match="dyn.Model or the path"):
+        dyn.Simulation(3)
+
+
+def test_the_shape_says_what_a_controller_returns(go2):
+    scene = dyn.Simulation(SCENE, "standing")
+    nu, nv = scene.model.nu, scene.model.nv
+    scene.run(0.01, lambda s: np.full(nu, 0.1))
+    assert (scene.ctrl == 0.1).all() and not scene.tau.any()
+    scene.run(0.01, lambda s: np.full(nv, 0.2))
+    assert (scene.ctrl == 0.1).all() and (scene.tau == 0.2).all()
+    scene.run(0.01, lambda s: {"tau": np.zeros(nv), "ctrl": {"FL_hip": 0.3}})
+    assert scene.ctrl[0] == 0.3 and scene.ctrl[1] == 0.1 and not scene.tau.any()
+    scene.run(0.01, lambda s: None)
+    assert scene.ctrl[0] == 0.3
+    with pytest.raises(dyn.SizeError, match=r"controls .* have shape \(12,\), torques \(18,\)"):
+        scene.run(0.01, lambda s: np.zeros(3))
+    with pytest.raises(dyn.ArgumentError, match='keys are "tau" and "ctrl"'):
+        scene.run(0.01, lambda s: {"torque": 1})
+    with pytest.raises(dyn.SizeError, match=r"np\.r_\[np\.zeros\(6\), x\]"):
+        dyn.Simulation(go2).run(0.01, lambda s: np.zeros(12))
+    with pytest.raises(dyn.SizeError, match=r"no actuators.*step\(tau=x\)"):
+        dyn.Simulation(go2).step(ctrl=np.zeros(12))
+    with pytest.raises(dyn.ArgumentError, match=r"step\(tau=x\) for torques"):
+        dyn.Simulation(go2).step(np.zeros(18))
+
+
+def test_as_many_controls_as_freedoms_need_a_word():
+    m = dyn.load_string(PUSHED)
+    with pytest.raises(dyn.ArgumentError, match='return {"tau": x} or {"ctrl": x}'):
+        dyn.Simulation(m).run(0.1, lambda s: [1.0])
+    a, b, c, d = (dyn.Simulation(m) for _ in range(4))
+    run = a.run(0.1, lambda s: [1.0], returns="ctrl")
+    assert np.array_equal(run.q, b.run(0.1, lambda s: {"ctrl": [1.0]}).q)
+    assert np.array_equal(c.run(0.1, lambda s: [1.0], returns="tau").q, d.run(0.1, lambda s: {"tau": [1.0]}).q)
+    np.testing.assert_allclose(c.q, a.q, atol=1e-12)  # a motor of gear 1
+    with pytest.raises(dyn.ArgumentError, match='"tau" or "ctrl"'):
+        a.run(0.1, lambda s: [1.0], returns="torque")
+
+
+def test_torques_and_controls_are_held_by_name(arm):
+    sim = dyn.Simulation(arm)
+    sim.step(2, tau={"elbow": 0.5})
+    assert sim.tau.tolist() == [0, 0.5]
+    sim.tau = [1, 2]
+    sim.step()
+    assert sim.tau.tolist() == [1, 2]
+    scene = dyn.Simulation(SCENE)
+    scene.ctrl = np.arange(12.0)
+    assert np.array_equal(scene.ctrl, np.arange(12.0))
+
+
+def test_sensors_by_name():
+    """A falling accelerometer measures nothing, one that rests the opposite of gravity; values follow the steps."""
+    m = dyn.load_string("""<mujoco><worldbody><geom name="floor" type="plane" size="5 5 1"/><body pos="0 0 .5"><freejoint name="free"/>
+      <geom type="sphere" size="0.1"/><site name="s"/></body></worldbody><sensor><accelerometer name="imu" site="s"/>
+      <framepos name="where" objtype="site" objname="s"/></sensor></mujoco>""")
+    sim = dyn.Simulation(m)
+    assert set(sim.sensors) == {"imu", "where"} and len(sim.sensors) == 2 and "imu" in repr(sim.sensors)
+    sim.run(0.1)
+    np.testing.assert_allclose(sim.sensors["imu"], 0, atol=1e-9)
+    np.testing.assert_allclose(sim.sensors["where"], sim.q[:3], atol=1e-12)
+    sim.run(2.0)
+    np.testing.assert_allclose(sim.sensors["imu"], [0, 0, 9.81], atol=1e-3)
+    assert sum(c.force_on_b[2] for c in sim.contacts) == pytest.approx(9.81 * m.total_mass, rel=1e-3)
+    assert "where" in sim.sensors and "were" not in sim.sensors and sim.sensors.get("were") is None
+    with pytest.raises(dyn.UnknownNameError, match="were"):
+        sim.sensors["were"]
+
+
+def test_states_and_configurations():
+    sim = dyn.Simulation(SCENE, "standing")
+    assert "standing" in sim.configurations
+    sim.step(20)
+    saved, q = sim.save_state(), None
+    sim.step(20)
+    q = sim.q.copy()
+    sim.restore_state(saved)
+    sim.step(20)
+    assert np.array_equal(sim.q, q)
+
+
+def test_docstrings_run(monkeypatch):
+    monkeypatch.chdir(MODELS.parent)
+    for module in ("simulate", "recording"):
+        found = importlib.import_module(f"libdyn.{module}")
+        failed, tried = doctest.testmod(found)
+        assert failed == 0 and tried > 2
 
 
 def test_refusals(arm):

@@ -31,6 +31,75 @@ def test_bit_equal_to_one_thread(go2):
         np.testing.assert_array_equal(alone[seed], together[seed])
 
 
+@pytest.mark.parametrize("threads", [2, 4])
+def test_two_threads_on_one_data_are_refused(go2, threads):
+    """Calls of all kinds on one data: each is right, or a BusyError."""
+    d = go2.data()
+    random = np.random.default_rng(0)
+    states = [(go2.random(k), *random.standard_normal((2, go2.nv))) for k in range(threads)]
+    expected = [go2.data().rnea(*s) for s in states]
+    of_gravity = [go2.data().gravity_torque(s[0]) for s in states]
+    distances = [go2.data().compute_distances(s[0]) for s in states]
+    wrong, busy = [0], [0] * threads
+
+    def work(k):
+        for i in range(3000):
+            try:
+                if i % 3 == 0:
+                    right = np.array_equal(d.rnea(*states[k]), expected[k])
+                elif i % 3 == 1:
+                    right = np.array_equal(d.gravity_torque(states[k][0]), of_gravity[k])
+                else:
+                    right = np.array_equal(d.compute_distances(states[k][0]), distances[k])
+                wrong[0] += not right
+            except dyn.BusyError as error:
+                assert "copy.copy(data)" in str(error)
+                busy[k] += 1
+
+    workers = [threading.Thread(target=work, args=(k,)) for k in range(threads)]
+    for t in workers:
+        t.start()
+    for t in workers:
+        t.join()
+    assert wrong[0] == 0
+    assert np.array_equal(d.rnea(*states[0]), expected[0]), "afterwards one thread goes on"
+
+
+def test_a_data_may_be_handed_on(go2, state):
+    """One thread after another is no error; nor are calls within calls, or after a call that failed."""
+    d = go2.data()
+    with pytest.raises(dyn.SizeError):
+        d.rnea([1.0])
+    with pytest.raises(dyn.NonFiniteError):
+        d.set_state(np.full(go2.nq, np.nan))
+    with pytest.raises(dyn.Error):
+        d.set_gravity([1.0])
+    out = []
+    t = threading.Thread(target=lambda: out.append(d.rnea(*state[:3])))
+    t.start()
+    t.join()
+    assert np.array_equal(out[0], d.rnea(*state[:3])) and d.centroidal(*state[:3]).hg.shape == (6,)
+
+
+def test_a_call_that_waits_holds_the_data():
+    """While a long call runs, another thread is refused, whatever it calls."""
+    m = dyn.Builder("p").add_joint("j", "revolute").add_body("b", "j", 1, (0, 0, 1), inertia=np.eye(3)).finish()
+    d, seen = m.data(), []
+    d.set_step_options(dt=1e-5)
+    t = threading.Thread(target=d.advance, args=(5.0,))
+    t.start()
+    while t.is_alive():
+        for call in (lambda: d.q, lambda: d.rnea(), d.step, lambda: d.set_state(v=[0.0]), lambda: d.step_report, lambda: d.save_state()):
+            try:
+                call()
+            except dyn.BusyError:
+                seen.append(call)
+        if len(seen) > 50:
+            break
+    t.join()
+    assert len(seen) > 5
+
+
 def test_errors_belong_to_their_thread(go2):
     seen = []
 

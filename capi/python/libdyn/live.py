@@ -1,0 +1,337 @@
+"""A simulation in a browser while it runs: the page of dyn view --live, with the steps and the controller in this process.
+
+The server listens on the loopback interface alone, its address has 128 random bits, and pages of other origins are refused.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import secrets
+import struct
+import sys
+import threading
+import time
+import webbrowser
+from collections import deque
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import TYPE_CHECKING, Any, BinaryIO, overload
+
+import numpy as np
+
+from . import page
+from .errors import ArgumentError, Error
+from .model import Model
+from .recording import Recording
+from .simulate import Simulation
+
+if TYPE_CHECKING:
+    from .simulate import Controller
+
+_MAGIC = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455
+_LARGEST = 65536
+_FRAME = 1 / 60
+_GONE = 3.0  # s without a page after which a viewer is closed: a page that is loaded anew is back sooner
+
+
+def _frame(payload: bytes, opcode: int) -> bytes:
+    """A WebSocket message of a server."""
+    n = len(payload)
+    size = bytes([n]) if n < 126 else b"\x7e" + struct.pack(">H", n) if n < 65536 else b"\x7f" + struct.pack(">Q", n)
+    return bytes([0x80 | opcode]) + size + payload
+
+
+def _message(file: BinaryIO) -> tuple[int, bytes] | None:
+    """A message of a client, in one frame as pages send them; None: it is gone, or says something else."""
+    begin = file.read(2)
+    if len(begin) < 2 or not begin[0] & 0x80 or not begin[1] & 0x80:
+        return None
+    n = begin[1] & 0x7F
+    if n == 126:
+        n = struct.unpack(">H", file.read(2))[0]
+    if n == 127 or n > _LARGEST:
+        return None
+    mask = file.read(4)
+    payload = file.read(n)
+    if len(payload) < n:
+        return None
+    return begin[0] & 0x0F, bytes(b ^ mask[k % 4] for k, b in enumerate(payload))
+
+
+class _Handler(BaseHTTPRequestHandler):
+    viewer: Viewer
+    protocol_version = "HTTP/1.1"
+    timeout = 30
+
+    def log_message(self, *_: Any) -> None:
+        pass
+
+    def do_GET(self) -> None:
+        port, home = self.viewer.port, f"/{self.viewer.word}/"
+        hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+        upgrade = self.path == home + "ws" and self.headers.get("Upgrade", "").lower() == "websocket"
+        origin = self.headers.get("Origin")
+        if self.headers.get("Host") not in hosts or not (self.path == home or upgrade):
+            self._reply(404, "There is nothing here: the address is the one that the viewer printed.\n", "text/plain")
+        elif (origin is None and upgrade) or (origin is not None and origin not in [f"http://{host}" for host in hosts]):
+            self._reply(403, "Pages of other origins are refused.\n", "text/plain")
+        elif upgrade:
+            self._listen()
+        else:
+            self._reply(200, self.viewer.text, "text/html; charset=utf-8")
+
+    def _reply(self, status: int, text: str, kind: str) -> None:
+        body = text.encode()
+        self.send_response(status)
+        for name, value in (("Content-Type", kind), ("Content-Length", str(len(body))), ("Cache-Control", "no-store"),
+                            ("Referrer-Policy", "no-referrer"), ("X-Content-Type-Options", "nosniff"),
+                            ("Content-Security-Policy", "frame-ancestors 'none'"), ("Connection", "close")):
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(body)
+        self.close_connection = True
+
+    def _listen(self) -> None:
+        key = self.headers.get("Sec-WebSocket-Key", "").encode()
+        self.send_response(101)
+        for name, value in (("Upgrade", "websocket"), ("Connection", "Upgrade"),
+                            ("Sec-WebSocket-Accept", base64.b64encode(hashlib.sha1(key + _MAGIC).digest()).decode())):
+            self.send_header(name, value)
+        self.end_headers()
+        self.close_connection = True
+        self.connection.settimeout(None)
+        self.viewer._came(self)
+        try:
+            while (found := _message(self.rfile)) is not None:
+                opcode, payload = found
+                if opcode == 8:
+                    break
+                if opcode == 9:
+                    self.send(payload, 10)
+                elif opcode == 1:
+                    self.viewer._heard(payload)
+        except (OSError, struct.error):
+            pass
+        finally:
+            self.viewer._left(self)
+
+    def send(self, payload: bytes, opcode: int) -> None:
+        self.connection.sendall(_frame(payload, opcode))
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        pass  # a page that is gone
+
+
+class Viewer:
+    """A live page of a simulation. From Simulation.view or dyn.view.
+
+        with sim.view(controller) as viewer:       # controller: as in Simulation.run
+            viewer.run()                           # in real time, until the page is closed
+
+        with sim.view() as viewer:                 # or a loop of one's own
+            while viewer.is_running():
+                sim.step(tau=...)
+                viewer.sync()
+
+    The page pauses, resets and changes the speed. The mouse pulls links while Shift is held. What it asks for is done in the
+    thread that calls run or sync.
+    """
+
+    def __init__(self, simulation: Simulation, controller: Controller | None = None, *, every: int = 1, returns: str | None = None,
+                 open: bool = True, port: int = 0):
+        self.simulation, self.controller, self.every, self.returns = simulation, controller, every, returns
+        self.word = secrets.token_hex(16)
+        self.paused, self.speed = False, 1.0
+        self._poses = page.Poses(simulation.model)
+        self._pages: list[_Handler] = []
+        self._commands: deque[dict[str, Any]] = deque()
+        self._lock = threading.Lock()
+        self._sent, self._rate, self._step_s = -1.0, 0.0, 0.0
+        self._before = self._wall = 0.0  # of the pace: simulated and wall time where it was set
+        self._gone_since: float | None = None
+        self._closed = False
+        still = page.still(simulation.model, simulation.q)
+        head, numbers = page.read(still)
+        head.update(kind="live", effects=[], dt=simulation.dt)
+        self.text = page.filled(still, head, base64.b64encode(numbers).decode())
+        handler = type("Handler", (_Handler,), {"viewer": self})
+        self._server = _Server(("127.0.0.1", port), handler)
+        self.port: int = self._server.server_address[1]
+        self.address = f"http://127.0.0.1:{self.port}/{self.word}/"
+        """What a browser of this machine opens."""
+        threading.Thread(target=self._server.serve_forever, kwargs={"poll_interval": 0.1}, daemon=True).start()
+        show(self.address, open)
+
+    def __repr__(self) -> str:
+        return f"<dyn.Viewer of {self.simulation.model.name!r}: {'closed' if self._closed else self.address}>"
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the server; the page says so."""
+        if self._closed:
+            return
+        self._closed = True
+        self._send(b"", 8)
+        self._server.shutdown()
+        self._server.server_close()
+
+    def is_running(self) -> bool:
+        """False once the viewer was closed, or its page was."""
+        gone = self._gone_since is not None and time.monotonic() - self._gone_since > _GONE
+        return not (self._closed or gone)
+
+    # threads of pages ---------------------------------------------------------------------------------------------------
+
+    def _came(self, handler: _Handler) -> None:
+        with self._lock:
+            self._pages.append(handler)
+            self._gone_since = None
+
+    def _left(self, handler: _Handler) -> None:
+        with self._lock:
+            self._pages = [p for p in self._pages if p is not handler]
+            if not self._pages:
+                self._gone_since = time.monotonic()
+        self._commands.append({"do": "push", "point": [0, 0, 0], "force": [0, 0, 0]})  # a hand that is gone pushes no more
+
+    def _heard(self, payload: bytes) -> None:
+        try:
+            command = json.loads(payload)
+        except ValueError:
+            command = None
+        self._commands.append(command if isinstance(command, dict) else {})
+
+    def _send(self, payload: bytes, opcode: int) -> None:
+        with self._lock:
+            pages = list(self._pages)
+        for p in pages:
+            try:
+                p.send(payload, opcode)
+            except OSError:
+                self._left(p)
+
+    # the thread of the simulation ---------------------------------------------------------------------------------------
+
+    def _obey(self, command: dict[str, Any]) -> None:
+        sim, what = self.simulation, command.get("do")
+        try:
+            if what == "pause":
+                self.paused = bool(command["on"])
+            elif what == "reset":
+                sim.reset()
+            elif what == "speed":
+                self.speed = min(max(float(command["factor"]), 0.01), 100.0)
+            elif what == "push":
+                sim.data.clear_wrenches()
+                force = np.array([float(x) for x in command["force"]])
+                if force.any():
+                    sim.data.apply_wrench(int(command["frame"]), np.r_[force, 0, 0, 0], command["point"])
+            else:
+                raise ArgumentError(f"there is no command {what!r}")
+        except (Error, KeyError, TypeError, ValueError) as error:
+            self._send(json.dumps({"error": str(error)}).encode(), 1)
+        self._set_pace()
+
+    def _set_pace(self) -> None:
+        self._before, self._wall = self.simulation.time, time.monotonic()
+
+    def _state(self) -> bytes:
+        sim, d = self.simulation, self.simulation.data
+        report, contacts, energy = d.step_report, d.step_contacts(), d.energy()
+        positions, turns, com = self._poses(sim.q)
+        parts: list[Any] = [
+            [sim.time, self.paused, self.speed, self._rate, *energy, report.residual, report.penetration, 1e6 * self._step_s,
+             len(contacts)],
+            positions.ravel(), turns.ravel(), com, sim.q, sim.v,
+        ]  # fmt: skip
+        for c in contacts:
+            parts += [c.contact.position, c.force_on_b, [c.contact.distance, c.contact.shape_a, c.contact.shape_b]]
+        return np.concatenate([np.asarray(x, np.float64) for x in parts]).astype("<f4").tobytes()
+
+    def sync(self) -> None:
+        """Does what the page asked for, and shows the state, at most 60 times a second. While the page pauses, it waits."""
+        while True:
+            while self._commands:
+                self._obey(self._commands.popleft())
+            now = time.monotonic()
+            if self._pages and now - self._sent >= _FRAME:
+                self._sent = now
+                self._send(self._state(), 2)
+            if not self.paused or not self.is_running():
+                return
+            time.sleep(_FRAME)
+
+    def run(self, duration: float | None = None) -> None:
+        """Steps in real time by the page's speed, with the controller, from when a page looks on until it is closed, duration
+        seconds are simulated, or Ctrl-C."""
+        sim = self.simulation
+        while not self._pages and self.is_running():
+            time.sleep(0.02)
+        end = np.inf if duration is None else sim.time + duration
+        self._set_pace()
+        try:
+            while self.is_running() and sim.time < end - 0.5 * sim.dt:
+                began = time.monotonic()
+                if self.controller is not None:
+                    sim._give(self.controller(sim), self.returns)
+                sim.step(self.every)
+                self._step_s = (time.monotonic() - began) / self.every
+                self.sync()
+                ahead = (sim.time - self._before) / self.speed - (time.monotonic() - self._wall)
+                self._rate = (sim.time - self._before) / max(time.monotonic() - self._wall, 1e-9)
+                if ahead > 0:
+                    time.sleep(min(ahead, 0.1))
+                elif ahead < -0.1:
+                    self._set_pace()  # what cannot be kept up with is not made up for
+        except KeyboardInterrupt:
+            pass
+        except Error as error:
+            self._send(json.dumps({"error": str(error)}).encode(), 1)
+            raise
+
+
+def show(address: str, open: bool) -> None:
+    """Opens an address in a browser, or says that one is to be opened."""
+    screen = sys.platform in ("darwin", "win32") or any(os.environ.get(x) for x in ("BROWSER", "DISPLAY", "WAYLAND_DISPLAY"))
+    if not (open and screen and webbrowser.open(address)):
+        print(f"libdyn: open {address}", file=sys.stderr)
+
+
+@overload
+def view(what: Simulation, controller: Controller | None = None, *, open: bool = True) -> Viewer: ...
+@overload
+def view(what: Model | Recording, *, path: str | os.PathLike[str] | None = None, open: bool = True) -> str: ...
+
+
+def view(what: Model | Simulation | Recording, controller: Controller | None = None, *,
+         path: str | os.PathLike[str] | None = None, open: bool = True) -> Viewer | str:
+    """Opens a page in a browser: of a model with joints to be moved, of a recording that plays, or of a simulation that goes on.
+
+    path   of models and recordings: where the page is written; default: the temporary folder. Returned
+    open   False: opens no browser
+
+    Of a simulation it returns a Viewer: run() steps in real time with the controller, sync() shows a loop of one's own.
+    """
+    if isinstance(what, Simulation):
+        return Viewer(what, controller, open=open)
+    if isinstance(what, Recording):
+        text = what._page()
+    elif isinstance(what, Model):
+        text = page.still(what, what.configuration(what.initial_configuration))
+    else:
+        raise ArgumentError(f"view takes a Model, a Simulation or a Recording, but was given {what!r}.")
+    file = page.write(text, path)
+    if open:
+        show("file://" + os.path.abspath(file), open)
+    return file
