@@ -56,8 +56,10 @@ TEST(LoadLimits, ReplicasInReplicas) {
   refuse("bodies", mjcf(nested(9, "<body><freejoint/>" + ball + "</body>")), {"line 1: ", "copies", "max_bodies"});
   refuse("geoms", mjcf(nested(9, ball)), {"copies", "the limits are 200000 bodies and 200000 shapes"});
   refuse("nothing", mjcf(nested(9, "")), {"copies"});
-  refuse("one", mjcf("<replicate count=\"300000\">" + ball + "</replicate>"), {"more than 200000 shapes, which is the limit"});
   Options few;
+  few.max_shapes = 2000;
+  refuse("one", mjcf("<replicate count=\"3000\">" + ball + "</replicate>"), {"more than 2000 shapes, which is the limit"},
+         DYN_ERROR_LIMIT, few);
   few.max_bodies = 5;
   refuse("few", mjcf(nested(1, "<body/>")), {"more than 5 bodies", "max_bodies"}, DYN_ERROR_LIMIT, few);
   accept("some", mjcf(nested(2, "<body>" + ball + "</body>")));
