@@ -1,4 +1,4 @@
-/* What GCC 12's libstdc++.a and libgcc_eh.a take from glibc after 2.28, for programs that run on 2.28. Linked into each of them. */
+/* What GCC 12's libstdc++.a and libgcc_eh.a take from glibc after 2.28. Linked into each library and program. */
 #define _GNU_SOURCE
 #include <link.h>
 #include <stddef.h>
@@ -23,6 +23,9 @@ struct dl_find_object {
   void *map_start, *map_end;
   struct link_map* link_map;
   void* eh_frame;
+#ifndef __x86_64__
+  void* eh_dbase;
+#endif
   unsigned long long reserved[7];
 };
 struct search {

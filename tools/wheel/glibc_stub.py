@@ -1,5 +1,5 @@
-"""Writes assembly and version script of a library that stands in for one of glibc when programs are linked: the same names, without what came
-after a version.   glibc_stub.py LIBRARY VERSION OUT    (OUT.s, OUT.map)"""
+"""Writes assembly and version script of a library that stands in for one of glibc when programs are linked: the same names,
+without what came after a version.   glibc_stub.py LIBRARY VERSION OUT    (OUT.s, OUT.map)"""
 
 import re
 import subprocess
@@ -28,14 +28,15 @@ for name, all_versions in sorted(symbols.items()):
     for k, (version, _, kind, size) in enumerate(kept):
         at = "@@" if was_default and k + 1 == len(kept) else "@"
         stub = f"stub{len(versions)}_{len(lines)}"
-        section = {"OBJECT": ".bss", "TLS": ".section .tbss,\"awT\",@nobits"}.get(kind, ".text")
+        section = {"OBJECT": ".bss", "TLS": ".section .tbss,\"awT\",%nobits"}.get(kind, ".text")
         elf_type = {"OBJECT": "object", "TLS": "tls_object"}.get(kind, "function")
-        lines.append(f"{section}\n.globl {stub}\n.type {stub}, @{elf_type}\n.size {stub}, {size}\n{stub}: .skip {max(size, 1) if kind != 'FUNC' else 1}\n"
+        bytes_ = max(size, 1) if section != ".text" else 1
+        lines.append(f"{section}\n.globl {stub}\n.type {stub}, %{elf_type}\n.size {stub}, {size}\n{stub}: .skip {bytes_}\n"
                      f".symver {stub}, {name}{at}{version}, remove\n")
         versions.add(version)
 with open(out + ".s", "w", encoding="ascii") as file:
     file.writelines(lines)
-    file.write('.section .note.GNU-stack,"",@progbits\n')
+    file.write('.section .note.GNU-stack,"",%progbits\n')
 with open(out + ".map", "w", encoding="ascii") as file:
     for k, version in enumerate(sorted(versions, key=number)):
         file.write(f"{version} {{{' local: stub*;' if k == 0 else ''} }};\n")

@@ -2,6 +2,7 @@
 
 DYN_PREFIX    an installed tree to take library, command, header and robots from; without it the checkout is built with CMake.
 DYN_LEVELS    levels that CMake builds then, beside the plain one: ON (v3, v4), native (for this machine), OFF. Default: native.
+DYN_STUBS_LIBRARY  a library that runs here, of whose tables the stubs are written, where the wheel's is for another processor.
 DYN_PLATFORM  the platform in the wheel's name, such as manylinux_2_28_x86_64. Default: this machine.
 """
 

@@ -17,7 +17,8 @@ def files():
     if listed.returncode == 0 and (tree.CHECKOUT / ".git").exists():
         return sorted(name for name in listed.stdout.split("\0") if name and (tree.CHECKOUT / name).is_file())
     every = (f.relative_to(tree.CHECKOUT) for f in tree.CHECKOUT.rglob("*") if f.is_file())
-    return sorted(f.as_posix() for f in every if not set(f.parts) & set(IGNORED) and f.as_posix() not in ("PKG-INFO", "pyproject.toml"))
+    kept = (f.as_posix() for f in every if not set(f.parts) & set(IGNORED))
+    return sorted(name for name in kept if name not in ("PKG-INFO", "pyproject.toml"))  # those at the top
 
 
 def write(out):
@@ -30,12 +31,13 @@ def write(out):
     top = top.replace('backend-path = ["build_backend"]', 'backend-path = ["capi/python/build_backend"]')
     top = top.replace('readme = "README.md"', 'readme = "capi/python/README.md"')
     made = {"PKG-INFO": wheel_file.metadata().encode(), "pyproject.toml": top.encode()}
-    with open(out / name, "wb") as file, gzip.GzipFile("", "wb", fileobj=file, mtime=0) as packed, tarfile.open(fileobj=packed, mode="w") as archive:
-        for path in files():
-            full = tree.CHECKOUT / path
-            add(archive, f"{root}/{path}", full.read_bytes(), full.stat().st_mode & 0o100)
-        for path, data in made.items():
-            add(archive, f"{root}/{path}", data, 0)
+    with open(out / name, "wb") as file, gzip.GzipFile("", "wb", fileobj=file, mtime=0) as packed:
+        with tarfile.open(fileobj=packed, mode="w") as archive:
+            for path in files():
+                full = tree.CHECKOUT / path
+                add(archive, f"{root}/{path}", full.read_bytes(), full.stat().st_mode & 0o100)
+            for path, data in made.items():
+                add(archive, f"{root}/{path}", data, 0)
     return name
 
 

@@ -1,5 +1,5 @@
-"""The folder libdyn of a wheel: the modules of the package, and what they need of an installed libdyn, laid out as that is: bin, include, lib,
-share/dyn."""
+"""The folder libdyn of a wheel: the modules of the package, and what they need of an installed libdyn, laid out as that is: bin,
+include, lib, share/dyn."""
 
 import os
 import re
@@ -51,7 +51,8 @@ def fill(package, prefix):
     """Makes the folder. Of the installed tree only the library has to be there."""
     folders = {file.parent for file in prefix.rglob(SONAME)}
     if len(folders) != 1:
-        raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an installed libdyn.")
+        raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an installed "
+                         "libdyn.")
     libraries = folders.pop()
     package.mkdir(parents=True)
     for file in [*PACKAGE.glob("libdyn/*.py"), PACKAGE / "libdyn/py.typed"]:
@@ -60,7 +61,9 @@ def fill(package, prefix):
     for file in [libraries / SONAME, *libraries.glob(MODULE)]:
         shutil.copyfile(file, package / "lib" / file.name)  # the file, not the link
     if (prefix / "include/dyn.h").is_file():
-        shutil.copytree(prefix / "include", package / "include", ignore=lambda _, names: {n for n in names if not n.startswith("dyn.")})
+        (package / "include").mkdir()
+        for file in prefix.glob("include/dyn.h*"):
+            shutil.copy(file, package / "include")
         (package / "lib/libdyn.so").write_text(LINKED, encoding="ascii")
         for_cmake(package / "lib/cmake/dyn", libraries / "cmake/dyn")
     if (prefix / "bin/dyn").is_file():
@@ -82,8 +85,11 @@ def for_cmake(folder, installed):
 def stubs(package):
     """What type checkers read of the modules that are made of the library's tables."""
     environment = {k: v for k, v in os.environ.items() if k != "DYN_LIBRARY"}
+    if os.environ.get("DYN_STUBS_LIBRARY"):
+        environment["DYN_LIBRARY"] = os.environ["DYN_STUBS_LIBRARY"]
     environment["PYTHONPATH"] = os.pathsep.join(filter(None, sys.path))  # where the build finds numpy
-    subprocess.run([sys.executable, "-B", "-m", "libdyn.stubs", str(package.resolve())], check=True, env=environment, cwd=package.parent)
+    command = [sys.executable, "-B", "-m", "libdyn.stubs", str(package.resolve())]
+    subprocess.run(command, check=True, env=environment, cwd=package.parent)
 
 
 def version():

@@ -1,4 +1,4 @@
-"""A wheel of a folder: metadata, notices, the list of files with their hashes, and the archive, the same bytes for the same files."""
+"""A wheel of a folder: metadata, notices, hashes of the files, and the archive. The same files give the same bytes."""
 
 import base64
 import hashlib
@@ -31,7 +31,8 @@ def project():
 def metadata():
     p = project()
     lines = ["Metadata-Version: 2.1", f"Name: {p['name']}", f"Version: {p['version']}", f"Summary: {p['description']}",
-             f"Keywords: {','.join(p['keywords'])}", f"License: {p['license']['text']}", f"Requires-Python: {p['requires-python']}"]
+             f"Keywords: {','.join(p['keywords'])}", f"License: {p['license']['text']}",
+             f"Requires-Python: {p['requires-python']}"]
     lines += [f"Classifier: {c}" for c in p["classifiers"]]
     lines += [f"Requires-Dist: {d}" for d in p["dependencies"]]
     for extra, needed in p["optional-dependencies"].items():
@@ -51,7 +52,8 @@ def write_metadata(folder):
     info = folder / f"libdyn-{tree.version()}.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text(metadata(), encoding="utf-8")
-    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: libdyn_build\nRoot-Is-Purelib: false\nTag: {tag()}\n", encoding="utf-8")
+    lines = ["Wheel-Version: 1.0", "Generator: libdyn_build", "Root-Is-Purelib: false", f"Tag: {tag()}", ""]
+    (info / "WHEEL").write_text("\n".join(lines), encoding="utf-8")
     return info.name
 
 

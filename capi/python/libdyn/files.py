@@ -1,4 +1,4 @@
-"""What comes beside the library: robots, header, command. The package of a wheel holds them; a checkout and an installed libdyn too."""
+"""What comes beside the library: robots, header, command. A wheel holds them, as a checkout and an installed libdyn do."""
 
 from __future__ import annotations
 

@@ -34,11 +34,13 @@ def test_what_it_holds(wheel):
 def site(wheel, tmp_path_factory):
     """The wheel, installed into a folder; runs a program there, without this checkout."""
     folder = tmp_path_factory.mktemp("installed")
-    subprocess.run([sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(folder / "site"), str(wheel[0])], check=True)
+    command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(folder / "site"), str(wheel[0])]
+    subprocess.run(command, check=True)
     environment = {k: v for k, v in os.environ.items() if k not in ("DYN_LIBRARY", "DYN_CLI", "PYTHONPATH")}
 
     def run(*words):
-        return subprocess.run(words, cwd=folder, env={**environment, "PYTHONPATH": str(folder / "site")}, capture_output=True, text=True)
+        there = {**environment, "PYTHONPATH": str(folder / "site")}
+        return subprocess.run(words, cwd=folder, env=there, capture_output=True, text=True)
 
     return run
 
@@ -110,8 +112,9 @@ def test_source_distribution(tmp_path):
                          env={**os.environ, "PYTHONPATH": str(CAPI / "python/build_backend")}, check=True)
     with tarfile.open(tmp_path / out.stdout.strip()) as archive:
         names = {n.partition("/")[2] for n in archive.getnames()}
-        project = archive.extractfile(next(n for n in archive.getnames() if n.count("/") == 1 and n.endswith("pyproject.toml"))).read().decode()
-    assert {"PKG-INFO", "CMakeLists.txt", "src/model/builder.cpp", "capi/dynamics.cpp", "include/dyn.h", "capi/python/libdyn/model.py"} <= names
+        project = archive.extractfile(f"{archive.getnames()[0].partition('/')[0]}/pyproject.toml").read().decode()
+    assert {"PKG-INFO", "CMakeLists.txt", "src/model/builder.cpp", "capi/dynamics.cpp", "include/dyn.h"} <= names
+    assert {f"capi/python/libdyn/{file.name}" for file in (CAPI / "python/libdyn").glob("*.py")} <= names
     assert 'backend-path = ["capi/python/build_backend"]' in project and 'readme = "capi/python/README.md"' in project
 
 
