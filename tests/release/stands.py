@@ -37,7 +37,8 @@ for file in (page, view):
     text = file.read_text(encoding="utf-8")
     assert len(text) > 300_000 and 'id="dyn-head"' in text, file
 
-result = dyn.accuracy.sweep(dyn.models / "robots/double_pendulum.urdf", base="fixed", q=[1.2, 0.4], duration=0.2, budget="5s")
+pendulum = dyn.models / "robots/double_pendulum.urdf"
+result = dyn.accuracy.sweep(pendulum, base="fixed", q=[1.2, 0.4], duration=0.2, target="1e-3m", budget="5s")
 assert result["recommended"] and len(result["points"]) > 5
 
 # the module of meshes, and libccd
@@ -50,6 +51,7 @@ page.with_name("corner.stl").write_text(cube, encoding="ascii")
 mesh = dyn.load_mesh(page.with_name("corner.stl"))
 assert abs(mesh.info.volume - 1 / 6) < 1e-12 and len(mesh.hull().vertices) == 4
 tube, box = ("cylinder", (0.5, 1)), ("box", (1, 1, 1))
-near = dyn.geometry_distance(tube, (np.eye(3), [0, 0, 0]), box, (np.eye(3), [0.9, 0.1, 0.05]), method="ccd")  # an error without libccd
+# an error without libccd
+near = dyn.geometry_distance(tube, (np.eye(3), [0, 0, 0]), box, (np.eye(3), [0.9, 0.1, 0.05]), method="ccd")
 assert abs(near.distance + 0.1) < 1e-6, near
 print(f"{page.name}: {page.stat().st_size} bytes; {len(result['points'])} settings swept; a mesh and its hull, libccd: fine")

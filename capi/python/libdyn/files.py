@@ -14,7 +14,7 @@ _PACKAGE = Path(__file__).resolve().parent
 
 def _prefixes() -> list[Path]:
     """Folders that may hold bin, include or share/dyn: the package, then those above the library."""
-    return [_PACKAGE, *Path(library_path).resolve().parents[:4]]
+    return [_PACKAGE, *list(Path(library_path).resolve().parents)[:4]]  # slices of parents: from Python 3.10 on
 
 
 def _first(*places: Path) -> Path | None:
