@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import CAPI, MODELS
 
+import libdyn as dyn
 from libdyn import stubs
 
 def test_what_it_holds(wheel):
@@ -19,7 +20,7 @@ def test_what_it_holds(wheel):
     with zipfile.ZipFile(file) as z:
         names = set(z.namelist())
         metadata = next(z.read(n).decode() for n in names if n.endswith("METADATA"))
-    assert re.fullmatch(r"libdyn-[\d.]+-py3-none-(linux|macosx)_\w+\.whl", file.name)
+    assert re.fullmatch(rf"libdyn-{re.escape(dyn.__version__)}-py3-none-(linux|macosx)_\w+\.whl", file.name)
     assert ({n for n in names if n.startswith("libdyn/lib/lib")}
             == {f"libdyn/lib/{p.relative_to(installed)}" for p in installed.rglob("*.so*")} | {"libdyn/lib/libdyn.so"})
     assert "libdyn/lib/libdyn.so.1" in names
