@@ -20,9 +20,10 @@ fi
 rm -rf "$folder/site"
 mkdir "$folder/site"
 python3 -m zipfile -e "$wheel" "$folder/site"
+chmod +x "$folder/site/libdyn/bin/dyn"  # which zipfile leaves out
 run() { qemu-aarch64 -L "$folder/root" -E PYTHONPATH="$folder/site:$folder/root/site" "$@"; }
 cd "$folder"
 run "root/usr/bin/python$python" "$here/stands.py" page.html --no-command
-run site/libdyn/bin/dyn sim site/libdyn/share/dyn/models/scenes/go2_stands.xml --configuration standing --duration 0.5 --html page.html | head -n 2
+run site/libdyn/bin/dyn sim site/libdyn/share/dyn/models/scenes/go2_stands.xml --configuration standing --duration 0.2 --html page.html >dyn.log
 grep -q 'id="dyn-head"' page.html
 echo "page.html: $(stat -c %s page.html) bytes"
