@@ -79,6 +79,7 @@ from .errors import (
     UnsupportedError,
 )
 from .evaluation import Centroidal
+from .files import models
 from .inertia import (
     body_regressor,
     is_physically_consistent,
@@ -120,7 +121,7 @@ __all__ = [
     "body_regressor", "build_info", "constraint", "contact_compliance", "contact_compliance_hertz", "contact_problem_qp",
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
     "is_physically_consistent", "last_error", "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters",
-    "log_cholesky_jacobian", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia", "pseudo_inertia_from_parameters",
-    "spatial", "view",
+    "log_cholesky_jacobian", "models", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia",
+    "pseudo_inertia_from_parameters", "spatial", "view",
 ]  # fmt: skip
 __all__ += enums.__all__

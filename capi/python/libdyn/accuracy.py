@@ -9,26 +9,16 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .errors import ArgumentError, Error, FileError, LibraryError
-from .library import path as library_path
+from .errors import ArgumentError, Error, FileError
+from .files import command
 
 _MARKS = "osD^v<>ph*"
-
-
-def command() -> str:
-    """The command `dyn`: of DYN_CLI, beside the library, or in PATH."""
-    beside = [folder / "bin" / "dyn" for folder in Path(library_path).resolve().parents[:4]]
-    found = os.environ.get("DYN_CLI") or next((str(f) for f in beside if f.is_file()), None) or shutil.which("dyn")
-    if not found:
-        raise LibraryError("the command dyn was not found: install it, or set DYN_CLI to its file.")
-    return found
 
 
 def _words(key: str, x: Any) -> list[str]:

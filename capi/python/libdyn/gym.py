@@ -22,6 +22,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from .builder import Builder
+from .files import models
 from .loading import load
 from .model import Model
 from .simulate import Simulation
@@ -55,13 +56,6 @@ ROBOTS = {
 }
 
 
-def robot_file(name: str) -> Path:
-    """File of a robot, in the package or in its checkout."""
-    package = Path(__file__).resolve().parent
-    packaged = package / "models" / f"{name}.urdf"
-    return packaged if packaged.is_file() else package.parents[2] / "models" / "robots" / f"{name}.urdf"
-
-
 class Task:
     """The rules, for N robots at once: a row each."""
 
@@ -69,7 +63,7 @@ class Task:
         if name not in ROBOTS:
             raise ValueError(f"robot is {name!r}, but must be one of {', '.join(ROBOTS)}.")
         self.robot = ROBOTS[name]
-        bare = load(robot_file(name), base="floating")
+        bare = load(models / "robots" / f"{name}.urdf", base="floating")
         builder = Builder.from_model(bare).add_shape("universe", "half_space", name="floor")
         driven = [j for j in bare.joints[2:] if j.nv == 1 and j.mimic_leader < 0]
         for j in driven:

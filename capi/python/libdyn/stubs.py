@@ -1,6 +1,6 @@
 """Writes what type checkers and editors see of the modules that are made of the library's tables: python -m libdyn.stubs [FOLDER]
 
-setup.py does this when it builds the package, with the library that goes into it.
+capi/python/build_backend does this when it builds the package, with the library that goes into it.
 """
 
 from __future__ import annotations

@@ -68,21 +68,27 @@ def bench_problem(name):
 
 @pytest.fixture(scope="session")
 def wheel(tmp_path_factory):
-    """The wheel of the checkout, and the libraries that it was built from."""
-    missing = [name for name in ("setuptools", "wheel", "pip") if not importlib.util.find_spec(name)]
-    if missing:
-        pytest.skip(f"{', '.join(missing)} not installed")
-    if not (CAPI / "python/setup.py").is_file():
+    """The wheel of the checkout, and the folder of the libraries that it was built from."""
+    if not importlib.util.find_spec("pip"):
+        pytest.skip("pip is not installed")
+    if not (CAPI / "python/build_backend").is_dir():
         pytest.skip("not a checkout")
     work = tmp_path_factory.mktemp("wheel")
     checkout = work / "checkout"  # of what the build reads, so that nothing is written beside the sources
     shutil.copytree(CAPI / "python", checkout / "capi/python", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
-    shutil.copytree(CAPI.parent / "models/robots", checkout / "models/robots")
+    shutil.copytree(CAPI.parent / "models", checkout / "models")
+    shutil.copy(CAPI.parent / "LICENSE", checkout)
     library = Path(dyn.library_path).resolve().parent
-    installed = work / "prefix/lib"  # a tree with this library alone
+    installed = work / "prefix/lib"  # a tree with this library, its command and its header
     installed.mkdir(parents=True)
     for file in [*library.glob("libdyn.so.1"), *library.glob("libdyn_mesh.so")]:
         shutil.copy(file, installed / file.name)
+    (work / "prefix/bin").mkdir()
+    try:
+        shutil.copy(dyn.accuracy.command(), work / "prefix/bin/dyn")
+    except dyn.LibraryError:
+        pass  # not built
+    shutil.copytree(CAPI.parent / "include", work / "prefix/include")
     command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(work),
                str(checkout / "capi/python")]
     subprocess.run(command, check=True, env={**os.environ, "DYN_PREFIX": str(work / "prefix")}, cwd=work)

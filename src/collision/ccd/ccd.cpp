@@ -33,10 +33,14 @@ void first_direction(const void*, const void*, ccd_vec3_t* out) { store3(Vec::ma
 
 using Penetration = decltype(&ccdGJKPenetration);
 
+#ifdef DYN_CCD_LINKED
+Penetration open() { return ccdGJKPenetration; }
+#else
 Penetration open() {
   void* library = dlopen("libccd.so.2", RTLD_NOW | RTLD_LOCAL);
   return library ? reinterpret_cast<Penetration>(dlsym(library, "ccdGJKPenetration")) : nullptr;
 }
+#endif
 Penetration penetration() {
   static const Penetration function = open();
   return function;

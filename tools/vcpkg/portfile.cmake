@@ -1,0 +1,10 @@
+# An overlay port: vcpkg install libdyn --overlay-ports=tools/vcpkg. Written after vcpkg's rules; not run so far.
+set(SOURCE_PATH ${CURRENT_PORT_DIR}/../..)
+vcpkg_check_linkage(ONLY_DYNAMIC_LIBRARY)
+vcpkg_cmake_configure(SOURCE_PATH ${SOURCE_PATH} OPTIONS -DDYN_TESTS=OFF -DDYN_VIEWER=OFF)
+vcpkg_cmake_install()
+vcpkg_cmake_config_fixup(PACKAGE_NAME dyn CONFIG_PATH lib/cmake/dyn)
+vcpkg_copy_tools(TOOL_NAMES dyn AUTO_CLEAN)
+vcpkg_fixup_pkgconfig()
+file(REMOVE_RECURSE ${CURRENT_PACKAGES_DIR}/debug/include ${CURRENT_PACKAGES_DIR}/debug/share)
+vcpkg_install_copyright(FILE_LIST ${SOURCE_PATH}/LICENSE)
