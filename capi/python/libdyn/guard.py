@@ -90,9 +90,9 @@ def guarded(cls: type) -> None:
     for name in {name for base in cls.__mro__[:-1] for name in vars(base) if not name.startswith("_")}:
         found = inspect.getattr_static(cls, name)
         if isinstance(found, property):
-            parts = [part and wrapped(part) for part in (found.fget, found.fset)]
-            if parts != [found.fget, found.fset]:
-                setattr(cls, name, property(*parts, doc=found.__doc__))
+            get, put = (part and wrapped(part) for part in (found.fget, found.fset))
+            if (get, put) != (found.fget, found.fset):
+                setattr(cls, name, property(get, put, None, found.__doc__))
         elif inspect.isfunction(found):
             made = wrapped(found)
             if made is not found:

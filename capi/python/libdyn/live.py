@@ -17,7 +17,8 @@ import time
 import webbrowser
 from collections import deque
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import TYPE_CHECKING, Any, BinaryIO, overload
+from io import BufferedIOBase
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -43,7 +44,7 @@ def _frame(payload: bytes, opcode: int) -> bytes:
     return bytes([0x80 | opcode]) + size + payload
 
 
-def _message(file: BinaryIO) -> tuple[int, bytes] | None:
+def _message(file: BufferedIOBase) -> tuple[int, bytes] | None:
     """A message of a client, in one frame as pages send them; None: it is gone, or says something else."""
     begin = file.read(2)
     if len(begin) < 2 or not begin[0] & 0x80 or not begin[1] & 0x80:
@@ -143,8 +144,8 @@ class Viewer:
     thread that calls run or sync.
     """
 
-    def __init__(self, simulation: Simulation, controller: Controller | None = None, *, every: int = 1, returns: str | None = None,
-                 open: bool = True, port: int = 0):
+    def __init__(self, simulation: Simulation, controller: Controller | None = None, *, every: int = 1,
+                 returns: str | None = None, open: bool = True, port: int = 0):
         self.simulation, self.controller, self.every, self.returns = simulation, controller, every, returns
         self.word = secrets.token_hex(16)
         self.paused, self.speed = False, 1.0

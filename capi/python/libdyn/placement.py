@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,19 +122,24 @@ class Placement(_Pair):
 
     def interpolate(self, other: Placement, u: ArrayLike) -> Placement:
         """This one at u = 0, the other at u = 1, with a constant body velocity between: one placement for each number of u."""
-        return self @ spatial.exp6(np.asarray(u, np.float64)[..., None] * (self.inverse() @ other).log())
+        way = self.inverse() @ other
+        return self @ spatial.exp6(np.asarray(u, np.float64)[..., None] * way.log())
 
     def is_close(self, other: Placement, tolerance: float = 1e-9) -> bool:
         """Whether no number of the two differs by more than tolerance."""
         return all(bool(np.all(np.abs(np.asarray(a) - b) <= tolerance)) for a, b in zip(self, other))
 
+    @overload
+    def __matmul__(self, other: Placement) -> Placement: ...
+    @overload
+    def __matmul__(self, other: ArrayLike) -> Numbers: ...
     def __matmul__(self, other: Any) -> Any:
         if isinstance(other, Placement):
             return Placement(self.rotation @ other.rotation, self.act(other.translation))
         if np.shape(other)[-1:] == (3,):
             return self.act(other)
-        raise TypeError(f"@ takes a Placement or points (..., 3), but its right side has shape {np.shape(other)}: make a Placement of a "
-                        "4 x 4 matrix by Placement.from_matrix; act_motion and act_force take 6 numbers.")  # fmt: skip
+        raise TypeError(f"@ takes a Placement or points (..., 3), but its right side has shape {np.shape(other)}: make a "
+                        "Placement of a 4 x 4 matrix by Placement.from_matrix; act_motion and act_force take 6 numbers.")
 
     def __rmatmul__(self, other: Any) -> NoReturn:
         raise TypeError("the left side of @ must be a Placement: Placement.from_matrix makes one, placement.matrix is an array.")
@@ -142,7 +147,7 @@ class Placement(_Pair):
     def _no_sum(self, other: Any) -> NoReturn:
         raise TypeError(_NO_SUM)
 
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = _no_sum  # type: ignore[assignment]
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = _no_sum
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, tuple) and len(other) == 2 and all(map(np.array_equal, self, other))
@@ -154,4 +159,5 @@ class Placement(_Pair):
 
 
 def _turned(R: Any, x: Numbers) -> Numbers:
-    return (R @ x[..., None])[..., 0]
+    out: Numbers = (R @ x[..., None])[..., 0]
+    return out

@@ -52,8 +52,8 @@ class Recording:
     >>> recording.q.shape == (len(recording.t), sim.model.nq)
     True
 
-    Arrays have a row for each moment: t, q, v, tau, ctrl, actuator_force, energy; sensors is {name: rows}, contacts a list for each.
-    to_html writes a page, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
+    Arrays have a row for each moment: t, q, v, tau, ctrl, actuator_force, energy; sensors is {name: rows}, contacts a list for
+    each. to_html writes a page, to_csv and to_parquet tables. A notebook shows the page.
     """
 
     def __init__(self, simulation: Simulation, every: int):
@@ -101,12 +101,12 @@ class Recording:
     def note(self, simulation: Simulation) -> None:
         """Adds the moment that is."""
         d, m = simulation.data, self.model
-        report = d.step_report
+        report, energy = d.step_report, d.energy()
         sensors = np.array(simulation.sensors.values_of_all()) if m.nsensordata else np.empty(0)
         self._moments.append(_Moment(
-            simulation.time, d.q.copy(), d.v.copy(), d.tau_applied.copy(), d.field("ctrl").copy(), d.field("actuator_force").copy(),
-            tuple(d.energy()), (report.residual, report.penetration, report.iterations), sensors, d.step_contacts(),
-            d.field("act").copy(),
+            simulation.time, d.q.copy(), d.v.copy(), d.tau_applied.copy(), d.field("ctrl").copy(),
+            d.field("actuator_force").copy(), (energy.kinetic, energy.potential),
+            (report.residual, report.penetration, report.iterations), sensors, d.step_contacts(), d.field("act").copy(),
         ))  # fmt: skip
 
     def _rows(self, name: str) -> Numbers:
@@ -189,8 +189,8 @@ class Recording:
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes table() as Parquet (package pyarrow)."""
         try:
-            import pyarrow
-            import pyarrow.parquet as parquet
+            import pyarrow  # type: ignore[import-not-found, unused-ignore]
+            import pyarrow.parquet as parquet  # type: ignore[import-not-found, unused-ignore]
         except ImportError:
             raise UnsupportedError("to_parquet needs pyarrow: pip install pyarrow.") from None
         parquet.write_table(pyarrow.table(self.table()), os.fspath(path))

@@ -1,4 +1,4 @@
-"""Rotations, SO(3), and placements, SE(3): exponentials, logarithms, Jacobians, quaternions and angles, of arrays of them at once.
+"""Rotations, SO(3), and placements, SE(3): exponentials, logarithms, Jacobians, quaternions and angles, over arrays of them.
 
 Leading axes are those of an array: a rotation vector (..., 3), a matrix (..., 3, 3), a twist (..., 6) = [linear; angular], a
 quaternion (..., 4) = (x, y, z, w). Names and sides are Pinocchio's: exp6(m + dm) = exp6(m) @ exp6(Jexp6(m) dm) with the right
@@ -123,7 +123,8 @@ def matrix_to_quaternion(R: ArrayLike) -> Numbers:
     largest = np.argmax(np.diagonal(candidates, axis1=-2, axis2=-1), axis=-1)  # Shepperd 1978
     q = np.take_along_axis(candidates, largest[..., None, None], -2)[..., 0, :]
     q = q / np.linalg.norm(q, axis=-1, keepdims=True)
-    return np.where(q[..., 3:] < 0, -q, q)
+    out: Numbers = np.where(q[..., 3:] < 0, -q, q)
+    return out
 
 
 def rpy_to_matrix(rpy: ArrayLike) -> Numbers:
