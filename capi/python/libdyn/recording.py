@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .enums import ActuatorType, Part, Transmission
+from .enums import ActuatorType, FrameType, Part, Transmission
 from .errors import ArgumentError, UnsupportedError
+from .library import version
 
 if TYPE_CHECKING:
     from .arrays import Numbers
@@ -53,7 +55,7 @@ class Recording:
     True
 
     Arrays have a row for each moment: t, q, v, tau, ctrl, actuator_force, energy; sensors is {name: rows}, contacts a list for
-    each. to_html writes a page, to_csv and to_parquet tables. A notebook shows the page.
+    each. to_html writes a page, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
     """
 
     def __init__(self, simulation: Simulation, every: int):
@@ -194,6 +196,39 @@ class Recording:
         except ImportError:
             raise UnsupportedError("to_parquet needs pyarrow: pip install pyarrow.") from None
         parquet.write_table(pyarrow.table(self.table()), os.fspath(path))
+
+    def to_mcap(self, path: str | os.PathLike[str]) -> None:
+        """Writes a log that Foxglove and Rerun open (package mcap): /moment, the rows of table() as JSON, and /tf, the
+        placements of links."""
+        try:
+            from mcap.writer import Writer  # type: ignore[import-not-found, unused-ignore]
+        except ImportError:
+            raise UnsupportedError("to_mcap needs mcap: pip install mcap.") from None
+        table, data = self.table(), self.model.data(Part.FRAMES)
+        links = [f for f in self.model.frames if f.type == FrameType.BODY]
+        with open(path, "wb") as file:
+            log = Writer(file)
+            log.start(library=f"libdyn {version}")
+            channels = {}
+            for topic, name in (("/moment", "libdyn.Moment"), ("/tf", "foxglove.FrameTransforms")):
+                schema = log.register_schema(name=name, encoding="jsonschema", data=b'{"type": "object"}')
+                channels[topic] = log.register_channel(schema_id=schema, topic=topic, message_encoding="json")
+            for k, moment in enumerate(self._moments):
+                ns = round(1e9 * moment.t)
+                data.forward_kinematics(moment.q)
+                every = data.frame_placements()
+                quaternions = every.quaternion
+                stamp = {"sec": ns // 10**9, "nsec": ns % 10**9}
+                transforms = [
+                    {"timestamp": stamp, "parent_frame_id": "world", "child_frame_id": f.name,
+                     "translation": dict(zip("xyz", every.translation[f.id].tolist())),
+                     "rotation": dict(zip("xyzw", quaternions[f.id].tolist()))}
+                    for f in links
+                ]  # fmt: skip
+                row = {name: column[k].item() for name, column in table.items()}
+                for topic, message in (("/moment", row), ("/tf", {"transforms": transforms})):
+                    log.add_message(channel_id=channels[topic], log_time=ns, publish_time=ns, data=json.dumps(message).encode())
+            log.finish()
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Writes a page that plays the recording and needs nothing else. Needs the command dyn."""

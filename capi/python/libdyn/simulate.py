@@ -262,7 +262,8 @@ class Simulation:
             shape = np.shape(x)
             if m.nu == m.nv:
                 raise ArgumentError(f"the controller returned an array, but model {m.name!r} has as many controls as degrees "
-                                    f'of freedom, {m.nv}: return {{"tau": x}} or {{"ctrl": x}}, or give run returns="tau" or "ctrl".')
+                                    f'of freedom, {m.nv}: return {{"tau": x}} or {{"ctrl": x}}, or give run returns="tau" or '
+                                    '"ctrl".')
             if m.nu and shape not in ((m.nu,), (m.nv,)):
                 raise SizeError(f"the controller returned shape {shape}, but controls of model {m.name!r} have shape "
                                 f"({m.nu},), torques ({m.nv},).")

@@ -111,6 +111,27 @@ def test_parquet(tmp_path):
     assert np.array_equal(parquet.read_table(tmp_path / "r.parquet")["t"], r.t)
 
 
+def test_mcap(tmp_path):
+    sim = ball()
+    r = sim.record()
+    sim.run(0.1)
+    try:
+        from mcap.reader import make_reader
+    except ImportError:
+        with pytest.raises(dyn.UnsupportedError, match="pip install mcap"):
+            r.to_mcap(tmp_path / "r.mcap")
+        return
+    r.to_mcap(tmp_path / "r.mcap")
+    with open(tmp_path / "r.mcap", "rb") as file:
+        messages = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in make_reader(file).iter_messages()]
+    rows = [x for topic, _, x in messages if topic == "/moment"]
+    assert [x["t"] for x in rows] == r.t.tolist()
+    assert [t for topic, t, _ in messages if topic == "/tf"] == [round(1e9 * t) for t in r.t]
+    last = [x for topic, _, x in messages if topic == "/tf"][-1]["transforms"]
+    (seen,) = [x for x in last if x["child_frame_id"] == "ball"]
+    assert list(seen["translation"].values()) == pytest.approx(r.q[-1, :3].tolist(), abs=1e-12)
+
+
 def unpacked(numbers, x):
     """What the page's reader makes of {at, n, as}."""
     if x["as"] == "q16":
