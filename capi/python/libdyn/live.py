@@ -18,18 +18,15 @@ import webbrowser
 from collections import deque
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from io import BufferedIOBase
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import page
 from .errors import ArgumentError, Error
-from .model import Model
-from .recording import Recording
-from .simulate import Simulation
 
 if TYPE_CHECKING:
-    from .simulate import Controller
+    from .simulate import Controller, Simulation
 
 _MAGIC = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455
 _LARGEST = 65536
@@ -307,32 +304,3 @@ def show(address: str, open: bool) -> None:
     screen = sys.platform in ("darwin", "win32") or any(os.environ.get(x) for x in ("BROWSER", "DISPLAY", "WAYLAND_DISPLAY"))
     if not (open and screen and webbrowser.open(address)):
         print(f"libdyn: open {address}", file=sys.stderr)
-
-
-@overload
-def view(what: Simulation, controller: Controller | None = None, *, open: bool = True) -> Viewer: ...
-@overload
-def view(what: Model | Recording, *, path: str | os.PathLike[str] | None = None, open: bool = True) -> str: ...
-
-
-def view(what: Model | Simulation | Recording, controller: Controller | None = None, *,
-         path: str | os.PathLike[str] | None = None, open: bool = True) -> Viewer | str:
-    """Opens a page in a browser: of a model with joints to be moved, of a recording that plays, or of a simulation that goes on.
-
-    path   of models and recordings: where the page is written; default: the temporary folder. Returned
-    open   False: opens no browser
-
-    Of a simulation it returns a Viewer: run() steps in real time with the controller, sync() shows a loop of one's own.
-    """
-    if isinstance(what, Simulation):
-        return Viewer(what, controller, open=open)
-    if isinstance(what, Recording):
-        text = what._page()
-    elif isinstance(what, Model):
-        text = page.still(what, what.configuration(what.initial_configuration))
-    else:
-        raise ArgumentError(f"view takes a Model, a Simulation or a Recording, but was given {what!r}.")
-    file = page.write(text, path)
-    if open:
-        show("file://" + os.path.abspath(file), open)
-    return file

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import native
+from .describe import coordinate_names
 from .enums import Part
 from .errors import Error, FileError, UnsupportedError
 from .placement import Placement
@@ -142,8 +143,6 @@ class Poses:
 
 def recorded(model: Model, recording: Recording) -> str:
     """The page that plays a recording."""
-    from .recording import coordinate_names
-
     page = still(model, recording.q[0])
     head, numbers = read(page)
     keep, notes = _kept(recording, head["notes"])

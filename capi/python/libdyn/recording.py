@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from . import page
+from .describe import coordinate_names
 from .enums import ActuatorType, FrameType, Part, Transmission
 from .errors import ArgumentError, UnsupportedError
 from .library import version
@@ -32,16 +34,6 @@ class _Moment(NamedTuple):
     sensors: Numbers
     contacts: list[ContactForce]
     act: Numbers
-
-
-def coordinate_names(model: Model, of_q: bool) -> list[str]:
-    """Names of the numbers of q (or v): the joint's, with a number behind it where it has several."""
-    out = [""] * (model.nq if of_q else model.nv)
-    for j in model.joints[1:]:
-        first, n = (j.idx_q, j.nq) if of_q else (j.idx_v, j.nv)
-        for k in range(n):
-            out[first + k] = f"{j.name}[{k}]" if n > 1 else j.name
-    return out
 
 
 class Recording:
@@ -75,8 +67,6 @@ class Recording:
         return f"<dyn.Recording of {self.model.name!r}: {len(self)} moments{times}>"
 
     def _repr_html_(self) -> str:
-        from . import page
-
         return page.in_notebook(self._page) or f"<b>{repr(self)[1:-1]}</b>"
 
     def __len__(self) -> int:
@@ -237,8 +227,6 @@ class Recording:
             file.write(text)
 
     def _page(self) -> str:
-        from . import page
-
         if not len(self):
             raise ArgumentError("the recording has no moments.")
         return page.recorded(self.model, self)

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Union
 
 import numpy as np
 
+from . import page
 from .choices import whole
 from .data import adopted
 from .enums import JointType
 from .errors import ArgumentError, SizeError, StaleError, UnknownNameError
+from .live import Viewer
 from .loading import load
 from .model import Model
 from .recording import Recording
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
     from .arrays import Numbers
     from .data import Data
     from .enums import BaseLike, EffectLike, IntegratorLike
-    from .live import Viewer
     from .simulation import ContactForce
 
 Controller = Callable[["Simulation"], Any]
@@ -140,8 +141,6 @@ class Simulation:
         return f"<dyn.Simulation of {self.model.name!r}: t {self.time:g} s, dt {self.dt:g} s>"
 
     def _repr_html_(self) -> str:
-        from . import page
-
         return page.in_notebook(lambda: page.still(self.model, self.q)) or self.data._repr_html_()
 
     def __copy__(self) -> Simulation:
@@ -331,6 +330,4 @@ class Simulation:
         port: int = 0,
     ) -> Viewer:
         """Opens a live page of this simulation: see dyn.view."""
-        from .live import Viewer
-
         return Viewer(self, controller, every=every, returns=returns, open=open, port=port)
