@@ -329,6 +329,17 @@ def test_others_are_refused(viewer, given, status):
     assert Client(viewer, **given).status == status
 
 
+def test_a_page_that_reads_nothing_is_dropped(viewer):
+    page_ = Client(viewer)
+    while not viewer._pages:
+        time.sleep(0.01)
+    began = time.monotonic()
+    while viewer._pages and time.monotonic() - began < 30:
+        viewer._send(bytes(200_000), 2)
+    assert not viewer._pages and time.monotonic() - began < 20
+    page_.socket.close()
+
+
 def test_what_is_no_message(viewer):
     """Bytes that are no WebSocket message end that page's connection alone."""
     bad = Client(viewer)
