@@ -92,7 +92,7 @@ from .inertia import (
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
-from .live import Viewer, view
+from .live import Viewer
 from .loading import load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
@@ -104,6 +104,7 @@ from .sensor import Sensor
 from .simulation import ContactForce, ErrorLedger, StepReport
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo, FieldInfo
 from .tendon import Tendon, TendonElement, TendonPath
+from .viewing import view
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 

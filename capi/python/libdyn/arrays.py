@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import weakref
 from collections.abc import Mapping
 from typing import Any, Callable, NoReturn, Union
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import ArgumentError, SizeError
-from .placement import Placement
+from .placement import Placement as Placement
 
 F64 = np.dtype(np.float64)
 Numbers = NDArray[np.float64]
@@ -25,10 +24,10 @@ class Owner:
 
     __slots__ = ("__weakref__", "address", "free", "keep")
 
-    def __init__(self, address: int, free, keep: Any = None):
+    def __init__(self, address: int, free: Any, keep: Any = None):
         self.address, self.free, self.keep = address, free, keep
 
-    def __del__(self):
+    def __del__(self) -> None:
         self.free(self.address)
 
 
@@ -46,7 +45,7 @@ class ReadOnly(np.ndarray):
     def _refused(self, other: Any) -> NoReturn:
         raise ArgumentError(self.hint)
 
-    __iadd__ = __isub__ = __imul__ = __itruediv__ = __ipow__ = _refused  # type: ignore[assignment]
+    __iadd__ = __isub__ = __imul__ = __itruediv__ = __ipow__ = _refused
 
     def copy(self, order: Any = "C") -> Any:
         return np.array(self, order=order)
@@ -87,7 +86,7 @@ def address(a: np.ndarray | None) -> int | None:
     return None if a is None else a.__array_interface__["data"][0]
 
 
-def slot(shape: tuple[int, ...], name: str, model: weakref.ref) -> Callable[[Any], int | None]:
+def slot(shape: tuple[int, ...], name: str, model: Callable[[], Any]) -> Callable[[Any], int | None]:
     """A function that copies an argument into a buffer of its own and returns the buffer's address (None: None).
 
     Copying costs less than asking numpy for the address of an array in each call.
@@ -95,7 +94,7 @@ def slot(shape: tuple[int, ...], name: str, model: weakref.ref) -> Callable[[Any
     buffer = np.zeros(shape, order="F")
     start = address(buffer)
 
-    def put(x):
+    def put(x: Any) -> int | None:
         if x is None:
             return None
         if type(x) is not np.ndarray and type(x) is not ReadOnly:
@@ -154,7 +153,7 @@ def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owne
         empty.flags.writeable = False
         return empty
     extent = 1 + sum((n - 1) * s for n, s in zip(shape, strides))
-    memory = (ctypes.c_double * extent).from_address(start)
+    memory: Any = (ctypes.c_double * extent).from_address(start)
     memory._owner = owner
     array = ReadOnly(shape, F64, memory, strides=tuple(8 * s for s in strides[: len(shape)]))
     array.flags.writeable = False

@@ -44,7 +44,10 @@ _REFERENCES: dict[Any, int] = {key: int(r) for r in Reference for key in (r, r.n
 
 def reference(value: Any) -> int:
     """A dyn.Reference, most often by its name."""
-    found = _REFERENCES.get(value)
+    try:
+        found = _REFERENCES.get(value)
+    except TypeError:  # an array, as of who gives q here
+        found = None
     return member(Reference, value, "reference") if found is None else found
 
 

@@ -201,3 +201,13 @@ class Description(ModelHandle):
             check(lib.dyn_model_report_entry(self._m, i, byref(entry)))
             entries.append(ReportEntry(kind(ReportLevel, entry.level), in_python(string(entry.message)), entry.line))
         return tuple(entries)
+
+
+def coordinate_names(model: Description, of_q: bool) -> list[str]:
+    """Names of the numbers of q (or v): the joint's, with a number behind it where it has several."""
+    out = [""] * (model.nq if of_q else model.nv)
+    for j in model.joints[1:]:
+        first, n = (j.idx_q, j.nq) if of_q else (j.idx_v, j.nv)
+        for k in range(n):
+            out[first + k] = f"{j.name}[{k}]" if n > 1 else j.name
+    return out

@@ -30,7 +30,8 @@ _SET = {
     "tau_applied": "data.tau_applied = x, or Simulation.step(tau=x)", "world_gravity": "data.set_gravity(x)",
     "mocap": "data.set_mocap(name, translation, rotation)",
 }  # fmt: skip
-_TAU = "tau is the result of Data.rnea. Forces that act in steps are tau_applied: write data.tau_applied = x, or Simulation.step(tau=x)."
+_TAU = ("tau is the result of Data.rnea. Forces that act in steps are tau_applied: write data.tau_applied = x, or "
+        "Simulation.step(tau=x).")
 
 
 def _hint(name: str) -> str:

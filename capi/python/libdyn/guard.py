@@ -58,20 +58,20 @@ def _held(f: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _recorded(f: Callable[..., Any]) -> Callable[..., Any]:
-    name, signature = f.__name__, inspect.signature(f)
+    name, parameters = f.__name__, list(inspect.signature(f).parameters.values())[1:]
     subject, all_of_them = SETTINGS[name]
+    place = next((k for k, p in enumerate(parameters) if p.name == subject), None)
 
     @functools.wraps(f)
     def call(self: Any, *args: Any, **named: Any) -> Any:
-        given = signature.bind(self, *args, **named)
-        given.apply_defaults()
-        if name == "anchor_constraint" and given.arguments["q"] is None:
-            given.arguments["q"] = self.q
-        out = f(*given.args)
-        of = given.arguments.get(subject)
+        out = f(self, *args, **named)
+        given = args + tuple(named.get(p.name, p.default) for p in parameters[len(args) :])
+        if name == "anchor_constraint" and given[1] is None:
+            given = given[0], self.q
+        of = None if place is None else given[place]
         for key in [k for k in self._settings if k[0] == name and (k[1] == of or of == all_of_them)]:
             del self._settings[key]  # what comes last is done last
-        self._settings[name, of] = copy.deepcopy(given.args[1:])
+        self._settings[name, of] = tuple(copy.copy(x) for x in given)
         return out
 
     return call
@@ -90,9 +90,9 @@ def guarded(cls: type) -> None:
     for name in {name for base in cls.__mro__[:-1] for name in vars(base) if not name.startswith("_")}:
         found = inspect.getattr_static(cls, name)
         if isinstance(found, property):
-            parts = [part and wrapped(part) for part in (found.fget, found.fset)]
-            if parts != [found.fget, found.fset]:
-                setattr(cls, name, property(*parts, doc=found.__doc__))
+            get, put = (part and wrapped(part) for part in (found.fget, found.fset))
+            if (get, put) != (found.fget, found.fset):
+                setattr(cls, name, property(get, put, None, found.__doc__))
         elif inspect.isfunction(found):
             made = wrapped(found)
             if made is not found:

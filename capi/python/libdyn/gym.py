@@ -1,10 +1,12 @@
 """Gymnasium environments (package gymnasium): a quadruped and a humanoid that are to walk along x on a floor, and files.
 
-    import gymnasium, libdyn.gym                           # the import registers dyn/Go2-v0, dyn/Humanoid-v0 and dyn/Model-v0
-    env = gymnasium.make("dyn/Go2-v0")
-    env = gymnasium.make("dyn/Model-v0", model="scene.xml", key="home", frame_skip=5)
-    envs = libdyn.gym.WalkVectorEnv("go2", 1024, threads=8)   # or gymnasium.make_vec("dyn/Go2-v0", 1024,
+    import gymnasium                                       # after `import libdyn.gym` "dyn/Go2-v0" alone is an id
+    env = gymnasium.make("libdyn.gym:dyn/Go2-v0")          # or dyn/Humanoid-v0, dyn/Model-v0
+    env = gymnasium.make("libdyn.gym:dyn/Model-v0", model="scene.xml", key="home", frame_skip=5)
+    envs = libdyn.gym.WalkVectorEnv("go2", 1024, threads=8)   # or gymnasium.make_vec("libdyn.gym:dyn/Go2-v0", 1024,
     vectorization_mode="vector_entry_point")
+
+    recording = env.unwrapped.simulation.record()          # until the next reset; then recording.to_html("go2.html")
 
 An action is what each servo's target is away from the stance, -1 to 1; an observation is the base's height, gravity's direction
 in its axes, the joints' positions less the stance, v, and the last action. Environment k of a vector environment with seed s is

@@ -6,126 +6,26 @@ The server listens on the loopback interface alone, its address has 128 random b
 from __future__ import annotations
 
 import base64
-import hashlib
 import json
 import os
 import secrets
-import struct
 import sys
 import threading
 import time
-import webbrowser
 from collections import deque
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import TYPE_CHECKING, Any, BinaryIO, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import page
 from .errors import ArgumentError, Error
-from .model import Model
-from .recording import Recording
-from .simulate import Simulation
 
 if TYPE_CHECKING:
-    from .simulate import Controller
+    from .server import Handler
+    from .simulate import Controller, Simulation
 
-_MAGIC = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455
-_LARGEST = 65536
 _FRAME = 1 / 60
 _GONE = 3.0  # s without a page after which a viewer is closed: a page that is loaded anew is back sooner
-
-
-def _frame(payload: bytes, opcode: int) -> bytes:
-    """A WebSocket message of a server."""
-    n = len(payload)
-    size = bytes([n]) if n < 126 else b"\x7e" + struct.pack(">H", n) if n < 65536 else b"\x7f" + struct.pack(">Q", n)
-    return bytes([0x80 | opcode]) + size + payload
-
-
-def _message(file: BinaryIO) -> tuple[int, bytes] | None:
-    """A message of a client, in one frame as pages send them; None: it is gone, or says something else."""
-    begin = file.read(2)
-    if len(begin) < 2 or not begin[0] & 0x80 or not begin[1] & 0x80:
-        return None
-    n = begin[1] & 0x7F
-    if n == 126:
-        n = struct.unpack(">H", file.read(2))[0]
-    if n == 127 or n > _LARGEST:
-        return None
-    mask = file.read(4)
-    payload = file.read(n)
-    if len(payload) < n:
-        return None
-    return begin[0] & 0x0F, bytes(b ^ mask[k % 4] for k, b in enumerate(payload))
-
-
-class _Handler(BaseHTTPRequestHandler):
-    viewer: Viewer
-    protocol_version = "HTTP/1.1"
-    timeout = 30
-
-    def log_message(self, *_: Any) -> None:
-        pass
-
-    def do_GET(self) -> None:
-        port, home = self.viewer.port, f"/{self.viewer.word}/"
-        hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
-        upgrade = self.path == home + "ws" and self.headers.get("Upgrade", "").lower() == "websocket"
-        origin = self.headers.get("Origin")
-        if self.headers.get("Host") not in hosts or not (self.path == home or upgrade):
-            self._reply(404, "There is nothing here: the address is the one that the viewer printed.\n", "text/plain")
-        elif (origin is None and upgrade) or (origin is not None and origin not in [f"http://{host}" for host in hosts]):
-            self._reply(403, "Pages of other origins are refused.\n", "text/plain")
-        elif upgrade:
-            self._listen()
-        else:
-            self._reply(200, self.viewer.text, "text/html; charset=utf-8")
-
-    def _reply(self, status: int, text: str, kind: str) -> None:
-        body = text.encode()
-        self.send_response(status)
-        for name, value in (("Content-Type", kind), ("Content-Length", str(len(body))), ("Cache-Control", "no-store"),
-                            ("Referrer-Policy", "no-referrer"), ("X-Content-Type-Options", "nosniff"),
-                            ("Content-Security-Policy", "frame-ancestors 'none'"), ("Connection", "close")):
-            self.send_header(name, value)
-        self.end_headers()
-        self.wfile.write(body)
-        self.close_connection = True
-
-    def _listen(self) -> None:
-        key = self.headers.get("Sec-WebSocket-Key", "").encode()
-        self.send_response(101)
-        for name, value in (("Upgrade", "websocket"), ("Connection", "Upgrade"),
-                            ("Sec-WebSocket-Accept", base64.b64encode(hashlib.sha1(key + _MAGIC).digest()).decode())):
-            self.send_header(name, value)
-        self.end_headers()
-        self.close_connection = True
-        self.connection.settimeout(None)
-        self.viewer._came(self)
-        try:
-            while (found := _message(self.rfile)) is not None:
-                opcode, payload = found
-                if opcode == 8:
-                    break
-                if opcode == 9:
-                    self.send(payload, 10)
-                elif opcode == 1:
-                    self.viewer._heard(payload)
-        except (OSError, struct.error):
-            pass
-        finally:
-            self.viewer._left(self)
-
-    def send(self, payload: bytes, opcode: int) -> None:
-        self.connection.sendall(_frame(payload, opcode))
-
-
-class _Server(ThreadingHTTPServer):
-    daemon_threads = True
-
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        pass  # a page that is gone
 
 
 class Viewer:
@@ -143,13 +43,13 @@ class Viewer:
     thread that calls run or sync.
     """
 
-    def __init__(self, simulation: Simulation, controller: Controller | None = None, *, every: int = 1, returns: str | None = None,
-                 open: bool = True, port: int = 0):
+    def __init__(self, simulation: Simulation, controller: Controller | None = None, *, every: int = 1,
+                 returns: str | None = None, open: bool = True, port: int = 0):
         self.simulation, self.controller, self.every, self.returns = simulation, controller, every, returns
         self.word = secrets.token_hex(16)
         self.paused, self.speed = False, 1.0
         self._poses = page.Poses(simulation.model)
-        self._pages: list[_Handler] = []
+        self._pages: list[Handler] = []
         self._commands: deque[dict[str, Any]] = deque()
         self._lock = threading.Lock()
         self._sent, self._rate, self._step_s = -1.0, 0.0, 0.0
@@ -160,12 +60,12 @@ class Viewer:
         head, numbers = page.read(still)
         head.update(kind="live", effects=[], dt=simulation.dt)
         self.text = page.filled(still, head, base64.b64encode(numbers).decode())
-        handler = type("Handler", (_Handler,), {"viewer": self})
-        self._server = _Server(("127.0.0.1", port), handler)
+        from .server import serve  # not before: it takes 20 ms
+
+        self._server = serve(self, port)
         self.port: int = self._server.server_address[1]
         self.address = f"http://127.0.0.1:{self.port}/{self.word}/"
         """What a browser of this machine opens."""
-        threading.Thread(target=self._server.serve_forever, kwargs={"poll_interval": 0.1}, daemon=True).start()
         show(self.address, open)
 
     def __repr__(self) -> str:
@@ -193,12 +93,12 @@ class Viewer:
 
     # threads of pages ---------------------------------------------------------------------------------------------------
 
-    def _came(self, handler: _Handler) -> None:
+    def _came(self, handler: Handler) -> None:
         with self._lock:
             self._pages.append(handler)
             self._gone_since = None
 
-    def _left(self, handler: _Handler) -> None:
+    def _left(self, handler: Handler) -> None:
         with self._lock:
             self._pages = [p for p in self._pages if p is not handler]
             if not self._pages:
@@ -303,35 +203,8 @@ class Viewer:
 
 def show(address: str, open: bool) -> None:
     """Opens an address in a browser, or says that one is to be opened."""
+    import webbrowser
+
     screen = sys.platform in ("darwin", "win32") or any(os.environ.get(x) for x in ("BROWSER", "DISPLAY", "WAYLAND_DISPLAY"))
     if not (open and screen and webbrowser.open(address)):
         print(f"libdyn: open {address}", file=sys.stderr)
-
-
-@overload
-def view(what: Simulation, controller: Controller | None = None, *, open: bool = True) -> Viewer: ...
-@overload
-def view(what: Model | Recording, *, path: str | os.PathLike[str] | None = None, open: bool = True) -> str: ...
-
-
-def view(what: Model | Simulation | Recording, controller: Controller | None = None, *,
-         path: str | os.PathLike[str] | None = None, open: bool = True) -> Viewer | str:
-    """Opens a page in a browser: of a model with joints to be moved, of a recording that plays, or of a simulation that goes on.
-
-    path   of models and recordings: where the page is written; default: the temporary folder. Returned
-    open   False: opens no browser
-
-    Of a simulation it returns a Viewer: run() steps in real time with the controller, sync() shows a loop of one's own.
-    """
-    if isinstance(what, Simulation):
-        return Viewer(what, controller, open=open)
-    if isinstance(what, Recording):
-        text = what._page()
-    elif isinstance(what, Model):
-        text = page.still(what, what.configuration(what.initial_configuration))
-    else:
-        raise ArgumentError(f"view takes a Model, a Simulation or a Recording, but was given {what!r}.")
-    file = page.write(text, path)
-    if open:
-        show("file://" + os.path.abspath(file), open)
-    return file

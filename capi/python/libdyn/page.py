@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import native
+from .describe import coordinate_names
 from .enums import Part
 from .errors import Error, FileError, UnsupportedError
 from .placement import Placement
@@ -36,16 +37,17 @@ MOST = 4_000_000
 def command() -> str:
     """The command dyn: DYN_CLI, or beside the package or the library, in a build tree, or in PATH."""
     package, library = Path(__file__).resolve().parent, Path(native.path)
-    found = [os.environ.get("DYN_CLI", ""), package / "bin" / "dyn"]
+    found = [Path(os.environ["DYN_CLI"])] if os.environ.get("DYN_CLI") else []
+    found.append(package / "bin" / "dyn")
     if library.is_absolute():
         found.append(library.parent.parent / "bin" / "dyn")
     for path in found:
-        if path and Path(path).is_file():
+        if path.is_file():
             return str(path)
     there = shutil.which("dyn")
     if there is None:
-        raise FileError("pages need the command dyn, which is not beside the library and not in PATH: install it (cmake --install), or set "
-                        "DYN_CLI to its file.")
+        raise FileError("pages need the command dyn, which is not beside the library and not in PATH: install it (cmake "
+                        "--install), or set DYN_CLI to its file.")
     return there
 
 
@@ -141,8 +143,6 @@ class Poses:
 
 def recorded(model: Model, recording: Recording) -> str:
     """The page that plays a recording."""
-    from .recording import coordinate_names
-
     page = still(model, recording.q[0])
     head, numbers = read(page)
     keep, notes = _kept(recording, head["notes"])
@@ -188,13 +188,12 @@ def recorded(model: Model, recording: Recording) -> str:
 
 
 def _kept(recording: Recording, notes: list[str]) -> tuple[list[int], list[str]]:
-    """Moments that a page shows: at most 60 a second and MOST bytes of them."""
-    m, t = recording.model, recording.t
-    keep, next_time = [], -np.inf
-    for k, now in enumerate(t):
-        if now >= next_time - 1e-9:
+    """Moments that a page shows: about 60 a second, and at most MOST bytes of them."""
+    m, keep, last = recording.model, [], -np.inf
+    for k, now in enumerate(recording.t):
+        if now - last >= 0.9 / 60:
             keep.append(k)
-            next_time = max(next_time + 1 / 60, now) if np.isfinite(next_time) else now + 1 / 60
+            last = now
     each = 2 * (7 * m.njoints + 2 * m.nq + 2 * m.nv + m.nactuators + m.nsensordata + 12)
     size = each * len(keep) + 24 * sum(len(recording._moments[k].contacts) for k in keep)
     thinner = max(1, -(-size // MOST))

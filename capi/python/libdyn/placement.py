@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import spatial
+from . import groups
 from .errors import SizeError
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Placement(_Pair):
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Placement:
         """Of homogeneous matrices, (..., 4, 4)."""
-        m = spatial.matrices(matrix, 4, "matrix")
+        m = groups.matrices(matrix, 4, "matrix")
         if not np.array_equal(m[..., 3, :], np.broadcast_to((0.0, 0.0, 0.0, 1.0), m[..., 3, :].shape)):
             raise SizeError("matrix: the last row of a placement must be 0 0 0 1.")
         return cls(m[..., :3, :3].copy(), m[..., :3, 3].copy())
@@ -50,17 +50,17 @@ class Placement(_Pair):
     @classmethod
     def from_quaternion(cls, quaternion: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Placement:
         """Of quaternions (x, y, z, w) of any norm but zero."""
-        return cls(spatial.quaternion_to_matrix(quaternion), spatial.rows(translation, 3, "translation"))
+        return cls(groups.quaternion_to_matrix(quaternion), groups.rows(translation, 3, "translation"))
 
     @classmethod
     def from_rpy(cls, rpy: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Placement:
         """Of roll, pitch and yaw about fixed axes, as in URDF."""
-        return cls(spatial.rpy_to_matrix(rpy), spatial.rows(translation, 3, "translation"))
+        return cls(groups.rpy_to_matrix(rpy), groups.rows(translation, 3, "translation"))
 
     @classmethod
     def exp(cls, twist: ArrayLike) -> Placement:
         """exp6 of twists [linear; angular]."""
-        return spatial.exp6(twist)
+        return cls(*groups.exp6_pair(twist))
 
     @property
     def matrix(self) -> Numbers:
@@ -74,12 +74,12 @@ class Placement(_Pair):
     @property
     def quaternion(self) -> Numbers:
         """(x, y, z, w), w >= 0."""
-        return spatial.matrix_to_quaternion(self.rotation)
+        return groups.matrix_to_quaternion(self.rotation)
 
     @property
     def rpy(self) -> Numbers:
         """Roll, pitch and yaw about fixed axes."""
-        return spatial.matrix_to_rpy(self.rotation)
+        return groups.matrix_to_rpy(self.rotation)
 
     @property
     def adjoint(self) -> Numbers:
@@ -87,12 +87,12 @@ class Placement(_Pair):
         R, p = np.asarray(self.rotation), np.asarray(self.translation)
         out = np.zeros((*R.shape[:-2], 6, 6))
         out[..., :3, :3] = out[..., 3:, 3:] = R
-        out[..., :3, 3:] = spatial.skew(p) @ R
+        out[..., :3, 3:] = groups.skew(p) @ R
         return out
 
     def log(self) -> Numbers:
         """log6: the twist [linear; angular], (6,)."""
-        return spatial.log6(self)
+        return groups.log6(self)
 
     def inverse(self) -> Placement:
         """X_BA."""
@@ -101,40 +101,45 @@ class Placement(_Pair):
 
     def act(self, points: ArrayLike) -> Numbers:
         """Points in B, (..., 3), in A."""
-        return _turned(self.rotation, spatial.rows(points, 3, "points")) + self.translation
+        return _turned(self.rotation, groups.rows(points, 3, "points")) + self.translation
 
     def act_motion(self, motions: ArrayLike) -> Numbers:
         """Motions [linear; angular] in B, (..., 6), in A."""
-        m = spatial.rows(motions, 6, "motions")
+        m = groups.rows(motions, 6, "motions")
         linear, angular = _turned(self.rotation, m[..., :3]), _turned(self.rotation, m[..., 3:])
         return np.concatenate([linear + np.cross(self.translation, angular), angular], -1)
 
     def act_force(self, forces: ArrayLike) -> Numbers:
         """Forces [force; moment] in B, (..., 6), in A."""
-        f = spatial.rows(forces, 6, "forces")
+        f = groups.rows(forces, 6, "forces")
         force, moment = _turned(self.rotation, f[..., :3]), _turned(self.rotation, f[..., 3:])
         return np.concatenate([force, moment + np.cross(self.translation, force)], -1)
 
     def act_inertia(self, inertias: ArrayLike) -> Numbers:
         """Spatial inertias in B, (..., 6, 6), in A: momentum = inertia @ motion."""
         X = self.inverse().adjoint
-        return np.swapaxes(X, -1, -2) @ spatial.matrices(inertias, 6, "inertias") @ X
+        return np.swapaxes(X, -1, -2) @ groups.matrices(inertias, 6, "inertias") @ X
 
     def interpolate(self, other: Placement, u: ArrayLike) -> Placement:
         """This one at u = 0, the other at u = 1, with a constant body velocity between: one placement for each number of u."""
-        return self @ spatial.exp6(np.asarray(u, np.float64)[..., None] * (self.inverse() @ other).log())
+        way = self.inverse() @ other
+        return self @ Placement.exp(np.asarray(u, np.float64)[..., None] * way.log())
 
     def is_close(self, other: Placement, tolerance: float = 1e-9) -> bool:
         """Whether no number of the two differs by more than tolerance."""
         return all(bool(np.all(np.abs(np.asarray(a) - b) <= tolerance)) for a, b in zip(self, other))
 
+    @overload
+    def __matmul__(self, other: Placement) -> Placement: ...
+    @overload
+    def __matmul__(self, other: ArrayLike) -> Numbers: ...
     def __matmul__(self, other: Any) -> Any:
         if isinstance(other, Placement):
             return Placement(self.rotation @ other.rotation, self.act(other.translation))
         if np.shape(other)[-1:] == (3,):
             return self.act(other)
-        raise TypeError(f"@ takes a Placement or points (..., 3), but its right side has shape {np.shape(other)}: make a Placement of a "
-                        "4 x 4 matrix by Placement.from_matrix; act_motion and act_force take 6 numbers.")  # fmt: skip
+        raise TypeError(f"@ takes a Placement or points (..., 3), but its right side has shape {np.shape(other)}: make a "
+                        "Placement of a 4 x 4 matrix by Placement.from_matrix; act_motion and act_force take 6 numbers.")
 
     def __rmatmul__(self, other: Any) -> NoReturn:
         raise TypeError("the left side of @ must be a Placement: Placement.from_matrix makes one, placement.matrix is an array.")
@@ -142,7 +147,7 @@ class Placement(_Pair):
     def _no_sum(self, other: Any) -> NoReturn:
         raise TypeError(_NO_SUM)
 
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = _no_sum  # type: ignore[assignment]
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = _no_sum
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, tuple) and len(other) == 2 and all(map(np.array_equal, self, other))
@@ -154,4 +159,5 @@ class Placement(_Pair):
 
 
 def _turned(R: Any, x: Numbers) -> Numbers:
-    return (R @ x[..., None])[..., 0]
+    out: Numbers = (R @ x[..., None])[..., 0]
+    return out

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .enums import ActuatorType, Part, Transmission
+from . import page
+from .describe import coordinate_names
+from .enums import ActuatorType, FrameType, Part, Transmission
 from .errors import ArgumentError, UnsupportedError
+from .library import version
 
 if TYPE_CHECKING:
     from .arrays import Numbers
@@ -32,16 +36,6 @@ class _Moment(NamedTuple):
     act: Numbers
 
 
-def coordinate_names(model: Model, of_q: bool) -> list[str]:
-    """Names of the numbers of q (or v): the joint's, with a number behind it where it has several."""
-    out = [""] * (model.nq if of_q else model.nv)
-    for j in model.joints[1:]:
-        first, n = (j.idx_q, j.nq) if of_q else (j.idx_v, j.nv)
-        for k in range(n):
-            out[first + k] = f"{j.name}[{k}]" if n > 1 else j.name
-    return out
-
-
 class Recording:
     """Moments of a simulation. From Simulation.record; len() counts them.
 
@@ -52,8 +46,8 @@ class Recording:
     >>> recording.q.shape == (len(recording.t), sim.model.nq)
     True
 
-    Arrays have a row for each moment: t, q, v, tau, ctrl, actuator_force, energy; sensors is {name: rows}, contacts a list for each.
-    to_html writes a page, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
+    Arrays have a row for each moment: t, q, v, tau, ctrl, actuator_force, energy; sensors is {name: rows}, contacts a list for
+    each. to_html writes a page, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
     """
 
     def __init__(self, simulation: Simulation, every: int):
@@ -73,8 +67,6 @@ class Recording:
         return f"<dyn.Recording of {self.model.name!r}: {len(self)} moments{times}>"
 
     def _repr_html_(self) -> str:
-        from . import page
-
         return page.in_notebook(self._page) or f"<b>{repr(self)[1:-1]}</b>"
 
     def __len__(self) -> int:
@@ -101,12 +93,12 @@ class Recording:
     def note(self, simulation: Simulation) -> None:
         """Adds the moment that is."""
         d, m = simulation.data, self.model
-        report = d.step_report
+        report, energy = d.step_report, d.energy()
         sensors = np.array(simulation.sensors.values_of_all()) if m.nsensordata else np.empty(0)
         self._moments.append(_Moment(
-            simulation.time, d.q.copy(), d.v.copy(), d.tau_applied.copy(), d.field("ctrl").copy(), d.field("actuator_force").copy(),
-            tuple(d.energy()), (report.residual, report.penetration, report.iterations), sensors, d.step_contacts(),
-            d.field("act").copy(),
+            simulation.time, d.q.copy(), d.v.copy(), d.tau_applied.copy(), d.field("ctrl").copy(),
+            d.field("actuator_force").copy(), (energy.kinetic, energy.potential),
+            (report.residual, report.penetration, report.iterations), sensors, d.step_contacts(), d.field("act").copy(),
         ))  # fmt: skip
 
     def _rows(self, name: str) -> Numbers:
@@ -189,11 +181,44 @@ class Recording:
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes table() as Parquet (package pyarrow)."""
         try:
-            import pyarrow
-            import pyarrow.parquet as parquet
+            import pyarrow  # type: ignore[import-not-found, unused-ignore]
+            import pyarrow.parquet as parquet  # type: ignore[import-not-found, unused-ignore]
         except ImportError:
             raise UnsupportedError("to_parquet needs pyarrow: pip install pyarrow.") from None
         parquet.write_table(pyarrow.table(self.table()), os.fspath(path))
+
+    def to_mcap(self, path: str | os.PathLike[str]) -> None:
+        """Writes a log that Foxglove and Rerun open (package mcap): /moment, the rows of table() as JSON, and /tf, the
+        placements of links."""
+        try:
+            from mcap.writer import Writer  # type: ignore[import-not-found, unused-ignore]
+        except ImportError:
+            raise UnsupportedError("to_mcap needs mcap: pip install mcap.") from None
+        table, data = self.table(), self.model.data(Part.FRAMES)
+        links = [f for f in self.model.frames if f.type == FrameType.BODY]
+        with open(path, "wb") as file:
+            log = Writer(file)
+            log.start(library=f"libdyn {version}")
+            channels = {}
+            for topic, name in (("/moment", "libdyn.Moment"), ("/tf", "foxglove.FrameTransforms")):
+                schema = log.register_schema(name=name, encoding="jsonschema", data=b'{"type": "object"}')
+                channels[topic] = log.register_channel(schema_id=schema, topic=topic, message_encoding="json")
+            for k, moment in enumerate(self._moments):
+                ns = round(1e9 * moment.t)
+                data.forward_kinematics(moment.q)
+                every = data.frame_placements()
+                quaternions = every.quaternion
+                stamp = {"sec": ns // 10**9, "nsec": ns % 10**9}
+                transforms = [
+                    {"timestamp": stamp, "parent_frame_id": "world", "child_frame_id": f.name,
+                     "translation": dict(zip("xyz", every.translation[f.id].tolist())),
+                     "rotation": dict(zip("xyzw", quaternions[f.id].tolist()))}
+                    for f in links
+                ]  # fmt: skip
+                row = {name: column[k].item() for name, column in table.items()}
+                for topic, message in (("/moment", row), ("/tf", {"transforms": transforms})):
+                    log.add_message(channel_id=channels[topic], log_time=ns, publish_time=ns, data=json.dumps(message).encode())
+            log.finish()
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Writes a page that plays the recording and needs nothing else. Needs the command dyn."""
@@ -202,8 +227,6 @@ class Recording:
             file.write(text)
 
     def _page(self) -> str:
-        from . import page
-
         if not len(self):
             raise ArgumentError("the recording has no moments.")
         return page.recorded(self.model, self)

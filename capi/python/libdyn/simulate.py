@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Union
 
 import numpy as np
 
+from . import page
 from .choices import whole
 from .data import adopted
 from .enums import JointType
-from .errors import ArgumentError, SizeError, StaleError
+from .errors import ArgumentError, SizeError, StaleError, UnknownNameError
+from .live import Viewer
 from .loading import load
 from .model import Model
 from .recording import Recording
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
     from .arrays import Numbers
     from .data import Data
     from .enums import BaseLike, EffectLike, IntegratorLike
-    from .live import Viewer
     from .simulation import ContactForce
 
 Controller = Callable[["Simulation"], Any]
@@ -48,13 +49,13 @@ class Sensors(Mapping[str, Any]):
 
     def __init__(self, simulation: Simulation):
         self._simulation = simulation
-        self._places = {s.name: slice(s.idx, s.idx + s.size) for s in simulation.model.sensors}
+        self._places = {s.name or "": slice(s.idx, s.idx + s.size) for s in simulation.model.sensors}
 
     def __getitem__(self, name: str) -> Numbers:
         place = self._places.get(name)
         if place is None:
-            self._simulation.model.sensor_id(name)  # says which names are near
-            raise KeyError(name)
+            raise UnknownNameError(f"there is no sensor {name!r}: model {self._simulation.model.name!r} has "
+                                   f"{', '.join(self) or 'none'}.")
         return np.array(self.values_of_all()[place])
 
     def __contains__(self, name: object) -> bool:
@@ -76,10 +77,11 @@ class Sensors(Mapping[str, Any]):
         """(nsensordata,): a view."""
         data = self._simulation.data
         try:
-            return data.field("sensor_data")
+            data.field("sensor_data")
         except StaleError:
             data.sensors(a=self._simulation._acceleration)
-            return data.field("sensor_data")
+        values: Numbers = data.field("sensor_data")
+        return values
 
 
 class Simulation:
@@ -139,8 +141,6 @@ class Simulation:
         return f"<dyn.Simulation of {self.model.name!r}: t {self.time:g} s, dt {self.dt:g} s>"
 
     def _repr_html_(self) -> str:
-        from . import page
-
         return page.in_notebook(lambda: page.still(self.model, self.q)) or self.data._repr_html_()
 
     def __copy__(self) -> Simulation:
@@ -203,7 +203,8 @@ class Simulation:
         return self.model.configuration_names
 
     def reset(self, q: Any = None, v: Any = None) -> None:
-        """Back to the beginning, with q or v in place of what was there, or to the state of a named configuration. Ends recordings."""
+        """Back to the beginning, with q or v in place of what was there, or to the state of a named configuration. Ends
+        recordings."""
         self.restore_state(self._begin)
         self._set(q, v)
 
@@ -259,17 +260,18 @@ class Simulation:
         if returns is None:
             shape = np.shape(x)
             if m.nu == m.nv:
-                raise ArgumentError(f"the controller returned {m.nv} numbers, but {m.name!r} has as many degrees of freedom as controls: "
-                                    'return {"tau": x} or {"ctrl": x}, or give run returns="tau" or "ctrl".')
+                raise ArgumentError(f"the controller returned an array, but model {m.name!r} has as many controls as degrees "
+                                    f'of freedom, {m.nv}: return {{"tau": x}} or {{"ctrl": x}}, or give run returns="tau" or '
+                                    '"ctrl".')
             if m.nu and shape not in ((m.nu,), (m.nv,)):
-                raise SizeError(f"the controller returned shape {shape}, but controls of model {m.name!r} have shape ({m.nu},), torques "
-                                f"({m.nv},).")
+                raise SizeError(f"the controller returned shape {shape}, but controls of model {m.name!r} have shape "
+                                f"({m.nu},), torques ({m.nv},).")
             returns = "ctrl" if m.nu and shape == (m.nu,) else "tau"
         (self._give_ctrl if returns == "ctrl" else self._give_tau)(x)
 
     def step(self, steps: int = 1, ctrl: ByName | None = None, *, tau: ByName | None = None) -> None:
-        """Some steps, under controls ctrl (nu,) or {actuator: control} and torques tau (nv,) or {joint: torque}, or those that are
-        held."""
+        """Some steps, under controls ctrl (nu,) or {actuator: control} and torques tau (nv,) or {joint: torque}, or those that
+        are held."""
         if ctrl is not None:
             self._give_ctrl(ctrl)
         if tau is not None:
@@ -324,9 +326,8 @@ class Simulation:
         return recording
 
     def view(
-        self, controller: Controller | None = None, *, every: int = 1, returns: str | None = None, open: bool = True, port: int = 0
+        self, controller: Controller | None = None, *, every: int = 1, returns: str | None = None, open: bool = True,
+        port: int = 0,
     ) -> Viewer:
         """Opens a live page of this simulation: see dyn.view."""
-        from .live import Viewer
-
         return Viewer(self, controller, every=every, returns=returns, open=open, port=port)

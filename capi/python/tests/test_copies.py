@@ -90,7 +90,8 @@ def test_another_process_goes_on(tmp_path):
     (tmp_path / "sim.pickle").write_bytes(pickle.dumps(sim))
     program = ("import pickle, sys, libdyn\nsim = pickle.load(open(sys.argv[1], 'rb'))\nsim.step(40)\n"
                "sys.stdout.write(sim.q.tobytes().hex())")
-    done = subprocess.run([sys.executable, "-c", program, str(tmp_path / "sim.pickle")], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", program, str(tmp_path / "sim.pickle")], capture_output=True, text=True,
+                          check=True)
     sim.step(40)
     assert np.array_equal(np.frombuffer(bytes.fromhex(done.stdout)), sim.q)
 

@@ -230,7 +230,12 @@ def test_program(name, program, folder, monkeypatch):
         with pytest.raises(dyn.StaleError):
             exec(program, names)
     else:
-        exec(compile(program, name, "exec"), names)
+        try:
+            exec(compile(program, name, "exec"), names)
+        except (dyn.FileError, dyn.UnsupportedError) as error:
+            if "DYN_CLI" in str(error) or "there is no page to fill" in str(error):
+                pytest.skip("no command dyn here, or none with a page")
+            raise
 
 
 def test_what_is_given_is_shown():

@@ -25,10 +25,12 @@ RUNS = {
     "gravity_compensation": ([], "bit for bit"),
     "identification": ([], "torques determine"),
     "inverse_kinematics": (["100"], "dyn's ik met"),
+    "operational_space": ([], "mrad off"),
     "quadruped_project": ([], "nq 19, nv 18, 14 joints"),
     "quadruped_stands": (["5"], "pushed from the left"),
     "standing": ([], "share of the cone"),
     "swing_up": ([], "it ends upright"),
+    "thrown_box": ([], "4 corners carry"),
     "two_muscles": ([], "times as stiff"),
 }
 

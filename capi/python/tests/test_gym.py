@@ -1,7 +1,11 @@
 """Gymnasium environments: the package's checker, vector environments that are the single ones bit for bit, falls and ends."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
+from conftest import MODELS
 
 gymnasium = pytest.importorskip("gymnasium", reason="package gymnasium is not installed")
 
@@ -17,6 +21,24 @@ def test_checker(id):
     from gymnasium.utils.env_checker import check_env
 
     check_env(gymnasium.make(id).unwrapped, skip_render_check=True)
+
+
+@pytest.mark.parametrize("id", [*IDS, "dyn/Model-v0"])
+def test_ids_need_no_import(id):
+    """As README's page writes them, in a program that imports gymnasium alone."""
+    more = f", model={str(MODELS / 'scenes/go2_stands.xml')!r}" if "Model" in id else ""
+    program = f"import gymnasium\nenv = gymnasium.make('libdyn.gym:{id}'{more})\nprint(env.reset(seed=1)[0].shape)"
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.startswith("("), done.stderr
+
+
+def test_an_environment_is_recorded():
+    env = gymnasium.make("dyn/Go2-v0").unwrapped
+    env.reset(seed=1)
+    recording = env.simulation.record()
+    for _ in range(5):
+        env.step(np.zeros(env.action_space.shape))
+    assert recording.t[-1] == pytest.approx(0.1, abs=0.02) and len(recording) > 5
 
 
 @pytest.mark.parametrize("id", IDS)

@@ -141,7 +141,8 @@ def test_interpolation():
 
 def test_what_makes_no_sense():
     A = placements(1)
-    for wrong in (lambda: A + A, lambda: A + (1,), lambda: (1,) + A, lambda: np.eye(4) + A, lambda: A * 2, lambda: 2 * A, lambda: A - A):
+    for wrong in (lambda: A + A, lambda: A + (1,), lambda: (1,) + A, lambda: np.eye(4) + A, lambda: A * 2, lambda: 2 * A,
+                  lambda: A - A):
         with pytest.raises(TypeError, match="A @ B composes"):
             wrong()
     with pytest.raises(TypeError, match="from_matrix"):

@@ -21,8 +21,9 @@ import libdyn as dyn
 from libdyn import page
 
 SCENE = MODELS / "scenes" / "go2_stands.xml"
-EXAMPLE = """<mujoco><worldbody><body name="ball" pos="0 0 .3"><freejoint name="free"/><geom type="sphere" size=".1"/><site name="s"/></body>
-<geom type="plane" size="5 5 1"/></worldbody><sensor><accelerometer name="imu" site="s"/><touch name="touch" site="s"/></sensor></mujoco>"""
+EXAMPLE = """<mujoco><worldbody><body name="ball" pos="0 0 .3"><freejoint name="free"/>
+<geom type="sphere" size=".1"/><site name="s"/></body><geom type="plane" size="5 5 1"/></worldbody>
+<sensor><accelerometer name="imu" site="s"/><touch name="touch" site="s"/></sensor></mujoco>"""
 
 
 @pytest.fixture
@@ -110,6 +111,27 @@ def test_parquet(tmp_path):
     assert np.array_equal(parquet.read_table(tmp_path / "r.parquet")["t"], r.t)
 
 
+def test_mcap(tmp_path):
+    sim = ball()
+    r = sim.record()
+    sim.run(0.1)
+    try:
+        from mcap.reader import make_reader
+    except ImportError:
+        with pytest.raises(dyn.UnsupportedError, match="pip install mcap"):
+            r.to_mcap(tmp_path / "r.mcap")
+        return
+    r.to_mcap(tmp_path / "r.mcap")
+    with open(tmp_path / "r.mcap", "rb") as file:
+        messages = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in make_reader(file).iter_messages()]
+    rows = [x for topic, _, x in messages if topic == "/moment"]
+    assert [x["t"] for x in rows] == r.t.tolist()
+    assert [t for topic, t, _ in messages if topic == "/tf"] == [round(1e9 * t) for t in r.t]
+    last = [x for topic, _, x in messages if topic == "/tf"][-1]["transforms"]
+    (seen,) = [x for x in last if x["child_frame_id"] == "ball"]
+    assert list(seen["translation"].values()) == pytest.approx(r.q[-1, :3].tolist(), abs=1e-12)
+
+
 def unpacked(numbers, x):
     """What the page's reader makes of {at, n, as}."""
     if x["as"] == "q16":
@@ -155,7 +177,8 @@ def test_page(pages, tmp_path):
 
 def test_page_with_tendons(pages, tmp_path):
     sim = dyn.Simulation(dyn.load_string("""<mujoco><worldbody><site name="a" pos="0 0 1"/><body pos="0 0 .5">
-      <joint name="j" axis="0 1 0"/><geom type="capsule" size=".02" fromto="0 0 0 .4 0 0"/><site name="b" pos=".3 0 .05"/></body></worldbody>
+      <joint name="j" axis="0 1 0"/><geom type="capsule" size=".02" fromto="0 0 0 .4 0 0"/><site name="b" pos=".3 0 .05"/>
+      </body></worldbody>
       <tendon><spatial name="t"><site site="a"/><site site="b"/></spatial></tendon>
       <actuator><muscle name="m" tendon="t" lengthrange=".3 .9" force="10"/></actuator></mujoco>"""))
     with sim.record() as r:
@@ -173,7 +196,7 @@ def test_long_recordings_are_thinned(pages, monkeypatch):
     with sim.record(every=1) as r:
         sim.run(1.0)
     head, _ = page.read(page.recorded(sim.model, r))
-    assert head["recording"]["moments"] <= 62
+    assert head["recording"]["moments"] <= 67
     monkeypatch.setattr(page, "MOST", 1000)
     head, _ = page.read(page.recorded(sim.model, r))
     assert head["recording"]["moments"] < 20 and any("thinned" in note for note in head["notes"])
@@ -210,8 +233,9 @@ class Client:
     def __init__(self, viewer, origin=None, word=None, host=None):
         self.socket = socket.create_connection(("127.0.0.1", viewer.port), timeout=30)
         here = f"127.0.0.1:{viewer.port}"
-        words = [f"GET /{word or viewer.word}/ws HTTP/1.1", f"Host: {host or here}", "Upgrade: websocket", "Connection: Upgrade",
-                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Version: 13", f"Origin: {origin or 'http://' + here}"]
+        words = [f"GET /{word or viewer.word}/ws HTTP/1.1", f"Host: {host or here}", "Upgrade: websocket",
+                 "Connection: Upgrade", "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Version: 13",
+                 f"Origin: {origin or 'http://' + here}"]
         self.socket.sendall(("\r\n".join(words) + "\r\n\r\n").encode())
         self.file = self.socket.makefile("rb")
         self.status = int(self.file.readline().split()[1])
@@ -299,9 +323,21 @@ def test_a_duration(viewer):
     assert viewer.simulation.time == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize("given, status", [({"word": "guess"}, 404), ({"host": "evil.example"}, 404), ({"origin": "http://evil.example"}, 403)])
+@pytest.mark.parametrize("given, status", [({"word": "guess"}, 404), ({"host": "evil.example"}, 404),
+                                           ({"origin": "http://evil.example"}, 403)])
 def test_others_are_refused(viewer, given, status):
     assert Client(viewer, **given).status == status
+
+
+def test_a_page_that_reads_nothing_is_dropped(viewer):
+    page_ = Client(viewer)
+    while not viewer._pages:
+        time.sleep(0.01)
+    began = time.monotonic()
+    while viewer._pages and time.monotonic() - began < 30:
+        viewer._send(bytes(200_000), 2)
+    assert not viewer._pages and time.monotonic() - began < 20
+    page_.socket.close()
 
 
 def test_what_is_no_message(viewer):

@@ -71,7 +71,8 @@ def test_it_begins_as_the_file_draws_it():
 
 
 SCENE = MODELS / "scenes" / "go2_stands.xml"
-PUSHED = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0"/><geom type="capsule" size=".05 .3" pos="0 0 -.3"/></body></worldbody>
+PUSHED = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0"/><geom type="capsule" size=".05 .3" pos="0 0 -.3"/></body>
+</worldbody>
 <actuator><motor name="motor" joint="hinge"/></actuator></mujoco>"""
 
 
@@ -138,8 +139,9 @@ def test_torques_and_controls_are_held_by_name(arm):
 
 def test_sensors_by_name():
     """A falling accelerometer measures nothing, one that rests the opposite of gravity; values follow the steps."""
-    m = dyn.load_string("""<mujoco><worldbody><geom name="floor" type="plane" size="5 5 1"/><body pos="0 0 .5"><freejoint name="free"/>
-      <geom type="sphere" size="0.1"/><site name="s"/></body></worldbody><sensor><accelerometer name="imu" site="s"/>
+    m = dyn.load_string("""<mujoco><worldbody><geom name="floor" type="plane" size="5 5 1"/><body pos="0 0 .5">
+      <freejoint name="free"/><geom type="sphere" size="0.1"/><site name="s"/></body></worldbody>
+      <sensor><accelerometer name="imu" site="s"/>
       <framepos name="where" objtype="site" objname="s"/></sensor></mujoco>""")
     sim = dyn.Simulation(m)
     assert set(sim.sensors) == {"imu", "where"} and len(sim.sensors) == 2 and "imu" in repr(sim.sensors)

@@ -89,7 +89,7 @@ def test_a_call_that_waits_holds_the_data():
     t = threading.Thread(target=d.advance, args=(5.0,))
     t.start()
     while t.is_alive():
-        for call in (lambda: d.q, lambda: d.rnea(), d.step, lambda: d.set_state(v=[0.0]), lambda: d.step_report, lambda: d.save_state()):
+        for call in (lambda: d.q, d.rnea, d.step, lambda: d.set_state(v=[0.0]), lambda: d.step_report, d.save_state):
             try:
                 call()
             except dyn.BusyError:

@@ -42,6 +42,18 @@ b.add_tendon("cord", [("joint", "j", 2.0), dyn.TendonElement("joint", "j")], dyn
 b.add_actuator("m", "cord", dyn.Actuator("muscle", transmission="tendon", muscle=dyn.Muscle(30, lmax=1.5)))
 sim: dyn.Simulation = dyn.Simulation(m, dt=1e-3)
 x: dyn.Trajectory = sim.run(1.0, lambda s: [0.0])
+sim.step(5, tau={"j": 1.0})
+sim.step(ctrl=[0.0])
+imu: NDArray[np.float64] = sim.sensors["imu"]
+recording: dyn.Recording = sim.record(every=5)
+rows: NDArray[np.float64] = recording.sensors["imu"]
+recording.to_html("page.html")
+seen: dyn.Viewer = dyn.view(sim, lambda s: None)
+written: str = dyn.view(recording, open=False)
+X: dyn.Placement = place.inverse() @ dyn.Placement.exp([0.0] * 6)
+point: NDArray[np.float64] = X @ [0.0, 0.0, 1.0]
+J: NDArray[np.float64] = dyn.spatial.Jexp6(X.log(), "left")
+impulses: NDArray[np.float64] = d.lambda_
 """
 WRONG = {
     "d.Mass": "has no attribute",
@@ -60,6 +72,9 @@ WRONG = {
     'dyn.Actuator(transmission="tendo")': "incompatible type",
     'b.add_joint("j", "revolute", dampin=1)': "Unexpected keyword",
     "f: NDArray[np.float32] = d.M": "Incompatible types",
+    "sim.step(control=[0.0])": "Unexpected keyword",
+    'dyn.spatial.Jexp6(q, "middle")': "incompatible type",
+    "dyn.view(3)": "No overload",
     "batch.rnea()": "Missing positional argument|Too few arguments",
 }
 
