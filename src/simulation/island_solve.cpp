@@ -173,10 +173,12 @@ void Island::solve(dynContactReport& best) {
   std::copy_n(asked, equalities, g);
 }
 
-// Adds far_softness of a constraint's largest G to all of its rows of the same unit: rows of a stretched arm are small by themselves.
+// Adds far_softness of the largest G of an equality that is far off to all of its rows of the same unit: rows of a stretched arm
+// are small by themselves. One row alone is never out of reach.
 void Island::soften_far_equalities() {
   for (Index k = 0; k < constraint_count && constraint(k).kind == RowKind::Equality; ++k) {
     const ActiveConstraint& x = constraint(k);
+    if (!x.far || x.rows == 1) continue;
     double largest[2] = {};
     const auto own = [&](Index r) -> double& { return w.matrix[(stride() + 1) * (x.first + r)]; };
     for (Index r = 0; r < x.rows; ++r) largest[is_angle(x, r)] = std::max(largest[is_angle(x, r)], own(r));

@@ -186,7 +186,7 @@ bool Island::correct() {
   };
   auto one_sided = [&](double gap, double unit) { return gap < 0 ? part(gap, unit) : gap; };
   for (Index k = 0, in_boxes = 0; k < constraint_count; ++k) {
-    const ActiveConstraint& x = constraint(k);
+    ActiveConstraint& x = constraint(k);
     double over[2] = {1, 1};  // an equality's largest length and angle over what a step corrects: errors keep their directions
     for (Index r = 0; r < x.rows; ++r) {
       const Index i = x.first + r;
@@ -211,8 +211,8 @@ bool Island::correct() {
       g[i] = compliance[i] = 0, bias[i] = wrong;
     }
     in_boxes += x.kind == RowKind::Box;
-    if (!(over[0] > 1 || over[1] > 1)) continue;
-    far = true;
+    x.far = over[0] > 1 || over[1] > 1, far |= x.far;
+    if (!x.far) continue;
     for (Index r = 0; r < x.rows; ++r) bias[x.first + r] /= over[is_angle(x, r)];
   }
   if (!(largest > tuning::slop)) return false;

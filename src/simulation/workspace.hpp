@@ -33,6 +33,7 @@ struct ActiveConstraint {
   Index island;
   bool idle;           // all constraints of its island are idle: nothing to solve; or it is open
   bool open;           // a contact that cannot close within the step
+  bool far = false;    // an equality that is further off than a step corrects
 };
 
 // Frame and material of a contact.
