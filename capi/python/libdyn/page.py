@@ -7,7 +7,6 @@ import html
 import json
 import os
 import re
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -17,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import native
 from .describe import coordinate_names
 from .enums import Part
-from .errors import Error, FileError, UnsupportedError
+from .errors import Error, UnsupportedError
+from .files import command
 from .placement import Placement
 
 if TYPE_CHECKING:
@@ -32,23 +31,6 @@ _HEAD = re.compile(r'(<script type="application/json" id="dyn-head">)(.*?)(</scr
 _NUMBERS = re.compile(r'(<script type="text/plain" id="dyn-numbers">)(.*?)(</script>)', re.S)
 MOST = 4_000_000
 """Bytes of a recording in a page; a longer one is thinned."""
-
-
-def command() -> str:
-    """The command dyn: DYN_CLI, or beside the package or the library, in a build tree, or in PATH."""
-    package, library = Path(__file__).resolve().parent, Path(native.path)
-    found = [Path(os.environ["DYN_CLI"])] if os.environ.get("DYN_CLI") else []
-    found.append(package / "bin" / "dyn")
-    if library.is_absolute():
-        found.append(library.parent.parent / "bin" / "dyn")
-    for path in found:
-        if path.is_file():
-            return str(path)
-    there = shutil.which("dyn")
-    if there is None:
-        raise FileError("pages need the command dyn, which is not beside the library and not in PATH: install it (cmake "
-                        "--install), or set DYN_CLI to its file.")
-    return there
 
 
 def still(model: Model, q: ArrayLike | None = None) -> str:

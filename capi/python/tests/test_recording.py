@@ -216,10 +216,10 @@ def test_view(pages, tmp_path, go2, capsys):
 def test_without_the_command(monkeypatch, tmp_path):
     monkeypatch.setenv("DYN_CLI", "")
     monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setattr("libdyn.native.path", "libdyn.so.1")
+    monkeypatch.setattr("libdyn.files._prefixes", lambda: [])
     sim = ball()
     r = sim.record()
-    with pytest.raises(dyn.FileError, match="DYN_CLI"):
+    with pytest.raises(dyn.LibraryError, match="DYN_CLI"):
         r.to_html(tmp_path / "r.html")
     assert "moments" in r._repr_html_() and "<table>" in sim._repr_html_()
 
