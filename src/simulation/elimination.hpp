@@ -65,7 +65,7 @@ struct Elimination {
 
   static std::ptrdiff_t row_lane_capacity(const Model& m, Index constraints) {
     using namespace tuning::capacity;
-    const std::ptrdiff_t few_here = few - std::min(few, std::max(0, m.n.carriers - short_support));
+    const std::ptrdiff_t few_here = few - std::min(few, std::max<Index>(0, m.n.carriers - short_support));
     return std::min(max_rows * run_capacity(m, constraints),
                     std::max<std::ptrdiff_t>(least_row_lanes, row_lanes_of_runs * (constraints - few_here) + m.n.nv));
   }

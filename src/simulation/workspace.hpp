@@ -253,7 +253,7 @@ inline Index contact_row_capacity(const Model& m) {
 }
 // Cones that are kept between sweeps.
 inline Index cone_capacity(const Model& m) {
-  return std::min(step_constraints(m), tuning::capacity::cones + std::max(0, step_constraints(m) - 3 * tuning::capacity::few));
+  return std::min(step_constraints(m), tuning::capacity::cones + std::max<Index>(0, step_constraints(m) - 3 * tuning::capacity::few));
 }
 inline Index step_rows(const Model& m) { return m.n.constraint_rows + contact_row_capacity(m) + m.n.limits + m.n.path_rows; }
 // Whose forces are remembered: limits, then rows on paths.
@@ -269,7 +269,7 @@ inline bool matrix_is_shared(const Model& m) { return dense_capacity(m) <= tunin
 // Columns of rows that are kept, by supporting degrees of freedom; those of other constraints are made anew (PropagatedRows).
 inline std::ptrdiff_t columns(const Model& m) {
   using namespace tuning::capacity;
-  const std::ptrdiff_t own = m.n.contacts + m.n.limits, wide = std::max(0, m.n.carriers - short_support);
+  const std::ptrdiff_t own = m.n.contacts + m.n.limits, wide = std::max<Index>(0, m.n.carriers - short_support);
   return std::min(own * m.n.carriers, std::max<std::ptrdiff_t>(least_columns, own_columns * (own - few)) + wide_rows * wide);
 }
 
