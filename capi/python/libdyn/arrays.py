@@ -35,7 +35,12 @@ class ReadOnly(np.ndarray):
     """A view of the library's memory. It computes as any array does, with plain arrays as results."""
 
     hint = "this array is a view of the library's memory, which cannot be written: change a copy, x.copy()."
-    __array_wrap__ = np.empty(()).__array_wrap__  # of a plain array: what numpy's functions return is one
+    if int(np.__version__.split(".")[0]) >= 2:
+        __array_wrap__ = np.empty(()).__array_wrap__  # of a plain array: what numpy's functions return is one
+    else:
+
+        def __array_wrap__(self, array: Any, context: Any = None) -> Any:
+            return np.asarray(array)[()]  # a number where nothing else is left
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if not self.flags.writeable:
