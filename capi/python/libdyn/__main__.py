@@ -14,16 +14,16 @@ from . import files
 
 def _flags(words: list[str]) -> str:
     folder = files.library_folder()
-    answers = {
+    options = {
         "--cflags": lambda: f"-I{files.include()}",
         "--libs": lambda: f"-L{folder} -Wl,-rpath,{folder} -ldyn",
         "--cmake": lambda: str(folder / "cmake/dyn"),
         "--models": lambda: str(files.models),
     }
-    unknown = [w for w in words if w not in answers]
+    unknown = [w for w in words if w not in options]
     if unknown:
-        raise SystemExit(f"python -m libdyn: {unknown[0]} is none of {', '.join(answers)}; these stand alone.")
-    return " ".join(answers[w]() for w in words)
+        raise SystemExit(f"python -m libdyn: {unknown[0]} is none of {', '.join(options)}; these stand alone.")
+    return " ".join(options[w]() for w in words)
 
 
 def main() -> None:
