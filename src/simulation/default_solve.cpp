@@ -1,6 +1,6 @@
-// The solve of steps without a tolerance: Newton's method near a solution, accelerated sweeps and proximal steps elsewhere.
+// The solve of steps without a tolerance: Newton's method near a solution, accelerated sweeps and the smoothing method elsewhere.
 // max_iterations bounds their sum.
-#include "simulation/proximal.hpp"
+#include "simulation/smoothing.hpp"
 #include "simulation/sweeps.hpp"
 
 namespace dyn::simulation {
@@ -28,10 +28,9 @@ bool Island::solve_finely(Index most, double fine, dynContactReport& report) {
   return report.residual <= tolerance;
 }
 
-// Of large islands. Sweeps remove what is wrong at single contacts, proximal steps what is wrong with the whole.
+// Of large islands. Sweeps remove what is wrong at single contacts, the smoothing method what is wrong with the whole.
 void Island::solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report) {
   using namespace tuning::default_solve;
-  const Index steps = report.residual < no_guess ? proximal_steps : cold_steps;
   if (report.residual <= near_guess) {
     if (solve_finely(near_steps, fine, report)) return;
   } else {
@@ -39,7 +38,7 @@ void Island::solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactRepo
     sweeps.run(far_sweeps, report), sweeps.write();
     report.residual = sweeps.residual();
   }
-  if (report.residual > tolerance && within_budget(report)) Proximal(*this).run(steps, report);
+  if (report.residual > tolerance && within_budget(report)) Smoothing(*this).run(smoothing_steps, report);
   if (report.residual <= tolerance) solve_finely(end_steps, fine, report);
 }
 
@@ -70,7 +69,7 @@ void Island::solve_to_default(dynContactReport& report) {
       report.residual = sweeps.residual(), sweeps.write();
       if (unsolved()) {
         if (!sparse()) solve(report);
-        else if (!newton(report, true) && rows <= dense_rows) solve(report);
+        else if (!newton(report, true)) solve(report);
         sweeps.load();
       }
     }

@@ -49,7 +49,7 @@ struct Island {
   }
   DYN_INLINE PropagatedRows rows_of(Index k) const { return rows_of(constraint(k)); }
   std::ptrdiff_t stride() const { return padded_rows(rows); }
-  bool large() const { return rows > tuning::island::dense_rows; }
+  bool large() const { return rows > tuning::default_solve::small_rows; }
   bool has_room_for_matrix() const { return rows <= w.solver.max_rows; }
   // small islands with restitution use the dense solver, which guards the energy
   bool uses_sweeps_only() const {

@@ -97,12 +97,11 @@ inline constexpr double correction_change = 0.02;  // of the first sweep's chang
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {
-// residual of the guess up to which Newton's method is tried first; with equalities, which have no guess, in small islands; from
-// no_guess on, nothing is known
-inline constexpr double near_guess = 0.02, max_guess = 1, no_guess = 0.9;
-inline constexpr Index small_steps = 16, near_steps = 8, end_steps = 4;  // of Newton's method; end: after the proximal steps
-inline constexpr Index far_sweeps = 40, proximal_steps = 20, cold_steps = 40;  // cold: of a large island without a guess
-inline constexpr Index dense_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
+// residual of the guess up to which Newton's method is tried first; with equalities, which have no guess, in small islands
+inline constexpr double near_guess = 0.02, max_guess = 1;
+inline constexpr Index small_steps = 16, near_steps = 4, end_steps = 4;  // of Newton's method; end: after the smoothing method
+inline constexpr Index far_sweeps = 10, smoothing_steps = 50;  // of large islands
+inline constexpr Index small_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
 
 // Elimination order (elimination.hpp).
@@ -123,18 +122,6 @@ inline constexpr Index max_steps = 15;          // of one attempt
 inline constexpr double progress = 0.9;         // of the residual: a step that reduces it by less ends a good enough solve
 inline constexpr double block_price = 4000;     // of a segment, in dense rows^3: measured
 }  // namespace newton
-
-// Proximal steps (proximal.cpp).
-namespace proximal {
-inline constexpr double first_compliance = 1e-2, least_compliance = 1e-4, most_compliance = 0.1;  // of the unit diagonal
-inline constexpr double less = 0.3, more = 2;   // of the compliance: after an easy step, after a hard one,
-inline constexpr double short_step = 0.3;       // which took less than this of a Newton step,
-inline constexpr Index inner_steps = 4;         // or as many Newton steps as are allowed,
-inline constexpr double solved = 1e-2;          // without the squared error falling to this part
-inline constexpr double flat = 0.1;             // of the first slope: the line search ends
-inline constexpr int searches = 10;             // bound of the line search
-inline constexpr double creep = 0.05;           // of the bracket: regula falsi nearer to its ends is replaced by bisection
-}  // namespace proximal
 
 // Springs (semi_implicit_euler.hpp).
 inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half a radian a step; explicit steps need less than 4

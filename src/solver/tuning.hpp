@@ -107,20 +107,17 @@ inline constexpr double near = 1e3;            // tolerances: error at which the
 inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one attempt
 }  // namespace alart_curnier
 
-// Smoothing Newton method (smoothing.cpp): measured on jams of 10 to 100 rows that other methods left unsolved
+// Smoothing Newton method (smoothing_method.hpp): measured on heaps, dominoes and jams of 10 to 2,000 rows
 namespace smoothing {
-inline constexpr double rho = 10;               // of the natural map, over the mean diagonal of a block
-inline constexpr double damping = 1e-4;         // of the unit diagonal: redundant contacts
-inline constexpr double closeness = 0.3;        // of eps: error of the map at which eps falls,
-inline constexpr double reduction = 0.2;        // to this share of it,
-inline constexpr double slow_reduction = 0.7, growth = 1.5;  // else to these, growth after short steps
-inline constexpr int steps_each = 6;            // Newton steps for one eps
-inline constexpr double short_part = 0.1;       // of a Newton step that counts as short
-inline constexpr int halvings = 8;              // of the line search
-inline constexpr double decrease = 1e-3;        // of the error that a step promises (Armijo)
-inline constexpr Index max_steps = 80, max_rows = 64;  // bounds of one attempt: a step factorizes all rows, without symmetry
-inline constexpr Index judged_after = 12;       // steps: where eps is then
-inline constexpr double hopeful = 0.1;          // of its first value or more, masses are too unequal, and other methods go on
+inline constexpr double rho = 1;                // of the natural map, over the mean diagonal of a block
+inline constexpr double damping = 1e-2;         // of the unit diagonal: redundant contacts, and steps that would be too long
+inline constexpr double open = 1e-6;            // slope of the projection below which a block is left out of a step
+inline constexpr double closeness = 0.3;        // of eps: error of the map, on average, at which eps falls,
+inline constexpr double reduction = 0.2, slow_reduction = 0.7;  // to this share of it, else to that,
+inline constexpr int steps_each = 6;            // after these Newton steps
+inline constexpr int memory = 4;                // errors, of which a whole step stays below the largest
+inline constexpr double least = 1e-150;         // eps whose square is not zero
+inline constexpr Index max_steps = 80, max_rows = 64;  // of a dense matrix: a step factorizes all rows, without symmetry
 inline constexpr double newton_error = 1e-3, newton_reduction = 0.1;  // as of the interior point method
 }  // namespace smoothing
 
