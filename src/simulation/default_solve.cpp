@@ -38,7 +38,9 @@ void Island::solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactRepo
     sweeps.run(far_sweeps, report), sweeps.write();
     report.residual = sweeps.residual();
   }
-  if (report.residual > tolerance && within_budget(report)) Smoothing(*this).run(smoothing_steps, report);
+  const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
+  if (unsolved()) Smoothing(*this).run(smoothing_steps, report);
+  if (unsolved() && rows <= tuning::island::dense_rows) newton(report, true);
   if (report.residual <= tolerance) solve_finely(end_steps, fine, report);
 }
 

@@ -3,7 +3,7 @@
 //   y - P(y - rho (c + Gamma(c))),  Gamma(c) = sqrt(|c_t|^2 + eps^2) of the normal, in units in which cones are their own duals
 // while eps falls to zero. It needs no good guess, and where contacts jam and slide it finds solutions that other methods miss.
 // With D and B the derivatives of P and of c + Gamma, a step is
-//   (1 - D + damping) dy = -map - rho D B G dy,  or  dy = left - K G dy,  K = (1 - D + damping)^-1 rho D B
+//   (1 - D + damped) dy = -map - rho D B G dy,  or  dy = left - K G dy,  K = (1 - D + damped)^-1 rho D B
 // Operator: for_each(f(block, state, k)); law(k), in which K of a block is put, and acts of its state, whether K is not zero;
 // factorize() of 1 + K G; solve(left, dy, dc), which sets dc = G dy, compliance included.
 #pragma once
@@ -23,6 +23,7 @@ struct SmoothingMethod {
   Index n;  // rows
   double *y, *c, *dy, *dc, *left;
   Smoothed smooth{};
+  double damped = 0;  // added to 1 - D
 
   // At most max_steps steps from y and c, while may_step(), until accept() is not `going`. accept may change dy, dc and left.
   // Returns true if it is `solved`.
@@ -77,7 +78,7 @@ double SmoothingMethod<Operator>::error(double t) const {
   return std::sqrt(sum);
 }
 
-// (1 - D + damping + rho D B soft) [left K] = [-map, rho D B] of one block.
+// (1 - D + damped + rho D B soft) [left K] = [-map, rho D B] of one block.
 template <class Operator>
 template <int rows>
 void SmoothingMethod<Operator>::set_law(const Block& s, BlockState& state, LawMatrix& law) const {
@@ -110,7 +111,7 @@ void SmoothingMethod<Operator>::set_law(const Block& s, BlockState& state, LawMa
   }
   for (int i = 0; i < rows; ++i) {
     own[i] = -own[i];
-    for (int j = 0; j < rows; ++j) A[i][j] = (i == j) * (1 + damping) - A[i][j] + K[i][j] * s.soft[j] * unit[j] * unit[j];
+    for (int j = 0; j < rows; ++j) A[i][j] = (i == j) * (1 + damped) - A[i][j] + K[i][j] * s.soft[j] * unit[j] * unit[j];
   }
   for (int k = 0; k < rows; ++k) {  // Gauss-Jordan; A is near to a positive definite matrix
     const double inverse = 1 / A[k][k];
@@ -133,12 +134,14 @@ void SmoothingMethod<Operator>::set_law(const Block& s, BlockState& state, LawMa
 // A whole step, or its half if the map's norm is then not below `most`. Returns false if there is none.
 template <class Operator>
 bool SmoothingMethod<Operator>::step(double most, double& size) {
+  using namespace tuning::smoothing;
   G.for_each([&](const Block& s, BlockState& state, Index k) { by_rows(s, [&]<int rows>() { set_law<rows>(s, state, G.law(k)); }); });
   if (!G.factorize()) return false;
   G.solve(left, dy, dc);
   double t = 1;
   size = error(t);
-  if (!(size <= most)) size = error(t /= 2);
+  if (!(size <= most)) size = error(t /= 2), damped = std::min(damping, more_damping * damped);
+  else damped = std::max(least_damping, less_damping * damped);
   if (!std::isfinite(size)) return false;
   for (Index i = 0; i < n; ++i) y[i] += t * dy[i], c[i] += t * dc[i];
   return true;
@@ -152,7 +155,7 @@ bool SmoothingMethod<Operator>::run(Index max_steps, MayStep&& may_step, Accept&
   std::fill_n(dy, n, 0.0), std::fill_n(dc, n, 0.0);
   smooth.eps = least;
   const double first = std::max(least, error(0) / root);
-  smooth.eps = first;
+  smooth.eps = first, damped = damping;
   for (Index steps = 0; steps < max_steps && smooth.eps > tuning::epsilon * first;) {
     double errors[memory], size = error(0);
     std::fill_n(errors, memory, size);

@@ -110,7 +110,9 @@ inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one 
 // Smoothing Newton method (smoothing_method.hpp): measured on heaps, dominoes and jams of 10 to 2,000 rows
 namespace smoothing {
 inline constexpr double rho = 1;                // of the natural map, over the mean diagonal of a block
-inline constexpr double damping = 1e-2;         // of the unit diagonal: redundant contacts, and steps that would be too long
+// of the unit diagonal, against redundant contacts and steps that would be too long: at first and at most, at least,
+inline constexpr double damping = 1e-2, least_damping = 1e-5;
+inline constexpr double less_damping = 0.6, more_damping = 4;  // times so much after a whole step, after a half one
 inline constexpr double open = 1e-6;            // slope of the projection below which a block is left out of a step
 inline constexpr double closeness = 0.3;        // of eps: error of the map, on average, at which eps falls,
 inline constexpr double reduction = 0.2, slow_reduction = 0.7;  // to this share of it, else to that,

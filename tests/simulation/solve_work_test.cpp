@@ -142,10 +142,10 @@ struct Cost {
   int steps = 2;
 };
 const Cost costs[] = {
-    {"tower", 0, 1123, 0, 0.08},       {"heavy tower", 0, 1550, 7, 0.1},       {"bricks", 0, 1223, 5, 0.08},
-    {"lattice", 0, 815, 3, 0.08},     {"heavy lattice", 0, 1436, 16, 0.08},   {"rolling", 0, 715, 1, 0.1},
-    {"pyramid", 0, 1249, 12, 0.08},    {"tied", 0, 713, 0, 0.08},              {"slides", 0, 838, 2, 0.08},
-    {"heavy tower", 0, 5100, 6, 0.12, 20},
+    {"tower", 0, 801, 0, 0.08},       {"heavy tower", 0, 1489, 3, 0.1},       {"bricks", 0, 540, 0, 0.08},
+    {"lattice", 0, 758, 2, 0.08},     {"heavy lattice", 0, 1190, 11, 0.08},   {"rolling", 0, 480, 0, 0.1},
+    {"pyramid", 0, 851, 8, 0.08},     {"tied", 0, 459, 0, 0.08},              {"slides", 0, 455, 0, 0.08},
+    {"heavy tower", 0, 3947, 5, 0.12, 20},
     {"heavy tower", 1e-9, 2200, 1, 0.3}, {"heavy lattice", 1e-9, 3900, 5, 0.2}, {"heavy pyramid", 1e-9, 4600, 5, 0.2},
     {"tied", 1e-9, 390, 0, 0.2},      {"slides", 1e-9, 1900, 2, 0.3},
 };
