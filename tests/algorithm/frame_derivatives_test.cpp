@@ -29,41 +29,51 @@ void expect_near(const Columns& got, const MatrixXd& expected, double scale, con
   EXPECT_LE(gap(got.matrix(6), expected), tol * (scale + largest(expected))) << what;
 }
 
+// f(frame, reference) of some frames, in each reference.
+template <class F>
+void for_frames(const Model& m, F&& f) {
+  for (Index frame : some_frames(m))
+    for (dynReference r : references) f(frame, r);
+}
+
 TEST(FrameDerivatives, OfVelocityAndAccelerations) {
   for_trees(
       [](Case& c) {
         Work<Quad> w(c.m);
+        // of each frame in each reference: velocity, spatial and classical acceleration
+        auto motions = [&](const Quads& q, const Quads& v, const Quads& a) {
+          Quads out;
+          w.q(q).v(v).a(a);
+          forward_kinematics<2>(c.m, w.d);
+          for_frames(c.m, [&](Index frame, dynReference r) {
+            Quad x[18];
+            frame_velocity(c.m, w.d, frame, r, x);
+            for (bool classical : {false, true}) frame_acceleration(c.m, w.d, frame, r, classical, x + 6 + 6 * classical);
+            out.insert(out.end(), x, x + 18);
+          });
+          return out;
+        };
+        const MatrixXd by_each[] = {by_q(c, motions), by_v(c, motions), by(c, input_a, motions)};
         forward_kinematics<2>(c.m, c.w.d);
-        for (Index frame : some_frames(c.m))
-          for (dynReference r : references) {
-            SCOPED_TRACE(testing::Message() << "frame " << frame << " reference " << r);
-            const Index n = 6 * c.nv;
-            auto velocity = [&](const Quads& q, const Quads& v, const Quads&) {
-              Quads out(6);
-              w.q(q).v(v);
-              forward_kinematics<1>(c.m, w.d);
-              frame_velocity(c.m, w.d, frame, r, out.data());
-              return out;
-            };
-            Columns dv_dq(n), dv_dv(n);
-            frame_velocity_derivatives<double>(c.m, c.w.d, frame, r, dv_dq, dv_dv);
-            expect_near(dv_dq, by_q(c, velocity), 1, "dv_dq"), expect_near(dv_dv, by_v(c, velocity), 1, "dv_dv");
-            frame_velocity_derivatives<double>(c.m, c.w.d, frame, r, nullptr, nullptr);
-            for (bool classical : {false, true}) {
-              auto acceleration = [&](const Quads& q, const Quads& v, const Quads& a) {
-                Quads out(6);
-                w.q(q).v(v).a(a);
-                forward_kinematics<2>(c.m, w.d);
-                frame_acceleration(c.m, w.d, frame, r, classical, out.data());
-                return out;
-              };
-              Columns da_dq(n), da_dv(n), da_da(n);
-              frame_acceleration_derivatives<double>(c.m, c.w.d, frame, r, classical, da_dq, da_dv, da_da);
-              const MatrixXd dq = by_q(c, acceleration);
-              expect_near(da_dq, dq, 1, "da_dq"), expect_near(da_dv, by_v(c, acceleration), 1 + largest(dq), "da_dv");
-              expect_near(da_da, by(c, input_a, acceleration), 1, "da_da");
-            }
+        Eigen::Index row = 0;
+        for_frames(c.m, [&](Index frame, dynReference r) {
+          SCOPED_TRACE(testing::Message() << "frame " << frame << " reference " << r);
+          auto expected = [&](int input) { return MatrixXd(by_each[input].middleRows(row, 6)); };
+          const Index n = 6 * c.nv;
+          Columns dv_dq(n), dv_dv(n);
+          frame_velocity_derivatives<double>(c.m, c.w.d, frame, r, dv_dq, dv_dv);
+          expect_near(dv_dq, expected(0), 1, "dv_dq"), expect_near(dv_dv, expected(1), 1, "dv_dv");
+          frame_velocity_derivatives<double>(c.m, c.w.d, frame, r, nullptr, nullptr);
+          row += 6;
+          for (bool classical : {false, true}) {
+            Columns da_dq(n), da_dv(n), da_da(n);
+            frame_acceleration_derivatives<double>(c.m, c.w.d, frame, r, classical, da_dq, da_dv, da_da);
+            const MatrixXd dq = expected(0);
+            expect_near(da_dq, dq, 1, "da_dq"), expect_near(da_dv, expected(1), 1 + largest(dq), "da_dv");
+            expect_near(da_da, expected(2), 1, "da_da");
+            row += 6;
           }
+        });
       },
       25, up_to(8));
 }
@@ -72,22 +82,28 @@ TEST(FrameDerivatives, KinematicHessian) {
   for_trees(
       [](Case& c) {
         Work<Quad> w(c.m);
+        const std::size_t size = std::size_t(6 * c.nv);
+        auto jacobians = [&](const Quads& q, const Quads&, const Quads&) {
+          Quads out;
+          w.q(q);
+          forward_kinematics<0>(c.m, w.d);
+          for_frames(c.m, [&](Index frame, dynReference r) {
+            out.resize(out.size() + size);
+            frame_jacobian(c.m, w.d, frame, r, out.data() + out.size() - size);
+          });
+          return out;
+        };
+        const MatrixXd all = by_q(c, jacobians);
         forward_kinematics<0>(c.m, c.w.d);
-        for (Index frame : some_frames(c.m))
-          for (dynReference r : references) {
-            auto jacobian = [&](const Quads& q, const Quads&, const Quads&) {
-              Quads J(std::size_t(6 * c.nv));
-              w.q(q);
-              forward_kinematics<0>(c.m, w.d);
-              frame_jacobian(c.m, w.d, frame, r, J.data());
-              return J;
-            };
-            Columns H(6 * c.nv * c.nv);
-            frame_kinematic_hessian<double>(c.m, c.w.d, frame, r, H);
-            const MatrixXd expected = by_q(c, jacobian);
-            EXPECT_LE(gap(H.matrix(6 * c.nv), expected), tol * (1 + largest(expected)))
-                << "frame " << frame << " reference " << r;
-          }
+        Eigen::Index row = 0;
+        for_frames(c.m, [&](Index frame, dynReference r) {
+          Columns H(6 * c.nv * c.nv);
+          frame_kinematic_hessian<double>(c.m, c.w.d, frame, r, H);
+          const MatrixXd expected = all.middleRows(row, Eigen::Index(size));
+          EXPECT_LE(gap(H.matrix(6 * c.nv), expected), tol * (1 + largest(expected)))
+              << "frame " << frame << " reference " << r;
+          row += Eigen::Index(size);
+        });
       },
       40, up_to(10));
 }

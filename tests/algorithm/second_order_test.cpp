@@ -5,15 +5,13 @@
 namespace dyn_test {
 namespace {
 
-// lambda^T X, row by row: the gradients whose derivatives are asked for.
-Quads times(const Quads& lambda, const Quad* X) {
-  Quads out;
+// Adds lambda^T X, row by row: the gradients whose derivatives are asked for.
+void add_times(const Quads& lambda, const Quad* X, Quads& out) {
   for (std::size_t j = 0; j < lambda.size(); ++j) {
     Quad sum(0);
     for (std::size_t i = 0; i < lambda.size(); ++i) sum += lambda[i] * X[i + j * lambda.size()];
     out.push_back(sum);
   }
-  return out;
 }
 
 TEST(SecondOrder, ProductIsTheDerivativeOfTheFirstOrder) {
@@ -23,19 +21,21 @@ TEST(SecondOrder, ProductIsTheDerivativeOfTheFirstOrder) {
         const auto fext = dice.vector(6 * c.m.n.joints, 10), lambda = dice.vector(c.nv);
         const Quads f(fext.begin(), fext.end()), l(lambda.begin(), lambda.end());
         Work<Quad> w(c.m);
-        auto gradient = [&](Quad* Data<Quad>::*of) {
-          return [&, of](const Quads& q, const Quads& v, const Quads& a) {
-            w.q(q).v(v).a(a);
-            rnea_derivatives<Quad>(c.m, w.d, w.d.v, w.d.a, f.data());
-            return times(l, w.d.*of);
-          };
+        // by q, by v, by a: nv rows each
+        auto gradients = [&](const Quads& q, const Quads& v, const Quads& a) {
+          Quads out;
+          w.q(q).v(v).a(a);
+          rnea_derivatives<Quad>(c.m, w.d, w.d.v, w.d.a, f.data());
+          for (const Quad* X : {w.d.dtau_dq, w.d.dtau_dv, w.d.M}) add_times(l, X, out);
+          return out;
         };
         Data<double>& d = c.w.d;
         second_order_columns<double>(c.m, d, d.v, d.a, fext.data());
         second_order_product<double>(c.m, d, lambda.data(),
                                      {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
-        const MatrixXd qq = by_q(c, gradient(&Data<Quad>::dtau_dq)), vv = by_v(c, gradient(&Data<Quad>::dtau_dv)),
-                       qv = by_v(c, gradient(&Data<Quad>::dtau_dq)), aq = by_q(c, gradient(&Data<Quad>::M));
+        const MatrixXd of_q = by_q(c, gradients), of_v = by_v(c, gradients);
+        const MatrixXd qq = of_q.topRows(c.nv), vv = of_v.middleRows(c.nv, c.nv), qv = of_v.topRows(c.nv),
+                       aq = of_q.bottomRows(c.nv);
         const double scale = c.terms(c.x.a) + largest(qq) + 10;
         EXPECT_LE(gap(matrix(d.lambda_d2tau_dqdq, c.nv, c.nv), qq), tol * scale) << "dqdq";
         EXPECT_LE(gap(matrix(d.lambda_d2tau_dvdv, c.nv, c.nv), vv), tol * (scale + largest(vv))) << "dvdv";

@@ -30,7 +30,7 @@ PRIVATE = {  # names: the field's
     r"\b\w+_room\b": "capacity",
     r"\bmoderate\(": "no_overflow",
     r"\btake_back\b": "rollback",
-    r"/[/*] Answers\b": "Returns",
+    r"\bAnswers\b": "Returns",
     r"\bthe doctor\b": "constraint diagnostics",
 }
 SOURCES = ("src", "include", "capi", "tests", "tools", "bench", ".github", "README.md")

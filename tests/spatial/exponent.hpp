@@ -5,7 +5,7 @@
 
 namespace dyn_test {
 
-// x = x 2^e with components up to 1: exact, and their squares have all their digits. Answers e.
+// x = x 2^e with components up to 1: exact, and their squares have all their digits. Returns e.
 template <class V>
 int take_exponent(V& x) {
   int e;

@@ -44,6 +44,17 @@ def test_structures(tmp_path):
     assert {k: int(v) for k, v in (line.split() for line in printed.splitlines())} == expected
 
 
+def test_functions_have_few_arguments():
+    """At most six beside handles; beyond that they take a structure."""
+    handles = "|".join(re.findall(r"typedef struct (dyn\w+) \1;", CODE))
+    long = {}
+    for name, given in re.findall(r"DYN_API[^;(]*?(dyn_\w+)\(([^;]*)\);", CODE):
+        others = [x for x in given.split(",") if not re.match(rf"\s*(const )?({handles})\* *\w+$", x)]
+        if len(others) > 6:
+            long[name] = len(others)
+    assert long == {"dyn_state_layout_convert": 7}  # a direction, four inputs, and a layout and outputs that are structures
+
+
 def test_every_status_has_its_exception():
     for status in enums.Status:
         if status:
