@@ -205,9 +205,8 @@ struct Search {
     if (!(near < shape::infinity) ||
         (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body)))
       return;
-    // what costs least comes first; of a half-space, whose radius is infinite, it may be no number
-    double bound = std::max(-shape::infinity, w.clearances.bound(ia, ib));
-    if (bound <= margin) bound = std::max(bound, collision::distance_lower_bound(a, A, b, B));
+    double bound = collision::distance_lower_bound(a, A, b, B);
+    if (bound <= margin) bound = std::max(bound, w.clearances.bound(ia, ib));
     if (bound <= margin) bound = std::max(bound, w.clearances.bound_along_axis(ia, ib, d.geoms, d.geom_poses, margin));
     Index pair = -1;
     const bool near_enough = bound <= margin && is_tested(pair);
