@@ -25,7 +25,7 @@ DYN_INLINE bool apart_along_centers(const D& d, Cores& c) {
   const Vec& p = d.X.p;
   if (!(d.reach < shape::infinity) || !(dot(p, p) > d.reach * d.reach)) return false;
   const double square = dot(p, p), gap = -dot(p, d.support(p).w);
-  if (!(gap > 0 && gap * gap > d.reach * d.reach * square)) return false;
+  if (!(gap > 0 && gap * gap > std::max(d.reach * d.reach, d.bound_share * d.bound_share * square) * square)) return false;
   const double length = std::sqrt(square);
   c = beyond(p * (1 / length), gap / length);
   return true;

@@ -156,26 +156,41 @@ void hull(Overlap& o, double eps) {
   o.insert(deepest);
 }
 
+// Drops the point whose triangle with its neighbours is least, again and again.
 void reduce_points(Overlap& o, int most, double eps) {
-  while (o.count > most) {
-    int deepest = 0;
+  if (o.count <= most) return;
+  // the deepest stays if no other is as deep
+  int deepest, as_deep;
+  double depth;
+  const auto sound = [&] {
+    deepest = as_deep = 0;
     for (int i = 1; i < o.count; ++i)
       if (o.p[i].gap < o.p[deepest].gap) deepest = i;
-    for (int i = 0; i < o.count; ++i)
-      if (i != deepest && o.p[i].gap <= o.p[deepest].gap + eps) {
-        deepest = -1;
-        break;
-      }
+    depth = o.p[deepest].gap + eps;
+    for (int i = 0; i < o.count; ++i) as_deep += o.p[i].gap <= depth;
+  };
+  double area[Overlap::most];
+  const auto measure = [&](int i) {
+    const ClipPoint &l = o.p[i > 0 ? i - 1 : o.count - 1], &r = o.p[i + 1 < o.count ? i + 1 : 0], &p = o.p[i];
+    area[i] = std::abs((p.x - l.x) * (r.y - l.y) - (p.y - l.y) * (r.x - l.x));
+  };
+  sound();
+  for (int i = 0; i < o.count; ++i) measure(i);
+  while (o.count > most) {
+    const int kept = as_deep > 1 ? -1 : deepest;
     int least = -1;
     double smallest = shape::infinity;
-    for (int i = 0; i < o.count; ++i) {
-      const ClipPoint &l = o.p[(i + o.count - 1) % o.count], &r = o.p[(i + 1) % o.count], &p = o.p[i];
-      const double area = std::abs((p.x - l.x) * (r.y - l.y) - (p.y - l.y) * (r.x - l.x));
-      if (i != deepest && area < smallest * (1 - 1e-6)) smallest = area, least = i;
-    }
-    if (least < 0) least = deepest == 0 ? 1 : 0;  // all on one line
-    std::copy(o.p + least + 1, o.p + o.count, o.p + least);
+    for (int i = 0; i < o.count; ++i)
+      if (i != kept && area[i] < smallest * (1 - 1e-6)) smallest = area[i], least = i;
+    if (least < 0) least = kept == 0 ? 1 : 0;  // all on one line
+    as_deep -= o.p[least].gap <= depth;
+    std::copy(o.p + least + 1, o.p + o.count, o.p + least), std::copy(area + least + 1, area + o.count, area + least);
     --o.count;
+    if (deepest == least)
+      sound();
+    else if (deepest > least)
+      --deepest;
+    measure(least > 0 ? least - 1 : o.count - 1), measure(least < o.count ? least : 0);
   }
 }
 

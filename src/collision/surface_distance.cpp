@@ -71,6 +71,9 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
   constexpr bool flat = B::type == Type::HalfSpace;
   const double size = std::min(size_of(a), size_of(b));
   NearestPair nearest(size);
+  // pieces beyond it are not searched. A bound of half the size or so lasts for many steps.
+  const double most = o.max_distance + o.bound_share * size;
+  double least_skipped = infinity;  // lower bound of the distances of the pieces that are skipped
   // no point of B lies below `level` along n
   Bounds box{};
   Vec n = -X.R.z;
@@ -84,6 +87,12 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
     guess(a, b, X, nearest, first);
     look_along(first);
   }
+  const bool limited = most < nearest.limit;
+  if (limited) nearest.limit = most;
+  const auto skips = [&](double least) {
+    if (least > nearest.limit) least_skipped = std::min(least_skipped, least);
+    return least;
+  };
   // lower bound by planes across m. up, down: support heights of the node along m and -m
   const Vec center = middle(box);
   auto beyond = [&](const Vec& m, double up, double down = infinity) {
@@ -106,7 +115,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
       }
       if (least - a.radius <= nearest.limit) least = std::max(least, beyond(slab.normal, slab.high, -slab.low));
     }
-    return least - a.radius;
+    return skips(least - a.radius);
   };
   auto lower_of_piece = [&](const Corners& f) {
     double least = level - f.support_height(n);
@@ -116,7 +125,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
       if (least - a.radius <= nearest.limit) least = std::max(least, beyond(across, f.support_height(across)));
       if (least - a.radius <= nearest.limit) least = std::max(least, beyond(m, f.support_height(m), f.support_height(-m)));
     }
-    return least - a.radius;
+    return skips(least - a.radius);
   };
   Facet piece;
   auto leaf = [&](auto node) {
@@ -124,10 +133,16 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
       a.piece(node, i, piece);
       if (!(lower_of_piece({piece, Pose::identity()}) <= nearest.limit)) continue;
       const Result r = distance(piece.shape(a.radius), {Mat::identity(), piece.origin}, shape_b, X, w, o);
+      skips(r.distance - r.residual);
       if (nearest.consider(r)) look_along(r.normal);
     }
   };
   search(a, nearest.limit, lower, leaf);
+  if (limited && !(nearest.best.distance < infinity)) {
+    Result beyond{};
+    beyond.distance = least_skipped, beyond.normal = n, beyond.status = Status::Separated;
+    return beyond;
+  }
   if (nearest.nothing()) search(a, nearest.limit, lower, leaf);
   Result r = nearest.best;
   Vec inner = X.p;
@@ -269,7 +284,13 @@ Result surface_distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
   const Pose X = {Rt * X_W2.R, Rt * (X_W2.p - X_W1.p)};
   Result r{};
   visit(exchanged ? b : a, [&]<class S>(const S& s) {
-    if constexpr (is_surface(S::type)) r = with_any(s, exchanged ? a : b, X, workspace, options);
+    if constexpr (is_surface(S::type)) {
+      Options o = options;
+      // of a closed mesh, the nearest triangle tells how deep a shape lies inside
+      if (S::type == Type::Triangles && s.closed()) o.max_distance = infinity;
+      if (is_surface((exchanged ? a : b).type)) o.max_distance = infinity;
+      r = with_any(s, exchanged ? a : b, X, workspace, o);
+    }
   });
   r.normal = X_W1.R * r.normal, r.point_a = X_W1.act(r.point_a), r.point_b = X_W1.act(r.point_b);
   if (exchanged) exchange(r);

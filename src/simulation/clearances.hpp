@@ -1,8 +1,12 @@
 // Lower bounds of the distances of shapes that were apart: the distance that a query found, less the way that both have moved
 // since (after Mirtich, Impulse-based dynamic simulation of rigid body systems, 1996). While a bound exceeds the margin,
-// a query would find no contact, and none is made: results are the same to the last bit.
+// a query would find no contact, and none is made. Then the direction that separated the shapes is tried first: while the gap
+// along it exceeds the margin, that gap is the new bound. Results are the same to the last bit.
 #pragma once
 
+#include <cstdint>
+
+#include "collision/gap_along.hpp"
 #include "collision/geom.hpp"
 
 namespace dyn::simulation {
@@ -10,15 +14,18 @@ namespace dyn::simulation {
 class Clearances {
   struct Known {
     Index a, b;
-    double until;  // distance plus what both shapes had moved by then (m)
+    double until;          // distance plus what both shapes had moved by then (m)
+    std::int16_t axis[3];  // the direction from A to B in A's axes; zero: none
   };
   Known* known_;              // in buckets, by a hash of the pair; a new pair takes the place of the one that is nearest
   double* moved_;             // by shape: bound of the way of any of its points (m)
   collision::Pose* placed_;   // by shape
 
   static constexpr double rounding = 1e-12;  // of the sums
+  static constexpr double axis_scale = 32767;  // a component of 1
   static constexpr int ways = 4;              // places in a bucket: pairs that share one do not displace each other every step
-  // Places are three times the pairs that come near at once, as a power of two.
+  // Places are three times the pairs that come near at once, as a power of two: up to six a pair, 144 bytes.
+  static_assert(6 * sizeof(Known) <= 200);
   static int bits(const Model& m) {
     const std::ptrdiff_t geoms = m.n.geoms, all = lists_pairs(m) ? m.n.pairs : geoms * (geoms - 1) / 2,
                          pairs = std::min(16 * geoms, all);
@@ -31,6 +38,11 @@ class Clearances {
     std::uint32_t h = std::uint32_t(a) * 0x9e3779b1u + std::uint32_t(b);
     h = (h ^ h >> 15) * 0x85ebca77u, h = (h ^ h >> 13) * 0xc2b2ae3du;
     return known_ + ways * (h >> shift_);
+  }
+  Known* find(Index a, Index b) const {
+    for (Known *k = bucket(a, b), *end = k + ways; k != end; ++k)
+      if (k->a == a && k->b == b) return k;
+    return nullptr;
   }
   double left(const Known& k) const { return k.until * (1 - rounding) - moved_[k.a] - moved_[k.b]; }
 
@@ -50,20 +62,35 @@ class Clearances {
   }
   // Lower bound of the distance, negative where nothing is known.
   double bound(Index a, Index b) const {
-    for (const Known *k = bucket(a, b), *end = k + ways; k != end; ++k)
-      if (k->a == a && k->b == b) return left(*k);
-    return -shape::infinity;
+    const Known* const k = find(a, b);
+    return k ? left(*k) : -shape::infinity;
   }
-  void learn(Index a, Index b, double distance) {
-    Known *const first = bucket(a, b), *place = first;
-    for (Known *k = first, *end = first + ways; k != end; ++k) {
-      if (k->a == a && k->b == b) {
-        place = k;
-        break;
-      }
-      if (left(*k) < left(*place)) place = k;
+  // The gap along the remembered direction, negative if there is none. If it exceeds the margin, it is the new bound.
+  double bound_along_axis(Index a, Index b, const collision::Geom* geoms, const collision::Pose* poses, double margin) {
+    Known* const k = find(a, b);
+    if (!k) return -shape::infinity;
+    const Vec3<double> axis = Vec3<double>::make(k->axis[0], k->axis[1], k->axis[2]);
+    const double length = shape::norm(axis);
+    if (!(length > 0)) return -shape::infinity;
+    const double gap =
+        collision::gap_along(geoms[a].shape, poses[a], geoms[b].shape, poses[b], poses[a].R * (axis * (1 / length)));
+    if (gap > margin) k->until = gap + moved_[a] + moved_[b];
+    return gap;
+  }
+  // axis: the unit vector that separates the shapes, from A to B in A's axes; zero if no plane does.
+  void learn(Index a, Index b, double distance, const Vec3<double>& axis) {
+    Known* place = find(a, b);
+    if (!place) {
+      Known* const first = place = bucket(a, b);
+      for (Known *k = first, *end = first + ways; k != end; ++k)
+        if (left(*k) < left(*place)) place = k;
     }
-    *place = {a, b, distance + moved_[a] + moved_[b]};
+    const auto stored = [&](int i) { return std::int16_t(axis[i] * axis_scale); };
+    *place = {a, b, distance + moved_[a] + moved_[b], {stored(0), stored(1), stored(2)}};
+  }
+  // The shapes are near each other: no direction is worth trying.
+  void forget_axis(Index a, Index b) {
+    if (Known* const k = find(a, b)) k->axis[0] = k->axis[1] = k->axis[2] = 0;
   }
 };
 

@@ -189,6 +189,10 @@ struct Search {
     return std::min(seen(ia, ib), seen(ib, ia));
   }
 
+  // Whether a plane separates the shapes where they are apart, and support points tell how far.
+  static bool parts(const Geom& a, const Geom& b) {
+    return collision::has_support(a.shape.type) && collision::has_support(b.shape.type);
+  }
   // is_tested(pair): returns whether the pair is enabled, and sets its number.
   template <class F>
   void look(Index ia, Index ib, F&& is_tested) {
@@ -203,12 +207,20 @@ struct Search {
       return;
     double bound = collision::distance_lower_bound(a, A, b, B);
     if (bound <= margin) bound = std::max(bound, w.clearances.bound(ia, ib));
+    if (bound <= margin) bound = std::max(bound, w.clearances.bound_along_axis(ia, ib, d.geoms, d.geom_poses, margin));
     Index pair = -1;
     const bool near_enough = bound <= margin && is_tested(pair);
     if (near_enough) {
-      const collision::Result nearest = collision::distance(a.shape, A, b.shape, B, *d.collision_workspace, options);
+      collision::Options limited = options;
+      limited.max_distance = margin, limited.bound_share = search::bound_share;
+      const collision::Result nearest = collision::distance(a.shape, A, b.shape, B, *d.collision_workspace, limited);
       collision::contacts(a.shape, A, b.shape, B, nearest, margin, found);
-      if (nearest.distance > margin) w.clearances.learn(ia, ib, bound = nearest.distance - nearest.residual);
+      if (nearest.distance > margin) {
+        bound = nearest.distance - nearest.residual;
+        w.clearances.learn(ia, ib, bound, parts(a, b) ? transpose_times(A.R, nearest.normal) : Vec3<double>::zero());
+      } else {
+        w.clearances.forget_axis(ia, ib);
+      }
     }
     min_distance = std::min(min_distance, bound - near);
     if (!near_enough || found.count == 0) return;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <initializer_list>
+#include <utility>
 
+#include "collision/gap_along.hpp"
 #include "collision/manifold.hpp"
 #include "collision/poses.hpp"
 #include "count.hpp"
@@ -90,6 +92,22 @@ TEST(HullFaces, ListChangesNoFeature) {
   }
 }
 
+// The gap along any direction is a lower bound of the distance.
+TEST(QueryCost, GapAlongADirectionIsALowerBound) {
+  for (int a = 1; a < shape::type_count; ++a)
+    for (int b = a; b < shape::type_count; ++b)
+      for (std::uint64_t i = 0; i < 60; ++i) {
+        const Scene s = scene(Type(a), Type(b), Case(i % std::uint64_t(Case::count)), i);
+        const Result r = query(s);
+        const double size = std::min(size_of(s.a), size_of(s.b));
+        Chance g(i);
+        const auto gap = [&](const Vec& n) { return collision::gap_along(s.a.shape, s.A, s.b.shape, s.B, n); };
+        EXPECT_LE(gap(g.direction()), r.distance + r.residual + 1e-9 * size);
+        EXPECT_LE(gap(r.normal), r.distance + r.residual + 1e-9 * size);
+        if (r.distance > 0.01 * size) EXPECT_NEAR(gap(r.normal), r.distance, r.residual + 1e-6 * size);
+      }
+}
+
 // A limited query finds the same distance within the limit, and a lower bound beyond it.
 TEST(QueryCost, LimitedDistanceIsALowerBound) {
   for (int a = 1; a < shape::type_count; ++a)
@@ -97,9 +115,9 @@ TEST(QueryCost, LimitedDistanceIsALowerBound) {
       for (std::uint64_t i = 0; i < 60; ++i) {
         const Scene s = scene(Type(a), Type(b), Case(i % std::uint64_t(Case::count)), i);
         const double size = std::min(size_of(s.a), size_of(s.b));
-        for (const double k : {0.0, 0.01, 0.3}) {
+        for (const auto& [k, share] : {std::pair{0.0, 0.0}, {0.01, 0.0}, {0.3, 0.0}, {0.0, 0.5}, {0.01, 0.9}}) {
           collision::Options limited;
-          limited.max_distance = k * size;
+          limited.max_distance = k * size, limited.bound_share = share;
           const Result exact = query(s), r = query(s, limited);
           if (r.distance <= limited.max_distance)
             EXPECT_EQ(exact.distance, r.distance);

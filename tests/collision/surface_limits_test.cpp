@@ -143,6 +143,48 @@ TEST(Surfaces, InsideOfAClosedMeshIsAnOverlap) {
   EXPECT_EQ(Status::Separated, query(m.shape, A, small.shape, {Mat3<double>::identity(), Vec::make(1.5, 0, 0)}).status);
 }
 
+// Contacts know how deep it lies, although each triangle is farther than they ask for.
+TEST(Surfaces, ContactsInsideOfAClosedMeshAreDeep) {
+  Faceted m;
+  box_mesh(m, 2, 2, 2);
+  collision::Options limited;
+  limited.max_distance = 0.01, limited.bound_share = 0.5;
+  const Pose B = {Mat3<double>::identity(), Vec::make(0.5, 0.1, -0.2)};
+  const Result r = query(m.shape, Pose::identity(), box(0.2, 0.2, 0.2).shape, B, limited);
+  EXPECT_NEAR(-0.6, r.distance, 1e-9);
+  EXPECT_NEAR(1, r.normal[0], 1e-9);
+}
+
+// A limited query finds the same distance within the limit, and a lower bound beyond it.
+TEST(Surfaces, LimitedDistanceIsALowerBound) {
+  int beyond = 0, within = 0;
+  for (int i = 0; i < samples(400); ++i) {
+    SCOPED_TRACE(i);
+    Chance g{std::uint64_t(i)};
+    Faceted field, ring;
+    hills(field, g, 12, 9), ring_mesh(ring, 12, 8);
+    const Solid s = g.shape(Type(g.pick(shape::type_count)), 0.6);
+    const Pose A = {g.rotation(), g.direction()}, B = {g.rotation(), g.direction() * g.uniform(0, 3)};
+    for (const Faceted* surface : {&field, &ring})
+      for (const double share : {0.0, 0.5})
+        for (const double most : {0.0, 0.02, 0.3}) {
+          collision::Options limited;
+          limited.max_distance = most, limited.bound_share = share;
+          const Result exact = query(surface->shape, A, s.shape, B), r = query(surface->shape, A, s.shape, B, limited);
+          ASSERT_EQ(exact.distance <= most, r.distance <= most);
+          if (exact.distance <= most) {
+            ASSERT_NEAR(exact.distance, r.distance, 1e-9);
+            ++within;
+          } else {
+            ASSERT_LE(r.distance, exact.distance + exact.residual + 1e-9);
+            ++beyond;
+          }
+        }
+  }
+  EXPECT_GT(beyond, 100);
+  EXPECT_GT(within, 100);
+}
+
 // Rounded triangles equal the rounded box, except inside.
 TEST(Surfaces, RoundedMeshes) {
   Faceted m;

@@ -12,8 +12,9 @@ Model slender() {
   for (int k = 0; k < 8; ++k) {
     const std::string name = "b" + std::to_string(k);
     const dynMaterial x = material(0.4);
+    const dynShapeType type = k % 4 == 0 ? DYN_SHAPE_TYPE_CYLINDER : DYN_SHAPE_TYPE_CONE;
     if (k % 2) scene.box(name.c_str(), 1, {0.4, 0.03, 0.05}, x);
-    else scene.free(name.c_str(), 1, {0.01, 0.01, 0.001}).shape(name.c_str(), DYN_SHAPE_TYPE_CYLINDER, {0.02, 0.4, 0}, x);
+    else scene.free(name.c_str(), 1, {0.01, 0.01, 0.001}).shape(name.c_str(), type, {0.02, 0.4, 0}, x);
   }
   return scene.finish();
 }
@@ -72,6 +73,56 @@ TEST(Clearances, PairsApartCostAComparison) {
     const long far = count(10), near = count(0.08);
     if (far < 0) GTEST_SKIP() << "this system does not let a process trace its child";
     EXPECT_LE(double(near - far) / 4, 230 * rods * (rods - 1) / 2) << rods << ": " << near << " " << far;
+  }
+}
+
+// Instructions of a step of two rods that fly side by side with a gap, beyond those of rods far apart. Shape by type.
+long more_of_pair(dynShapeType type, std::array<double, 3> size, double thick, double gap) {
+  const auto count = [&](double apart) -> long {
+    Scene scene({0, 0, 0});
+    Numbers q, v;
+    for (int k = 0; k < 2; ++k) {
+      const std::string name = "rod" + std::to_string(k);
+      scene.free(name.c_str(), 1, {0.08, 0.08, 0.001}).shape(name.c_str(), type, size, material(0.4));
+      q.insert(q.end(), {apart * k, 0, 0, 0, 0, 0, 1}), v.insert(v.end(), {0, 3, 1, 0, 0, 0});
+    }
+    Simulation run(scene.finish());
+    run.set(q, v);
+    run.steps(10);
+    return bench::instructions([&] {
+      for (int k = 0; k < 4; ++k) dyn_step(run.m, run.d);
+    });
+  };
+  const long far = count(10), near = count(thick + gap);
+  return far < 0 ? -1 : std::max(0L, near - far) / 4;
+}
+struct Rod {
+  dynShapeType type;
+  std::array<double, 3> size;
+  double thick;  // m, across
+};
+const Rod rods[] = {{DYN_SHAPE_TYPE_CYLINDER, {0.02, 1, 0}, 0.04},
+                    {DYN_SHAPE_TYPE_CONE, {0.02, 1, 0}, 0.04},
+                    {DYN_SHAPE_TYPE_ELLIPSOID, {0.02, 0.02, 0.5}, 0.04},
+                    {DYN_SHAPE_TYPE_BOX, {0.04, 0.04, 1}, 0.04}};
+
+// Shapes apart cost a comparison of what is left of their distance, while both move on together.
+TEST(Clearances, RememberedPairCostsAComparison) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have instructions of their own";
+  for (const Rod& r : rods) {
+    const long more = more_of_pair(r.type, r.size, r.thick, 0.3);
+    if (more < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+    EXPECT_LE(more, 400) << r.type;
+  }
+}
+
+// Shapes that are little farther apart than what a step may close cost two support points: both move on by more than the rest.
+TEST(Clearances, PairNearWithoutContactCostsTwoSupportPoints) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have instructions of their own";
+  for (const Rod& r : rods) {
+    const long more = more_of_pair(r.type, r.size, r.thick, 0.02);
+    if (more < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+    EXPECT_LE(more, 700) << r.type;
   }
 }
 
