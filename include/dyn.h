@@ -1987,8 +1987,8 @@ typedef enum dynTransmission {
      frame. l = gear times the slider's place: with x the pin in the reference, x_z - sqrt(rod^2 - x_x^2 -
      x_y^2); x_z where the rod is too short. */
   DYN_TRANSMISSION_SLIDER_CRANK = 4,
-  /* Adhesion: f pulls a link to what its own shapes touch, an equal share at each contact of the last step,
-     along the normal. l = 0. */
+  /* Adhesion: f pulls a link to what its own shapes touch, an equal share at each contact point along its
+     normal. l = 0. */
   DYN_TRANSMISSION_BODY = 5
 } dynTransmission;
 
@@ -2188,8 +2188,8 @@ typedef enum dynQuantity {
   DYN_QUANTITY_JOINTLIMITFRC = 38,     /* Joint, 1: force of its limit, >= 0, last step. */
   DYN_QUANTITY_TENDONLIMITFRC = 39,    /* Tendon, 1: force of its limit, >= 0, last step. */
   /* Frame: what a ray along its z axis hits among the collision shapes of other links, by default its
-     distance, -1 if nothing. DYN_VALUE_...: DISTANCE, DIRECTION, ORIGIN, POSITION, NORMAL, DEPTH, in this
-     order; zeros where there is no hit. */
+     distance, 0 inside a shape, -1 if nothing. DYN_VALUE_...: DISTANCE, DIRECTION, ORIGIN, POSITION, NORMAL,
+     DEPTH, in this order; zeros where there is no hit. */
   DYN_QUANTITY_RANGEFINDER = 40,
   /* Two sides, each a collision shape or all of a link, 1: their signed distance, at most cutoff. Without a
      cutoff it is 0 where they are apart, as in MuJoCo. */

@@ -173,11 +173,9 @@ T slider_path(const Model& m, const Data<T>& d, const PathRecord& p, T* row) {
   const T along = dot(axis, x), square = along * along + T(p.wrench[0] * p.wrench[0]) - dot(x, x);
   const bool reaches = square > T(0);
   const T root = reaches ? sqrt(square) : T(1), slope = reaches ? T(1) - along / root : T(1);
-  // dl = by_x . dx + by_axis . d(axis), and the axis turns with the slider
-  const Vec3<T> by_x = axis * slope + x * (reaches ? T(1) / root : T(0)), by_axis = x * slope;
-  const Vec3<T> none = Vec3<T>::zero();
-  add_pair(m, d, by_x, none, pin, slider, row);
-  add_pair(m, d, none, cross(axis, by_axis), slider, PathPoint<T>{none, 0}, row);
+  const Vec3<T> by_x = axis * slope + x * (reaches ? T(1) / root : T(0));
+  // a motion of all together leaves l alone: what the slider takes is the opposite force, at the pin
+  add_pair(m, d, by_x, Vec3<T>::zero(), pin, PathPoint<T>{pin.x, slider.body}, row);
   return reaches ? along - root : along;
 }
 

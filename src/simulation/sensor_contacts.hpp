@@ -50,7 +50,9 @@ double* put_values(const dynSensor& s, const std::uint32_t (&bits)[n], Value&& v
 inline void ray_values(const Model& m, const Data<double>& d, const dynSensor& s, const Placed& at, double* out) {
   const Index link = link_of(m, s.object);
   const collision::RayHit hit = collision::cast(m, d, at.X.p, at.X.R.z, HUGE_VAL, [&](Index geom) {
-    return m.shapes()[m.geoms()[geom].shape].frame != link;
+    const bool below = d.geoms[geom].shape.type == shape::Type::HalfSpace &&
+                       dot(d.geom_poses[geom].R.z, at.X.p - d.geom_poses[geom].p) < 0;  // planes are seen from above
+    return !below && m.shapes()[m.geoms()[geom].shape].frame != link;
   });
   const bool hits = hit.geom >= 0;
   constexpr std::uint32_t order[] = {DYN_VALUE_DISTANCE, DYN_VALUE_DIRECTION, DYN_VALUE_ORIGIN,
@@ -58,7 +60,7 @@ inline void ray_values(const Model& m, const Data<double>& d, const dynSensor& s
   put_values(s, order, [&](std::uint32_t bit, double* to) {
     const auto vector = [&](const Vector& x, bool known) { store3(known ? x : Vector::zero(), to); };
     switch (bit) {
-      case DYN_VALUE_DIRECTION: return vector(at.X.R.z, true);
+      case DYN_VALUE_DIRECTION: return vector(at.X.R.z, hits);
       case DYN_VALUE_ORIGIN: return vector(at.X.p, true);
       case DYN_VALUE_POSITION: return vector(at.X.p + at.X.R.z * hit.t, hits);
       case DYN_VALUE_NORMAL: return vector(hit.normal, hits);
