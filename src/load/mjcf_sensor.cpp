@@ -96,6 +96,8 @@ void read_mjcf_sensor(MjcfFile& file, Element& e, const MjcfContext& context) {
     if (contact && e.Attribute("site")) s.spec.side = DYN_SIDE_ZONE, s.on = "site", s.object = named("site", "site");
     if (!contact && (s.object.empty() || s.reference.empty()))
       reader.fail(DYN_ERROR_PARSE, e, "geom1 or body1, and geom2 or body2 are expected");
+    if (const std::string data = attribute(e, "data"); data.find("linvel") != data.npos || data.find("angvel") != data.npos)
+      return reader.report.count("<sensor>: linvel and angvel of <contact> are not supported", line(e));
     s.spec.values = contact ? read_values(reader, e, contact_words) : 0;
     s.spec.count = int(reader.optional_number(e, "num").value_or(1));
     if (const std::string reduce = attribute(e, "reduce"); !reduce.empty() && !value_of(reduce, s.spec.reduction))

@@ -88,8 +88,9 @@ inline Force<double> local_force(const dynContactForce& f, const Mat3<double>& R
 }
 
 // 1: it is one of the sensor's; -1: with its shapes exchanged; 0: it is none.
-inline int matches(const Model& m, const Data<double>& d, const dynSensor& s, const dynContact& c) {
-  if (c.distance > 0) return 0;
+inline int matches(const Model& m, const Data<double>& d, const dynSensor& s, const dynContactForce& f) {
+  const dynContact& c = f.contact;
+  if (c.distance > 0 && !(dot(load3(f.force_on_b), load3(f.force_on_b)) > 0)) return 0;
   const Index a = collision::geom_of_shape(m, c.shape_a), b = collision::geom_of_shape(m, c.shape_b);
   if (s.side == DYN_SIDE_ZONE) {
     const Placed zone = placed(m, d, s.object, load_se3(s.placement));
@@ -136,7 +137,7 @@ template <class F>
 void for_each_match(const Model& m, const Data<double>& d, const dynSensor& s, F&& f) {
   if (!d.step) return;
   simulation::for_each_contact(*d.step, [&](const dynContactForce& x) {
-    if (const int match = matches(m, d, s, x.contact)) f(x, match < 0);
+    if (const int match = matches(m, d, s, x)) f(x, match < 0);
   });
 }
 
