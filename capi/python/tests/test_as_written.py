@@ -12,7 +12,7 @@ KEYED = """<mujoco><option timestep="0.004" integrator="implicitfast"/><worldbod
   <body name="box" pos="0 0 1" quat="1 1 0 0"><freejoint name="free"/><geom type="box" size=".1 .2 .3" contype="0" conaffinity="0"/></body>
   <body name="arm" pos="2 0 1"><joint name="hinge" axis="0 1 0" ref="30"/><geom size=".1" pos=".3 0 0"/></body></worldbody>
   <tendon><fixed name="both"><joint joint="hinge" coef="1"/></fixed></tendon>
-  <actuator><motor name="m" joint="hinge" gear="2"/><general name="t" joint="hinge" dyntype="user" ctrlrange="-1 1"/>
+  <actuator><motor name="m" joint="hinge" gear="2"/><general name="t" joint="hinge" gaintype="user" ctrlrange="-1 1"/>
     <general name="g" joint="hinge" dyntype="filter" dynprm="0.1" gainprm="3"/></actuator>
   <keyframe><key name="away" time="2.5" qpos="1 2 3 .5 .5 .5 .5 .25" qvel="1 2 3 4 5 6 7" ctrl=".1 .2 .3" act=".4"/><key name="blank"/></keyframe>
 </mujoco>"""

@@ -204,4 +204,4 @@ def test_what_is_left_out_is_named_once_a_kind():
     m = dyn.load_string(text)
     assert m.nsensors == 1
     messages = sorted(r.message for r in m.report if "<sensor>" in r.message)
-    assert len(messages) == 2 and "<rangefinder>" in messages[0] and "<tactile>" in messages[1]
+    assert len(messages) == 2 and "<tactile>" in messages[0] and "<rangefinder>" in messages[1]
