@@ -2657,7 +2657,7 @@ typedef enum dynAlgorithm {
   DYN_ALGORITHM_STEP = 49,                          /* SIMULATION: dt, integrator; q, v, tau -> q nq, v nv */
   /* q, v -> length ntendons, velocity ntendons, J ntendons x nv */
   DYN_ALGORITHM_TENDONS = 50,
-  DYN_ALGORITHM_SENSORS = 51                        /* SIMULATION: q, v, a -> sensor_data nsensordata */
+  DYN_ALGORITHM_SENSORS = 51                        /* q, v, a -> sensor_data nsensordata */
 } dynAlgorithm;
 
 /* Inputs and outputs. An algorithm ignores inputs that it does not read. An output may be an input with rows

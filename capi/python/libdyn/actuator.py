@@ -175,7 +175,7 @@ class Actuator(NamedTuple):
     feedforward_range: Tuple[float, float] = (-inf, inf)
     """pid, dc_motor: of the force control."""
     inputs: int | None = None
-    """pid, dc_motor: a sum of dyn.Inputs; None: POSITION, of a dc_motor VOLTAGE."""
+    """pid, dc_motor: a sum of dyn.Input; None: POSITION, of a dc_motor VOLTAGE."""
     in_parent: bool = False
     """axes: moments are in the axes of the parent."""
     late: bool = False

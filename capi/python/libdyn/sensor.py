@@ -60,7 +60,7 @@ class Sensor(NamedTuple):
     other_side: SideLike = Side.ANY
     """And what `reference` names."""
     values: int = 0
-    """rangefinder, contact: a sum of dyn.Values; 0: distance, found."""
+    """rangefinder, contact: a sum of dyn.Value; 0: distance, found."""
     reduction: ReductionLike = Reduction.NONE
     """contact: which of more than `count`."""
     count: int = 1
