@@ -131,7 +131,8 @@ dynStatus dyn_sensor_delay(const dynModel* model, const double* times, const dou
   constexpr const char* function = "dyn_sensor_delay";
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (count < 1) return fail(DYN_ERROR_ARGUMENT, "%s: count is %lld: give 1 reading or more", function, static_cast<long long>(count));
+  if (count < 1)
+    return fail(DYN_ERROR_ARGUMENT, "%s: count is %lld: give 1 reading or more", function, static_cast<long long>(count));
   if (!times || ((!readings || !values) && m.n.sensor_values > 0))
     return fail(DYN_ERROR_ARGUMENT, "%s: times, readings or values is NULL: they are required", function);
   for (std::int64_t k = 0; k < count; ++k)

@@ -246,7 +246,8 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   if (kind == "pid" || kind == "dcmotor") read_mjcf_driver(reader, e, file.compiler.autolimits, actuator);
   else if (const char* why = law(reader, e, file.robot.compiler, actuator)) return keep_place(why);
   actuator.activations = size_t(activations_of(actuator.spec));
-  actuator.spec.late = actuator.activations > 0 && kind != "dcmotor" && !read_switch(reader, e, "actearly", false).value_or(false);
+  actuator.spec.late = actuator.activations > 0 && kind != "dcmotor" &&
+                       !read_switch(reader, e, "actearly", false).value_or(false);
   if (by.joint && (actuator.spec.bias[1] != 0 || actuator.spec.kp != 0 || has_general_law(actuator.spec)))
     take_axes(*by.joint, actuator.spec);
   read_mjcf_range(reader, e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);

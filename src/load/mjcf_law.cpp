@@ -1,4 +1,5 @@
-// Converts <motor>, <position>, <velocity>, <intvelocity>, <damper>, <cylinder>, <muscle> and <adhesion> to <general>. In MuJoCo all actuators share
+// Converts <motor>, <position>, <velocity>, <intvelocity>, <damper>, <cylinder>, <muscle> and <adhesion> to <general>.
+// In MuJoCo all actuators share
 // one set of parameters and defaults, of which each kind writes a part. A shortcut continues from <general> or its own kind, and
 // starts anew after another kind.
 #include <algorithm>

@@ -101,7 +101,8 @@ void read_mjcf_sensor(MjcfFile& file, Element& e, const MjcfContext& context) {
     s.spec.values = contact ? read_values(reader, e, contact_words) : 0;
     s.spec.count = int(reader.optional_number(e, "num").value_or(1));
     if (const std::string reduce = attribute(e, "reduce"); !reduce.empty() && !value_of(reduce, s.spec.reduction))
-      reader.fail(DYN_ERROR_PARSE, e, "reduce is " + load::in_quotes(reduce) + ": none, mindist, maxforce or netforce is expected");
+      reader.fail(DYN_ERROR_PARSE, e,
+                  "reduce is " + load::in_quotes(reduce) + ": none, mindist, maxforce or netforce is expected");
   } else if (s.spec.quantity == DYN_QUANTITY_USER) {
     s.spec.count = int(reader.optional_number(e, "dim").value_or(1));
   } else if (s.spec.quantity == DYN_QUANTITY_RANGEFINDER && e.Attribute("camera")) {
@@ -170,9 +171,10 @@ void add_mjcf_sensors(Builder& builder, const MjcfRobot& robot, const std::vecto
                               s.place.line);
         continue;
       }
-      if (object.empty() != s.object.empty() || reference.empty() != s.reference.empty())
-        s.place.fail(DYN_ERROR_NAME, "there is no " + (object.empty() && !s.object.empty() ? s.on + " " + load::in_quotes(s.object)
-                                                                                           : s.to + " " + load::in_quotes(s.reference)));
+      if (object.empty() != s.object.empty())
+        s.place.fail(DYN_ERROR_NAME, "there is no " + s.on + " " + load::in_quotes(s.object));
+      if (reference.empty() != s.reference.empty())
+        s.place.fail(DYN_ERROR_NAME, "there is no " + s.to + " " + load::in_quotes(s.reference));
       if (const MjcfSite* const zone = find_site(robot, s.object); zone && spec.side == DYN_SIDE_ZONE)
         spec.shape = zone->shape, std::copy(zone->extent.begin(), zone->extent.end(), spec.extent);
     }

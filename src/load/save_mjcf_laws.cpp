@@ -87,7 +87,8 @@ void MjcfWriter::put_driver(XmlElement& e, const dynActuator& a) {
   put_range(e, "velrange", a.velocity_range), put_range(e, "ffrange", a.feedforward_range);
   if (a.type == DYN_ACTUATOR_TYPE_PID) {
     put_range(e, "posrange", a.control_range), put_range(e, "forcerange", a.force_range);
-    return put(e, "kp", a.kp), put(e, "kv", a.kv), put(e, "ki", a.ki), put(e, "imax", a.integral_limit), put(e, "slewmax", a.slew);
+    put(e, "kp", a.kp), put(e, "kv", a.kv), put(e, "ki", a.ki);
+    return put(e, "imax", a.integral_limit), put(e, "slewmax", a.slew);
   }
   put_range(e, "ctrlrange", a.control_range);
   put(e, "motorconst", x.constant), put(e, "resistance", x.resistance), put(e, "inductance", {0, x.time_constant});
@@ -130,7 +131,8 @@ void MjcfWriter::add_actuators() {
     written_actuators.push_back(k);
     if (has_driver(a)) {
       put_driver(e, a);
-      if (early && a.type == DYN_ACTUATOR_TYPE_PID && a.ki > 0) losses.note("integrals of <pid> are those of the beginning of a step", name);
+      if (early && a.type == DYN_ACTUATOR_TYPE_PID && a.ki > 0)
+        losses.note("integrals of <pid> are those of the beginning of a step", name);
       continue;
     }
     if (muscle) {

@@ -170,7 +170,8 @@ bool BlockChecker::actuators() {
   const bool limits = each(n.force_limits, [&](Index k) {
     const ForceLimitRecord& x = m.force_limits()[k];
     if (!require(x.range[0] <= x.range[1] && (x.with_weight == 0 || x.with_weight == 1), "a limit of actuators")) return false;
-    if (x.joint < 0) return require(x.joint == -1 && x.dof == -1 && x.tendon >= 0 && x.tendon < n.tendons, "a limit of actuators");
+    if (x.joint < 0)
+      return require(x.joint == -1 && x.dof == -1 && x.tendon >= 0 && x.tendon < n.tendons, "a limit of actuators");
     return index(x.joint, n.joints, "a limit of actuators") &&
            require(x.joint > 0 && x.tendon == -1 && x.dof == m.joints()[x.joint].idx_v && m.joints()[x.joint].nv == 1,
                    "a limit of actuators");
@@ -218,7 +219,8 @@ bool BlockChecker::actuators() {
     double motor[sizeof a.motor / sizeof(double)];
     std::memcpy(motor, &a.motor, sizeof motor);
     const double scalars[] = {a.gear, a.kp, a.kv, a.gain, a.time_constant, a.rod, a.ki, a.integral_limit, a.slew, r.period};
-    if (!require(are_finite(motor) && are_finite(a.gain_slope) && a.motor.resistance > 0 && a.motor.constant > 0 &&
+    if (!require(are_finite(motor) && are_finite(a.gain_slope) &&
+                     (a.type != DYN_ACTUATOR_TYPE_DC_MOTOR || (a.motor.resistance > 0 && a.motor.constant > 0)) &&
                      r.period >= 0 && (a.motor.heat_capacity > 0 || !(a.motor.thermal_resistance > 0)) &&
                      a.velocity_range[0] <= a.velocity_range[1] && a.feedforward_range[0] <= a.feedforward_range[1] &&
                      (by != DYN_TRANSMISSION_SLIDER_CRANK || a.rod > 0),
@@ -231,7 +233,8 @@ bool BlockChecker::actuators() {
            require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1] &&
                        a.act_range[0] <= a.act_range[1],
                    "a range of an actuator");
-  }) && require(nu == n.nu && na == n.na && adhesions == n.adhesions && n.path_rows == path_rows_of_tendon * n.tendons + n.couplings + rows,
+  }) && require(nu == n.nu && na == n.na && adhesions == n.adhesions &&
+                n.path_rows == path_rows_of_tendon * n.tendons + n.couplings + rows,
                 "controls of the actuators");
 }
 

@@ -108,7 +108,8 @@ void check_driven_joint(const std::vector<JointEntry>& joints, const std::string
 int limit_of(const std::vector<ForceLimitEntry>& limits, const ActuatorEntry& a) {
   const dynTransmission by = a.spec.transmission;
   for (std::size_t k = 0; k < limits.size(); ++k)
-    if (by == (limits[k].tendon ? DYN_TRANSMISSION_TENDON : DYN_TRANSMISSION_JOINT) && limits[k].target == a.target) return int(k);
+    if (limits[k].target == a.target && by == (limits[k].tendon ? DYN_TRANSMISSION_TENDON : DYN_TRANSMISSION_JOINT))
+      return int(k);
   return -1;
 }
 

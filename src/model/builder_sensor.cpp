@@ -98,7 +98,8 @@ void Builder::sensor(const std::string& name, const dynSensor& spec, const std::
       const auto find = [&](dynSide side, const std::string& name) {
         if (side == DYN_SIDE_ANY) return -1;
         if (side == DYN_SIDE_ZONE) return impl->find_frame(name, who);
-        if (side != DYN_SIDE_SHAPE) return impl->find({name == "universe" ? "" : name, name == "universe" ? 0 : int(DYN_FRAME_TYPE_BODY)}, who);
+        if (side != DYN_SIDE_SHAPE && name == "universe") return 0;
+        if (side != DYN_SIDE_SHAPE) return impl->find({name, DYN_FRAME_TYPE_BODY}, who);
         const int found = impl->find_shape(name, who);
         if (found < 0) refuse(DYN_ERROR_NAME, who + ": there is no collision shape '" + name + "': add it first");
         return found;

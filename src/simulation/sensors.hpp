@@ -166,8 +166,7 @@ inline void read(const Model& m, Data<double>& d, const dynSensor& s, double* ou
       *out = s.quantity == DYN_QUANTITY_CLOCK ? *d.time : s.quantity == DYN_QUANTITY_E_KINETIC ? *d.kinetic : *d.potential;
       break;
   }
-  const bool limits = s.quantity == DYN_QUANTITY_DISTANCE || s.quantity == DYN_QUANTITY_NORMAL || s.quantity == DYN_QUANTITY_FROMTO ||
-                      s.quantity == DYN_QUANTITY_CONTACT;  // their cutoff is of the search
+  const bool limits = sensor_row(s.quantity).object == SensorObject::Sides;  // their cutoff is of the search
   for (int k = 0; s.cutoff > 0 && !limits && k < s.size; ++k) out[k] = std::min(std::max(out[k], -s.cutoff), s.cutoff);
 }
 
