@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "mjcf_robot.hpp"
+#include "mjcf_words.hpp"
 #include "table/names.hpp"
 #include "table/sensors.hpp"
 
@@ -50,13 +51,6 @@ std::uint32_t read_values(const Reader& reader, const Element& e, const std::pai
   }
   return bits;
 }
-constexpr std::pair<std::string_view, std::uint32_t> contact_words[] = {
-    {"found", DYN_VALUE_FOUND}, {"force", DYN_VALUE_FORCE},   {"torque", DYN_VALUE_MOMENT},  {"dist", DYN_VALUE_DISTANCE},
-    {"pos", DYN_VALUE_POSITION}, {"normal", DYN_VALUE_NORMAL}, {"tangent", DYN_VALUE_TANGENT}};
-constexpr std::pair<std::string_view, std::uint32_t> ray_words[] = {
-    {"dist", DYN_VALUE_DISTANCE},  {"dir", DYN_VALUE_DIRECTION}, {"origin", DYN_VALUE_ORIGIN},
-    {"point", DYN_VALUE_POSITION}, {"normal", DYN_VALUE_NORMAL}, {"depth", DYN_VALUE_DEPTH}};
-
 constexpr std::pair<const char*, dynSide> side_attributes[] = {
     {"geom", DYN_SIDE_SHAPE}, {"body", DYN_SIDE_LINK}, {"subtree", DYN_SIDE_SUBTREE}, {"site", DYN_SIDE_ZONE}};
 

@@ -1,6 +1,7 @@
 // Model to MJCF: sensors. Those of frames are on sites.
 #include <cmath>
 
+#include "mjcf_words.hpp"
 #include "save_mjcf.hpp"
 #include "table/names.hpp"
 #include "table/sensors.hpp"
@@ -8,13 +9,6 @@
 namespace dyn::load {
 
 namespace {
-
-constexpr std::pair<std::string_view, std::uint32_t> contact_words[] = {
-    {"found", DYN_VALUE_FOUND}, {"force", DYN_VALUE_FORCE},   {"torque", DYN_VALUE_MOMENT},  {"dist", DYN_VALUE_DISTANCE},
-    {"pos", DYN_VALUE_POSITION}, {"normal", DYN_VALUE_NORMAL}, {"tangent", DYN_VALUE_TANGENT}};
-constexpr std::pair<std::string_view, std::uint32_t> ray_words[] = {
-    {"dist", DYN_VALUE_DISTANCE},  {"dir", DYN_VALUE_DIRECTION}, {"origin", DYN_VALUE_ORIGIN},
-    {"point", DYN_VALUE_POSITION}, {"normal", DYN_VALUE_NORMAL}, {"depth", DYN_VALUE_DEPTH}};
 
 template <std::size_t n>
 std::string words_of(const dynSensor& s, const std::pair<std::string_view, std::uint32_t> (&words)[n]) {
