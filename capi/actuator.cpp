@@ -64,6 +64,30 @@ dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const ch
   return with(builder, [&](Builder& b) { b.pair(text(shape1), text(shape2), material); });
 }
 
+dynStatus dyn_builder_limit_actuators(dynBuilder* builder, const char* joint, double lower, double upper, int with_weight) {
+  return with(builder, [&](Builder& b) { b.limit_actuators(false, text(joint), lower, upper, with_weight != 0); });
+}
+
+dynStatus dyn_builder_limit_tendon_actuators(dynBuilder* builder, const char* tendon, double lower, double upper) {
+  return with(builder, [&](Builder& b) { b.limit_actuators(true, text(tendon), lower, upper, false); });
+}
+
+int dyn_model_nforce_limits(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.force_limits) : -1; }
+
+dynStatus dyn_model_force_limit_info(const dynModel* model, int limit, dynForceLimit* out) {
+  if (const dynStatus s = check(model)) return s;
+  if (const dynStatus s = check_struct("dyn_model_force_limit_info", "out", out)) return s;
+  const Model& m = *model->m;
+  if (limit < 0 || limit >= m.n.force_limits)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_force_limit_info: limit %d does not exist: the model has %d", limit,
+                int(m.n.force_limits));
+  const ForceLimitRecord& r = m.force_limits()[limit];
+  write_struct(dynForceLimit{sizeof(dynForceLimit), std::int32_t(r.joint), std::int32_t(r.tendon), std::int32_t(r.with_weight),
+                             {r.range[0], r.range[1]}},
+               out);
+  return DYN_OK;
+}
+
 int dyn_model_nactuators(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.actuators) : -1; }
 int dyn_model_nu(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nu) : -1; }
 

@@ -18,7 +18,7 @@ constexpr std::int64_t max_records = std::min<std::int64_t>(
     std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::ptrdiff_t>::max() / std::int64_t(sizeof(double)));
 
 struct Sizes {
-  int nq = 0, nv = 0, njoints = 0, nframes = 0, nparameters = 0, ntendons = 0;
+  int nq = 0, nv = 0, njoints = 0, nframes = 0, nparameters = 0, ntendons = 0, nsensordata = 0;
   Sizes() = default;
   explicit Sizes(const Model& m)
       : nq(m.n.nq),
@@ -26,7 +26,8 @@ struct Sizes {
         njoints(m.n.joints),
         nframes(m.n.frames),
         nparameters(int(parameter_count(m))),
-        ntendons(m.n.tendons) {}
+        ntendons(m.n.tendons),
+        nsensordata(int(m.n.sensor_values)) {}
 };
 
 struct Extent {

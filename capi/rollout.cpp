@@ -1,6 +1,7 @@
 // Rollouts: many simulations of one model by the threads of a batch.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include "batch.hpp"
@@ -34,6 +35,8 @@ struct Batch::Rollout {
   const std::ptrdiff_t state, sensor_size;
   const double dt;
   const bool imu;
+  std::vector<std::int64_t> lags = {};      // of each sensor of the model, in steps
+  mutable std::vector<double> readings = {};  // of each thread
   Clock::time_point told{};
   alignas(64) std::atomic<std::int64_t> next{0};
   alignas(64) std::atomic<std::int64_t> made{0};
@@ -50,7 +53,13 @@ struct Batch::Rollout {
         state(std::ptrdiff_t(dyn_model_state_size(b.handle))),
         sensor_size(size_of(sensors())),
         dt(h),
-        imu(reads_acceleration(sensors())) {}
+        imu(reads_acceleration(sensors())) {
+    if (!x.model_sensors) return;
+    const Model& m = *b.handle->m;
+    for (Index k = 0; k < m.n.sensors; ++k)
+      lags.push_back(x.sensor_delays ? std::llround(std::min(m.sensors()[k].spec.delay / h, 1e15)) : 0);
+    readings.resize(std::size_t(b.threads) * std::size_t(m.n.sensor_values));
+  }
 
   Sensors sensors() const { return {x.sensor, x.sensor_frame, x.sensors}; }
 
@@ -87,20 +96,55 @@ struct Batch::Rollout {
     if (x.q0 || x.v0)
       if (const dynStatus s = dyn_data_set_state(m, data, row(x.q0, sizes.nq, k), row(x.v0, sizes.nv, k), nullptr, nullptr))
         return s;
+    if (x.model_sensors) {
+      std::fill_n(acceleration, sizes.nv, 0.0);
+      if (const dynStatus s = sense(m, data, k, 0, acceleration, thread)) return s;
+    }
     for (std::int64_t r = k * records; r < (k + 1) * records; ++r) {
       if (x.control)
         if (const dynStatus s = dyn_data_set_control(m, data, row(x.control, m->m->n.nu, r))) return s;
       if (x.tau)
         if (const dynStatus s = dyn_data_set_state(m, data, nullptr, nullptr, nullptr, row(x.tau, sizes.nv, r))) return s;
       for (int i = 0; i < x.every; ++i) {
-        if (imu && i + 1 == x.every) std::copy_n(data->body->d.v, sizes.nv, acceleration);
+        const bool senses = x.model_sensors && is_due(at + 1), last = i + 1 == x.every;
+        if ((imu && last) || senses) std::copy_n(data->body->d.v, sizes.nv, acceleration);
         if (const dynStatus s = dyn_step(m, data)) return s;
+        if ((imu && last) || senses)
+          for (int j = 0; j < sizes.nv; ++j) acceleration[j] = (data->body->d.v[j] - acceleration[j]) / dt;
+        if (senses)
+          if (const dynStatus s = sense(m, data, k, at + 1, acceleration, thread)) return s;
         if (++at % steps_between_looks) continue;
         made.fetch_add(steps_between_looks, std::memory_order_relaxed);
         look(thread);
         if (cancelled.load(std::memory_order_relaxed)) return DYN_ERROR_CANCELLED;
       }
       if (const dynStatus s = record(m, data, r, acceleration)) return s;
+    }
+    return DYN_OK;
+  }
+
+  // Whether some record holds sensors of the model as they are after `step` steps.
+  bool is_due(std::int64_t step) const {
+    return std::any_of(lags.begin(), lags.end(), [&](std::int64_t lag) {
+      return (step + lag) % x.every == 0 && step + lag <= x.steps;
+    });
+  }
+  // Enters the model's sensors after `step` steps of simulation k in the records that hold them.
+  dynStatus sense(const dynModel* m, dynData* data, std::int64_t k, std::int64_t step, const double* acceleration,
+                  int thread) const {
+    const Model& model = *m->m;
+    const std::ptrdiff_t size = model.n.sensor_values;
+    double* const reading = readings.data() + thread * size;
+    if (const dynStatus s = dyn_sensors(m, data, nullptr, nullptr, acceleration, reading)) return s;
+    const auto enter = [&](const dynSensor& s, std::int64_t record) {
+      std::copy_n(reading + s.idx, s.size, row(x.model_sensors, size, k * records + record) + s.idx);
+    };
+    for (Index i = 0; i < model.n.sensors; ++i) {
+      const dynSensor& s = model.sensors()[i].spec;
+      const std::int64_t shown = step + lags[std::size_t(i)];
+      if (step == 0)
+        for (std::int64_t record = 0; record < std::min(records, shown / x.every); ++record) enter(s, record);
+      else if (shown % x.every == 0 && shown <= x.steps) enter(s, shown / x.every - 1);
     }
     return DYN_OK;
   }
@@ -117,8 +161,11 @@ struct Batch::Rollout {
       if (const dynStatus s =
               dyn_data_save_state(m, data, static_cast<char*>(x.final_states) + r / records * state, std::size_t(state)))
         return s;
+    if (x.model_sensors && x.sensor_noise)
+      if (const dynStatus s = dyn_sensor_noise(m, x.sensor_seed + std::uint64_t(r / records), std::uint64_t(r % records),
+                                               row(x.model_sensors, m->m->n.sensor_values, r)))
+        return s;
     if (!x.sensor_data) return DYN_OK;
-    for (int i = 0; imu && i < sizes.nv; ++i) acceleration[i] = (data->body->d.v[i] - acceleration[i]) / dt;
     return read_sensors(m, data, sensors(), imu ? acceleration : nullptr, row(x.sensor_data, sensor_size, r));
   }
 };

@@ -1,7 +1,9 @@
 // Sensors of a model.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "collision/pairs.hpp"
 #include "simulation/sensors.hpp"
 #include "guard.hpp"
 
@@ -20,7 +22,7 @@ dynSensor default_sensor(dynQuantity quantity) {
   dynSensor s{};
   s.struct_size = sizeof s, s.quantity = quantity, s.object = s.reference = -1;
   for (double* X : {s.placement, s.reference_placement}) X[0] = X[4] = X[8] = 1;
-  s.shape = DYN_SHAPE_TYPE_SPHERE, s.extent[0] = s.extent[1] = s.extent[2] = 0.005, s.field[1] = -0.5;
+  s.count = 1, s.shape = DYN_SHAPE_TYPE_SPHERE, s.extent[0] = s.extent[1] = s.extent[2] = 0.005, s.field[1] = -0.5;
   return s;
 }
 
@@ -96,6 +98,8 @@ dynStatus dyn_sensors(const dynModel* model, dynData* data, const double* q, con
   else if (order == 1) ensure_velocity(m, d);
   else ensure_position(m, d);
   if (m.n.paths > 0) measure_paths(m, d);
+  if (d.force_sums) take_limits(m, d);
+  if (parts & DYN_PART_COLLISION) collision::place_geoms(m, d);
   if (parts & DYN_PART_ENERGY) kinetic_energy(m, d), potential_energy(m, d);
   for (Index k = 0; k < m.n.sensors; ++k) {
     const dynSensor& s = m.sensors()[k].spec;
@@ -118,6 +122,29 @@ dynStatus dyn_sensor_noise(const dynModel* model, uint64_t seed, uint64_t count,
       // Box and Muller 1958
       values[i] += s.noise * std::sqrt(-2 * std::log(unit(x))) * std::cos(6.283185307179586 * unit(mixed(x)));
     }
+  }
+  return DYN_OK;
+}
+
+dynStatus dyn_sensor_delay(const dynModel* model, const double* times, const double* readings, int64_t count, double time,
+                           double* values) {
+  constexpr const char* function = "dyn_sensor_delay";
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (count < 1)
+    return fail(DYN_ERROR_ARGUMENT, "%s: count is %lld: give 1 reading or more", function, static_cast<long long>(count));
+  if (!times || ((!readings || !values) && m.n.sensor_values > 0))
+    return fail(DYN_ERROR_ARGUMENT, "%s: times, readings or values is NULL: they are required", function);
+  for (std::int64_t k = 0; k < count; ++k)
+    if (!std::isfinite(times[k]) || (k > 0 && times[k] < times[k - 1]))
+      return fail(DYN_ERROR_ARGUMENT, "%s: times[%lld] is %g: give finite times that ascend", function, static_cast<long long>(k),
+                  times[k]);
+  for (Index k = 0; k < m.n.sensors; ++k) {
+    const dynSensor& s = m.sensors()[k].spec;
+    const double *const end = times + count, at = time - s.delay;
+    const double* const after = std::upper_bound(times, end, at + 1e-9 * (1 + std::abs(at)));
+    const std::ptrdiff_t row = after == times ? 0 : after - times - 1;
+    std::copy_n(readings + row * m.n.sensor_values + s.idx, s.size, values + s.idx);
   }
   return DYN_OK;
 }

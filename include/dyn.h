@@ -1969,6 +1969,7 @@ DYN_API int dyn_tendon_path(const dynModel* model, dynData* data, int tendon, in
    acts on a length l(q) with moment arms J = dl/dq (dynTransmission):
      w' = (u - w) / time_constant, or w' = u, within act_range; or w = u
      f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range        tau += J' f
+   A servo (gain = -bias[1]) or PID of moments alone takes the target nearest to l among those a turn apart.
    Euler steps, and steps with contacts, take terms in l and l' at the end of the step: no gain is too large.
    */
 typedef enum dynTransmission {
@@ -1977,7 +1978,18 @@ typedef enum dynTransmission {
   /* f times wrench, [force; moment] in the axes of a frame, acts at its origin. With a reference frame, in
      whose axes it is then, the opposite acts on that frame's body, and l = wrench . [position; rotation
      vector] of the frame in the reference; joints that carry both have no part in it. Without one l = 0. */
-  DYN_TRANSMISSION_SITE = 2
+  DYN_TRANSMISSION_SITE = 2,
+  /* f times wrench on a ball or free joint. Ball: wrench[0..2] is a moment, and l = wrench . rotation vector.
+     Free: [force in the axes of the world; moment], and l = 0. Moments are in the axes of the child, or with
+     in_parent in those of the parent. gear must be 1. */
+  DYN_TRANSMISSION_AXES = 3,
+  /* Slider and crank: a rod joins the origin of a frame, the pin, to a slider on the z axis of the reference
+     frame. l = gear times the slider's place: with x the pin in the reference, x_z - sqrt(rod^2 - x_x^2 -
+     x_y^2); x_z where the rod is too short. */
+  DYN_TRANSMISSION_SLIDER_CRANK = 4,
+  /* Adhesion: f pulls a link to what its own shapes touch, an equal share at each contact point along its
+     normal. l = 0. */
+  DYN_TRANSMISSION_BODY = 5
 } dynTransmission;
 
 /* How the force follows from controls, length and velocity. */
@@ -1987,9 +1999,22 @@ typedef enum dynActuatorType {
   DYN_ACTUATOR_TYPE_VELOCITY = 2, /* f = kv (w - l'). */
   /* f = kp (w - l) + kv (u[1] - l') + u[2]: the controls are target, its rate, and feed-forward force. */
   DYN_ACTUATOR_TYPE_PD = 3,
-  DYN_ACTUATOR_TYPE_AFFINE = 4,   /* f = gain w + bias[0] + bias[1] l + bias[2] l'. */
-  DYN_ACTUATOR_TYPE_MUSCLE = 5    /* See dynMuscle; w is its activation. */
+  /* f = (gain + gain_slope[0] l + gain_slope[1] l') w + bias[0] + bias[1] l + bias[2] l'. */
+  DYN_ACTUATOR_TYPE_AFFINE = 4,
+  DYN_ACTUATOR_TYPE_MUSCLE = 5,   /* See dynMuscle; w is its activation. */
+  /* f = kp (s - l) + kv (u_v - l') + u_f + ki z. s follows the position control at no more than slew, and
+     z' = s - l until |z| reaches integral_limit. Controls that inputs leaves out are 0. */
+  DYN_ACTUATOR_TYPE_PID = 6,
+  DYN_ACTUATOR_TYPE_DC_MOTOR = 7  /* See dynDcMotor. */
 } dynActuatorType;
+
+/* Controls that an actuator of type PID or DC_MOTOR has, in this order. */
+enum {
+  DYN_INPUT_POSITION = 1u << 0, /* Position. */
+  DYN_INPUT_VELOCITY = 1u << 1, /* Its rate. */
+  DYN_INPUT_FORCE = 1u << 2,    /* Force, added to that of the controller. */
+  DYN_INPUT_VOLTAGE = 1u << 3   /* Voltage at the terminals; DC_MOTOR. */
+};
 
 /* A muscle pulls with f = -force (w FL(x) FV(y) + FP(x)), on lengths normalised by the optimum length
    L0 = (length_range[1] - length_range[0]) / (range[1] - range[0]):
@@ -2005,6 +2030,28 @@ typedef struct dynMuscle {
   double lmin, lmax, vmax, fpmax, fvmax;
   double t_act, t_deact, smoothing;         /* s, s, 1 */
 } dynMuscle;
+
+/* A DC motor with its driver. With the motor constant K, the voltage V, and the resistance
+   R = resistance (1 + temperature_coefficient (T - reference)) at the temperature T, the current is
+     i = (V - K l') / R, or with time_constant > 0: time_constant i' = (V - K l') / R - i, |i'| <= rate
+   and f = K i within force_range, plus cogging[0] sin(cogging[1] l + cogging[2]) less the friction of LuGre:
+     bristle_stiffness z + bristle_damping z', z' = l' - bristle_stiffness |l'| z / g
+     g = coulomb + (breakaway - coulomb) exp(-(l' / stribeck)^2)
+   Where inputs has POSITION, VELOCITY or FORCE, a controller makes, s and z as of a PID,
+     V = resistance / K (kp (s - l) + kd (u_v - l') + ki z + u_f) + K l'   within +-voltage_limit (0: none)
+   A voltage control is added. T is ambient, or where thermal_resistance > 0 ambient plus a state:
+     heat_capacity T' = R i^2 - (T - ambient) / thermal_resistance
+   States, as far as there are any, in this order: s, z of the controller, T - ambient, z of the friction, i.
+   Source: MuJoCo documentation, XML reference, actuator/dcmotor. */
+typedef struct dynDcMotor {
+  double resistance, constant;                             /* Ohm, N m/A = V s/rad: > 0 */
+  double temperature_coefficient, reference, ambient;      /* 1/K, deg C, deg C */
+  double thermal_resistance, heat_capacity;                /* K/W, J/K */
+  double time_constant, rate;                              /* s; A/s, 0: no bound */
+  double kp, kd, voltage_limit;
+  double bristle_stiffness, bristle_damping, coulomb, breakaway, stribeck;
+  double cogging[3];
+} dynDcMotor;
 
 typedef struct dynActuator {
   uint32_t struct_size;    /* set by dyn_actuator_init */
@@ -2027,16 +2074,46 @@ typedef struct dynActuator {
   int32_t frame, reference; /* of a model, SITE: ids of the frames; -1: none */
   double wrench[6];        /* SITE: N and N m for each N of f; gear must be 1 */
   dynMuscle muscle;        /* MUSCLE */
+  double gain_slope[2];    /* AFFINE; default 0 */
+  double rod;              /* SLIDER_CRANK: m, > 0 */
+  /* PID, DC_MOTOR: >= 0, 0: there is none of it */
+  double ki, integral_limit, slew;
+  double velocity_range[2], feedforward_range[2]; /* PID, DC_MOTOR: of these controls; default: infinite */
+  uint32_t inputs;         /* PID, DC_MOTOR: DYN_INPUT_...; default POSITION, of DC_MOTOR VOLTAGE */
+  int32_t in_parent;       /* AXES: 1: moments are in the axes of the parent; default 0 */
+  /* 1: Euler steps take w at their beginning, as MuJoCo does unless actearly is set; default 0: at their
+     end */
+  int32_t late;
+  int32_t activations;     /* of a model: numbers of it in the field "act" */
+  dynDcMotor motor;        /* DC_MOTOR */
 } dynActuator;
 DYN_API void dyn_actuator_init(dynActuator* actuator, uint32_t struct_size, dynActuatorType type);
 #define dyn_actuator_init(x, type) dyn_actuator_init(x, sizeof(dynActuator), type)
 /* Adds an actuator to the joint, tendon or frame of that name. */
 DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator,
                                            const char* target);
-/* Adds an actuator of transmission SITE between a frame and a reference frame. */
+/* Adds an actuator of transmission SITE or SLIDER_CRANK between a frame and a reference frame. */
 DYN_API dynStatus dyn_builder_add_actuator_between(dynBuilder* builder, const char* name,
                                                    const dynActuator* actuator, const char* frame,
                                                    const char* reference);
+/* Limits the sum of the actuators on a joint of one coordinate, or on a tendon, to [lower, upper]: those on
+   it are scaled alike. with_weight non-zero: what gravity compensation gives the joint is part of the sum. */
+DYN_API dynStatus dyn_builder_limit_actuators(dynBuilder* builder, const char* joint, double lower,
+                                              double upper, int with_weight);
+/* The same for a tendon. */
+DYN_API dynStatus dyn_builder_limit_tendon_actuators(dynBuilder* builder, const char* tendon, double lower,
+                                                     double upper);
+/* Returns the number of such limits. */
+DYN_API int dyn_model_nforce_limits(const dynModel* model);
+/* A limit of the sum of the actuators on a joint or a tendon. */
+typedef struct dynForceLimit {
+  uint32_t struct_size;
+  int32_t joint, tendon;  /* ids; the other one is -1 */
+  int32_t with_weight;
+  double range[2];        /* N m or N */
+} dynForceLimit;
+/* Describes a limit of the actuators on a joint or tendon. */
+DYN_API dynStatus dyn_model_force_limit_info(const dynModel* model, int limit, dynForceLimit* out);
 /* Returns the number of actuators. */
 DYN_API int dyn_model_nactuators(const dynModel* model);
 DYN_API int dyn_model_nu(const dynModel* model); /* controls of all actuators */
@@ -2095,8 +2172,8 @@ typedef enum dynQuantity {
   DYN_QUANTITY_GYRO = 26,              /* Frame, 3: angular velocity, its axes. */
   DYN_QUANTITY_MAGNETOMETER = 27,      /* Frame, 3: dynSensor.field, its axes. */
   /* Frame, 3: force that the parent exerts on the link of the frame, its axes. It follows from the motion of
-     all that the link carries, and from the contacts of the last step. Wrenches and constraints are left
-     out. */
+     all that the link carries, from the contacts, connects and welds of the last step, and from the wrenches
+     of dyn_data_apply_wrench: one on a link that is fixed to another counts as on that one. */
   DYN_QUANTITY_FORCE = 28,
   DYN_QUANTITY_TORQUE = 29,            /* Frame, 3: moment of the same about the frame's origin. */
   /* Frame, 1: sum of the normal forces of contacts of its link whose line meets the zone, last step. */
@@ -2107,8 +2184,56 @@ typedef enum dynQuantity {
   DYN_QUANTITY_INSIDESITE = 34, /* Frame, 1: 1 where its origin is in the zone of the reference, else 0. */
   DYN_QUANTITY_CLOCK = 35,             /* 1: time. */
   DYN_QUANTITY_E_POTENTIAL = 36,       /* 1: potential energy. */
-  DYN_QUANTITY_E_KINETIC = 37          /* 1: kinetic energy. */
+  DYN_QUANTITY_E_KINETIC = 37,         /* 1: kinetic energy. */
+  DYN_QUANTITY_JOINTLIMITFRC = 38,     /* Joint, 1: force of its limit, >= 0, last step. */
+  DYN_QUANTITY_TENDONLIMITFRC = 39,    /* Tendon, 1: force of its limit, >= 0, last step. */
+  /* Frame: what a ray along its z axis hits among the collision shapes of other links, by default its
+     distance, 0 inside a shape, -1 if nothing. DYN_VALUE_...: DISTANCE, DIRECTION, ORIGIN, POSITION, NORMAL,
+     DEPTH, in this order; zeros where there is no hit. */
+  DYN_QUANTITY_RANGEFINDER = 40,
+  /* Two sides, each a collision shape or all of a link, 1: their signed distance, at most cutoff. Without a
+     cutoff it is 0 where they are apart, as in MuJoCo. */
+  DYN_QUANTITY_DISTANCE = 41,
+  DYN_QUANTITY_NORMAL = 42,            /* Two sides, 3: unit vector from first to second; 0 beyond cutoff. */
+  DYN_QUANTITY_FROMTO = 43,            /* Two sides, 6: nearest points of both; 0 beyond cutoff. */
+  /* Up to two sides: `count` contacts of the last step between them, by default whether there are any
+     (dynSensor.values, dynReduction). Rows of zeros fill up. The normal points from the first side to the
+     second. Forces and moments are in the contact's axes, normal first. */
+  DYN_QUANTITY_CONTACT = 44,
+  DYN_QUANTITY_USER = 45               /* `count` values that the caller computes; 0 here. */
 } dynQuantity;
+
+/* Values of a contact or a ray that a sensor reads, in the order of these bits but for rays (RANGEFINDER). */
+enum {
+  DYN_VALUE_FOUND = 1u << 0,     /* Contact: 0, or how many there are. */
+  DYN_VALUE_FORCE = 1u << 1,     /* Contact: 3. */
+  DYN_VALUE_MOMENT = 1u << 2,    /* Contact: 3. */
+  DYN_VALUE_DISTANCE = 1u << 3,  /* 1. */
+  DYN_VALUE_POSITION = 1u << 4,  /* 3. */
+  DYN_VALUE_NORMAL = 1u << 5,    /* 3. */
+  DYN_VALUE_TANGENT = 1u << 6,   /* Contact: 3. */
+  DYN_VALUE_DIRECTION = 1u << 7, /* Ray: 3. */
+  DYN_VALUE_ORIGIN = 1u << 8,    /* Ray: 3. */
+  DYN_VALUE_DEPTH = 1u << 9      /* Ray: 1, its distance. */
+};
+
+/* What a side of a sensor is. */
+typedef enum dynSide {
+  DYN_SIDE_ANY = 0,     /* Whatever is there. */
+  DYN_SIDE_LINK = 1,    /* The shapes of a link. */
+  DYN_SIDE_SHAPE = 2,   /* A collision shape. */
+  DYN_SIDE_SUBTREE = 3, /* The shapes of a link and of all that it carries. */
+  DYN_SIDE_ZONE = 4     /* Any, at points in the zone of a frame; the first side of CONTACT. */
+} dynSide;
+
+/* Which contacts a sensor reads when there are more than its count. */
+typedef enum dynReduction {
+  DYN_REDUCTION_NONE = 0,     /* The first. */
+  DYN_REDUCTION_MINDIST = 1,  /* Those of smallest distance. */
+  DYN_REDUCTION_MAXFORCE = 2, /* Those of largest force. */
+  /* All as one: sums of forces and moments, world axes, about the centre of the points weighted by forces. */
+  DYN_REDUCTION_NETFORCE = 3
+} dynReduction;
 
 typedef struct dynSensor {
   uint32_t struct_size;            /* set by dyn_sensor_init */
@@ -2127,11 +2252,17 @@ typedef struct dynSensor {
   int32_t idx, size;               /* of a model: place among all values, and how many there are */
   int32_t order;                   /* of a model: 0 reads q, 1 reads v too, 2 acceleration or forces too */
   double field[3];                 /* MAGNETOMETER: magnetic field, world axes; default (0, -0.5, 0) */
+  double delay;                    /* s, for dyn_sensor_delay; default 0 */
+  dynSide side, other_side;        /* of object and reference, where a quantity has sides; default ANY */
+  uint32_t values;                 /* RANGEFINDER, CONTACT: DYN_VALUE_...; default 0: as the quantity says */
+  dynReduction reduction;          /* CONTACT; default NONE */
+  int32_t count;                   /* CONTACT: contacts, default 1; USER: values, default 1 */
+  int32_t of_values;               /* of a model: how many values a contact has; else 0 */
 } dynSensor;
 DYN_API void dyn_sensor_init(dynSensor* sensor, uint32_t struct_size, dynQuantity quantity);
 #define dyn_sensor_init(x, quantity) dyn_sensor_init(x, sizeof(dynSensor), quantity)
 /* Adds a sensor. object: the name of what it is on; NULL where the quantity has none. reference: the name of
-   a frame, or NULL. */
+   a frame, of the other side, or NULL. */
 DYN_API dynStatus dyn_builder_add_sensor(dynBuilder* builder, const char* name, const dynSensor* sensor,
                                          const char* object, const char* reference);
 /* Returns the number of sensors. */
@@ -2147,13 +2278,18 @@ DYN_API dynStatus dyn_model_sensor_info(const dynModel* model, int sensor, dynSe
 /* Values of all sensors, nsensordata, at q, v and the acceleration a. Those of order 2 read contacts too:
    those of the last step, as by dyn_data_step_contacts. After forward dynamics give its ddq as a. Steps
    compute no sensor and leave a alone; the mean acceleration of a step is (v' - v) / dt. Needs the part
-   KINEMATICS; SIMULATION for forces of actuators and contacts; ENERGY for energies. Clamped, without
+   KINEMATICS; SIMULATION for forces of actuators and contacts; ENERGY for energies; COLLISION for distances
+   and rays. Clamped, without
    noise. */
 DYN_API dynStatus dyn_sensors(const dynModel* model, dynData* data, const double* q, const double* v,
                               const double* a, double* values);
 /* Adds Gaussian noise to values of dyn_sensors. It depends on seed, count and the place of the value alone:
    count is the number of the reading. */
 DYN_API dynStatus dyn_sensor_noise(const dynModel* model, uint64_t seed, uint64_t count, double* values);
+/* Values with the sensors' delays, from a history of `count` readings: times, ascending, and nsensordata
+   values each. A value is that of the last reading at time - delay or before, or else that of the first. */
+DYN_API dynStatus dyn_sensor_delay(const dynModel* model, const double* times, const double* readings,
+                                   int64_t count, double time, double* values);
 
 /* --------------------------------------------------------------------------------------------- simulation */
 
@@ -2520,7 +2656,8 @@ typedef enum dynAlgorithm {
   DYN_ALGORITHM_DIFFERENCE = 48,                    /* q, q1 -> v nv */
   DYN_ALGORITHM_STEP = 49,                          /* SIMULATION: dt, integrator; q, v, tau -> q nq, v nv */
   /* q, v -> length ntendons, velocity ntendons, J ntendons x nv */
-  DYN_ALGORITHM_TENDONS = 50
+  DYN_ALGORITHM_TENDONS = 50,
+  DYN_ALGORITHM_SENSORS = 51                        /* q, v, a -> sensor_data nsensordata */
 } dynAlgorithm;
 
 /* Inputs and outputs. An algorithm ignores inputs that it does not read. An output may be an input with rows
@@ -2616,6 +2753,11 @@ typedef struct dynRollout {
   dynStatus* status;              /* n */
   int (*progress)(void* context, int64_t steps, int64_t of);
   void* context;
+  double* model_sensors; /* n x R x nsensordata, by dyn_sensors at the mean acceleration of the last step */
+  int32_t sensor_delays; /* 1: each value is as old as its delay, rounded to steps; default 0 */
+  /* 1: noise, with the seed sensor_seed + simulation and the record as count; default 0 */
+  int32_t sensor_noise;
+  uint64_t sensor_seed;
 } dynRollout;
 DYN_API void dyn_rollout_init(dynRollout* rollout, uint32_t struct_size);
 #define dyn_rollout_init(x) dyn_rollout_init(x, sizeof(dynRollout))

@@ -280,6 +280,8 @@ class Model {
   std::string actuator_name(int actuator) const { return name_(dyn_model_actuator_name(get(), actuator)); }
   int actuator_id(const std::string& name) const { return id_(dyn_model_actuator_id(get(), name.c_str())); }
   dynActuator actuator_info(int actuator) const { return info_<dynActuator>(dyn_model_actuator_info, actuator); }
+  int nforce_limits() const noexcept { return dyn_model_nforce_limits(get()); }
+  dynForceLimit force_limit_info(int limit) const { return info_<dynForceLimit>(dyn_model_force_limit_info, limit); }
   int nmocaps() const noexcept { return dyn_model_nmocaps(get()); }
   int mocap_id(const std::string& name) const { return id_(dyn_model_mocap_id(get(), name.c_str())); }
   int mocap_frame(int mocap) const { return id_(dyn_model_mocap_frame(get(), mocap)); }
@@ -298,6 +300,18 @@ class Model {
   std::string sensor_name(int sensor) const { return name_(dyn_model_sensor_name(get(), sensor)); }
   int sensor_id(const std::string& name) const { return id_(dyn_model_sensor_id(get(), name.c_str())); }
   dynSensor sensor_info(int sensor) const { return info_<dynSensor>(dyn_model_sensor_info, sensor); }
+  // adds noise to values of Data::sensors
+  void sensor_noise(std::uint64_t seed, std::uint64_t count, Vector& values) const {
+    check(dyn_sensor_noise(get(), seed, count, values.data()));
+  }
+  // values with the sensors' delays; readings: nsensordata for each of the times
+  Vector sensor_delay(const Vector& times, const Vector& readings, double time) const {
+    Vector values(static_cast<std::size_t>(nsensordata()));
+    if (readings.size() != times.size() * values.size()) throw Error(DYN_ERROR_SIZE);
+    const auto count = static_cast<std::int64_t>(times.size());
+    check(dyn_sensor_delay(get(), times.data(), readings.data(), count, time, values.data()));
+    return values;
+  }
   int report_count() const noexcept { return dyn_model_report_count(get()); }
   dynReportEntry report_entry(int index) const { return info_<dynReportEntry>(dyn_model_report_entry, index); }
 
@@ -1020,6 +1034,15 @@ class Data {
     set_step_options(options);
   }
   // actuators, and forces from outside
+  // placement of a mocap body: 12 numbers, rotation by columns, then translation
+  void set_mocap(int mocap, const std::array<double, 12>& placement) {
+    check(dyn_data_set_mocap(m(), get(), mocap, placement.data()));
+  }
+  std::array<double, 12> mocap(int mocap) {
+    std::array<double, 12> out;
+    check(dyn_data_mocap(m(), get(), mocap, out.data()));
+    return out;
+  }
   void set_control(const Vector& u) { check(dyn_data_set_control(m(), get(), Input(u).of(dyn_model_nu(m()), "u"))); }
   void apply_wrench(int frame, const Vector& wrench, dynReference reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED,
                     Input point = none) {
@@ -1519,6 +1542,13 @@ class Builder {
     return ok(reference.empty()
                   ? dyn_builder_add_actuator(get(), name.c_str(), &a, target.c_str())
                   : dyn_builder_add_actuator_between(get(), name.c_str(), &a, target.c_str(), reference.c_str()));
+  }
+  // the sum of the actuators on a joint, and of what gravity compensation gives it
+  Builder& limit_actuators(const std::string& joint, double lower, double upper, bool with_weight = false) {
+    return ok(dyn_builder_limit_actuators(get(), joint.c_str(), lower, upper, with_weight));
+  }
+  Builder& limit_tendon_actuators(const std::string& tendon, double lower, double upper) {
+    return ok(dyn_builder_limit_tendon_actuators(get(), tendon.c_str(), lower, upper));
   }
   Builder& add_tendon(const std::string& name, const dynTendon& tendon, const std::vector<dynTendonElement>& elements) {
     return ok(dyn_builder_add_tendon(get(), name.c_str(), &tendon, elements.data(), static_cast<int>(elements.size())));

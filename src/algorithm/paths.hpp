@@ -145,6 +145,40 @@ T site_path(const Model& m, const Data<T>& d, const PathRecord& p, T* row) {
   return dot(wrench(0), transpose_times(R, site.x - reference.x)) + dot(wrench(3), log3(turned));
 }
 
+// A moment on a ball joint, or a force (W) and a moment on a free joint.
+template <class T>
+T axes_path(const Model& m, const Data<T>& d, const PathRecord& p, T* row) {
+  const PathElement& e = m.path_elements()[p.first];
+  const bool ball = m.joints()[e.id].type == DYN_JOINT_TYPE_SPHERICAL, in_parent = p.kind == PathKind::AxesInParent;
+  const auto wrench = [&](int i) { return Vec3<T>::make(T(p.wrench[i]), T(p.wrench[i + 1]), T(p.wrench[i + 2])); };
+  const Mat3<T> R = rotation(load_quaternion(d.q + e.q + (ball ? 0 : 3)));
+  const auto turned = [&](const Vec3<T>& x) { return in_parent ? transpose_times(R, x) : x; };
+  const auto put = [&](const Vec3<T>& x, int at) {
+    for (int i = 0; i < 3; ++i) row[e.dof + at + i] += x[i];
+  };
+  if (!ball) return put(transpose_times(R, wrench(0)), 0), put(turned(wrench(3)), 3), T(0);
+  const Vec3<T> moment = turned(wrench(0));
+  put(moment, 0);
+  return dot(moment, log3(R));
+}
+
+// A rod between the first element's origin and a slider on the z axis of the second.
+template <class T>
+T slider_path(const Model& m, const Data<T>& d, const PathRecord& p, T* row) {
+  using std::sqrt;
+  const PathElement* const e = m.path_elements() + p.first;
+  const PathPieces<T> at{m, d};
+  const PathPoint<T> pin = at.site(e[0]), slider = at.site(e[1]);
+  const Vec3<T> axis = (d.R[e[1].place] * cast<T>(e[1].X.R)).z, x = pin.x - slider.x;
+  const T along = dot(axis, x), square = along * along + T(p.wrench[0] * p.wrench[0]) - dot(x, x);
+  const bool reaches = square > T(0);
+  const T root = reaches ? sqrt(square) : T(1), slope = reaches ? T(1) - along / root : T(1);
+  const Vec3<T> by_x = axis * slope + x * (reaches ? T(1) / root : T(0));
+  // a motion of all together leaves l alone: what the slider takes is the opposite force, at the pin
+  add_pair(m, d, by_x, Vec3<T>::zero(), pin, PathPoint<T>{pin.x, slider.body}, row);
+  return reaches ? along - root : along;
+}
+
 // L1 - L1_0 - p(L2 - L2_0)
 template <class T>
 T coupled_path(const Model& m, const Data<T>& d, const PathRecord& p, T* row) {
@@ -175,6 +209,10 @@ void measure_paths(const Model& m, Data<T>& d) {
       case PathKind::Spatial: d.path_length[k] = detail::spatial_path(m, d, p, row); break;
       case PathKind::Site: d.path_length[k] = detail::site_path(m, d, p, row); break;
       case PathKind::Coupling: d.path_length[k] = detail::coupled_path(m, d, p, row); break;
+      case PathKind::Axes:
+      case PathKind::AxesInParent: d.path_length[k] = detail::axes_path(m, d, p, row); break;
+      case PathKind::SliderCrank: d.path_length[k] = detail::slider_path(m, d, p, row); break;
+      case PathKind::Adhesion: d.path_length[k] = d.path_velocity[k] = T(0); continue;  // simulation/adhesion.hpp
     }
     T rate = T(0);
     for (Index i = 0; i < p.dofs; ++i) d.path_moment[p.first_dof + i] = row[dofs[i]], rate += row[dofs[i]] * d.v[dofs[i]];

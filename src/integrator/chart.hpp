@@ -26,7 +26,7 @@ struct ChartMotion {
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
       if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
-        d.act[r.act] = clamp_to(y[2 * m.n.nv + r.act], r.spec.act_range);
+        for (Index i = r.act; i < r.act + r.spec.activations; ++i) d.act[i] = clamp_to(y[2 * m.n.nv + i], r.spec.act_range);
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
       store3(load3(q0 + b.user_q) + rotation(load_quaternion(q0 + b.user_q + 3)) * load3(y + b.user_v), d.q + b.user_q);
       store3(transpose_times(exp3(load3(y + b.user_v + 3)), load3(d.v + b.user_v)), d.v + b.user_v);
@@ -45,7 +45,7 @@ struct ChartMotion {
     });
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
       if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
-        f[2 * m.n.nv + r.act] = activation_rate(r, d, d.act[r.act]);
+        activation_rates(r, d, static_cast<const T*>(d.act + r.act), f + 2 * m.n.nv + r.act);
     return 0;
   }
 };

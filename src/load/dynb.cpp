@@ -115,23 +115,31 @@ void check_by_building(const Model& m) {
   for (Index k = 0; k < m.n.actuators; ++k) {
     const dynActuator& a = m.actuators()[k].spec;
     b.actuator(m.string(m.actuators()[k].name), a,
-               a.transmission == DYN_TRANSMISSION_JOINT    ? std::string(m.string(m.joints()[a.joint].name))
+               a.transmission == DYN_TRANSMISSION_JOINT || a.transmission == DYN_TRANSMISSION_AXES
+                   ? std::string(m.string(m.joints()[a.joint].name))
                : a.transmission == DYN_TRANSMISSION_TENDON ? tendon(a.tendon)
                                                            : frame(a.frame),
                frame(a.reference));
   }
+  for (const ForceLimitRecord *x = m.force_limits(), *end = x + m.n.force_limits; x != end; ++x)
+    b.limit_actuators(x->tendon >= 0, x->tendon >= 0 ? tendon(x->tendon) : m.string(m.joints()[x->joint].name), x->range[0],
+                      x->range[1], x->with_weight != 0);
   for (Index k = 0; k < m.n.sensors; ++k) {
     dynSensor s = m.sensors()[k].spec;
     std::string object;
+    const auto side = [&](dynSide kind, int x) {
+      return kind == DYN_SIDE_SHAPE ? std::string(m.string(m.shapes()[x].name)) : frame(x);
+    };
     switch (sensor_row(s.quantity).object) {
       case SensorObject::None: break;
       case SensorObject::Joint: object = m.string(m.joints()[s.object].name); break;
       case SensorObject::Tendon: object = tendon(s.object); break;
       case SensorObject::Actuator: object = m.string(m.actuators()[s.object].name); break;
       case SensorObject::Frame: object = frame(s.object), s.object = m.frames()[s.object].type; break;
+      case SensorObject::Sides: object = side(s.side, s.object); break;
     }
-    const std::string reference = frame(s.reference);
-    if (s.reference >= 0) s.reference = m.frames()[s.reference].type;
+    const std::string reference = side(s.other_side, s.reference);
+    if (s.reference >= 0 && s.other_side == DYN_SIDE_ANY) s.reference = m.frames()[s.reference].type;
     b.sensor(m.string(m.sensors()[k].name), s, object, reference);
   }
   for (Index k = 0; k < m.n.pairs; ++k) {

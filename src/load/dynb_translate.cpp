@@ -25,9 +25,9 @@ struct Numbers {
 constexpr bool is_path_field(Model::Field field) {
   using F = Model::Field;
   return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs ||
-         field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps || field == F::sensors;
+         field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps || field == F::sensors || field == F::force_limits;
 }
-constexpr std::size_t path_fields = 8;
+constexpr std::size_t path_fields = 9;
 constexpr std::size_t old_actuator_spec_size = offsetof(dynActuator, transmission);
 constexpr std::size_t old_actuator_size =
     old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);
@@ -233,7 +233,7 @@ class Translation {
       r.spec = default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
       std::memcpy(&r.spec, from, old_actuator_spec_size);
       std::memcpy(r.gain, from + old_actuator_spec_size, old_actuator_size - old_actuator_spec_size);
-      r.spec.struct_size = sizeof r.spec, r.path = r.row = -1;
+      r.spec.struct_size = sizeof r.spec, r.path = r.row = r.limit = -1, r.spec.activations = activations_of(r.spec);
       out_.append(reinterpret_cast<const char*>(&r), sizeof r);
     }
   }

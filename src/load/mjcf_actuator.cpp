@@ -12,15 +12,24 @@ namespace {
 
 bool is_scalar(const MjcfJoint& j) { return joint_nq(j.spec.type) == 1; }
 
-// Sets component and gear of the driven degree of freedom. Returns the reason if there is not exactly one.
-const char* joint_transmission(const MjcfJoint& j, const std::vector<double>& gear, dynActuator& a) {
-  if (is_scalar(j)) return a.gear = gear.empty() ? 1 : gear[0], nullptr;
-  const size_t first = 0, count = j.spec.type == DYN_JOINT_TYPE_FREE_FLYER ? 6 : 3;
-  int driven = 0;
-  for (size_t k = first; k < std::min(count, gear.size()); ++k)
-    if (gear[k] != 0) ++driven, a.component = int(k), a.gear = gear[k];
-  if (driven != 1) return "it drives a direction across several degrees of freedom";
-  return count == 6 && a.component < 3 ? "it pushes a free joint along an axis of the world" : nullptr;
+// Sets component and gear of the driven degree of freedom, or the axes of a ball or free joint.
+void joint_transmission(const MjcfJoint& j, const std::vector<double>& gear, bool in_parent, dynActuator& a) {
+  if (is_scalar(j)) return void(a.gear = gear.empty() ? 1 : gear[0]);
+  const size_t count = j.spec.type == DYN_JOINT_TYPE_FREE_FLYER ? 6 : 3;
+  double wrench[6] = {1};
+  std::copy_n(gear.begin(), std::min(count, gear.size()), wrench);
+  const auto driven = [](double x) { return x != 0; };
+  const std::ptrdiff_t at = std::find_if(wrench, wrench + count, driven) - wrench;
+  const bool one = std::count_if(wrench, wrench + count, driven) == 1, pushes = count == 6 && at < 3;
+  if (one && !pushes && !in_parent) return void((a.component = int(at), a.gear = wrench[at]));
+  a.transmission = DYN_TRANSMISSION_AXES, a.in_parent = in_parent;
+  std::copy_n(wrench, 6, a.wrench);
+}
+
+// One that depends on a length has the axes of the joint.
+void take_axes(const MjcfJoint& j, dynActuator& a) {
+  if (is_scalar(j) || a.transmission != DYN_TRANSMISSION_JOINT) return;
+  a.transmission = DYN_TRANSMISSION_AXES, a.wrench[a.component] = a.gear, a.gear = 1, a.component = 0;
 }
 
 // What an actuator acts through, as far as the model has it.
@@ -63,26 +72,22 @@ Transmission read_transmission(MjcfFile& file, const Reader& reader, const Eleme
     actuator.target = named("joint", by);
     out.joint = find_joint(file.robot, actuator.target);
     if (!out.joint) missing("joint", actuator.target, file.robot.has_lost(actuator.target));
-    else if (!e.Attribute("joint") && !is_scalar(*out.joint)) out.why = "it drives axes of the parent, which is not supported";
-    else if (const char* why = joint_transmission(*out.joint, gear, a)) out.why = why;
+    else joint_transmission(*out.joint, gear, !e.Attribute("joint"), a);
+  } else if (e.Attribute("cranksite")) {
+    a.transmission = DYN_TRANSMISSION_SLIDER_CRANK, a.gear = gear.empty() ? 1 : gear[0];
+    a.rod = reader.optional_number(e, "cranklength").value_or(0);
+    if (!(a.rod > 0)) reader.bad_numbers(e, "cranklength", "a positive length is expected");
+    for (const auto& [attribute, to] : {std::pair{"cranksite", &actuator.target}, {"slidersite", &actuator.reference}}) {
+      *to = named("site", attribute);
+      if (!find_site(file.robot, *to)) missing("site", *to, file.robot.has_lost(*to));
+    }
+  } else if (e.Attribute("body")) {
+    a.transmission = DYN_TRANSMISSION_BODY, actuator.target = named("body", "body");
+    if (!find_body(file.robot, actuator.target)) missing("body", actuator.target, file.robot.has_lost(actuator.target));
   } else {
-    out.why = std::string(e.Attribute("cranksite") ? "it drives a slider and crank"
-                          : e.Attribute("body")    ? "it acts at the contacts of a body"
-                                                   : "it drives no joint, tendon or site") +
-              ", which is not supported";
+    out.why = "it drives no joint, tendon, site or body, which is not supported";
   }
   return out;
-}
-
-void read_range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits,
-                double (&out)[2]) {
-  const auto pair = reader.numbers(e, attribute, 2);
-  const auto on = read_switch(reader, e, limited, std::nullopt);
-  if (!pair && on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
-  if (!pair || !on.value_or(autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))) return;
-  if (!((*pair)[0] <= (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is above the upper one");
-  for (size_t k = 0; k < 2; ++k)  // the largest double stands for no bound
-    if (std::abs((*pair)[k]) < std::numeric_limits<double>::max()) out[k] = (*pair)[k];
 }
 
 std::optional<std::array<double, 2>> range_of(const Transmission& by) {
@@ -91,13 +96,6 @@ std::optional<std::array<double, 2>> range_of(const Transmission& by) {
   if (by.tendon && std::isfinite(by.tendon->spec.range[0]) && std::isfinite(by.tendon->spec.range[1]))
     return std::array<double, 2>{by.tendon->spec.range[0], by.tendon->spec.range[1]};
   return std::nullopt;
-}
-
-// The reason why there is no length to depend on.
-const char* missing_length(const MjcfJoint* joint) {
-  if (!joint || is_scalar(*joint)) return nullptr;
-  return joint->spec.type == DYN_JOINT_TYPE_SPHERICAL ? "it depends on the length of a ball joint, which is not supported"
-                                                      : "it depends on the length of a free joint, which is not supported";
 }
 
 // gainprm, biasprm, dynprm: missing numbers keep MuJoCo's defaults.
@@ -141,8 +139,7 @@ const char* law(const Reader& reader, const Element& e, const MjcfCompiler& comp
   else if (dynamics == "integrator") a.integrates = 1;
   else if (dynamics != "none") return "its activation is neither a first-order filter nor an integrator";
   a.gain = parameter(reader, e, "gainprm", 0, 1);
-  if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0))
-    return "its gain depends on length or speed";
+  for (size_t k = 0; k < 2 && gain == "affine"; ++k) a.gain_slope[k] = parameter(reader, e, "gainprm", k + 1, 0);
   if (gain != "fixed" && gain != "affine") return "its gain is not a constant";
   if (kind == "motor") a.type = DYN_ACTUATOR_TYPE_MOTOR, a.gain = 0;
   if (bias == "none") return nullptr;
@@ -167,6 +164,10 @@ void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuato
     if (!((*given)[0] >= 0)) reader.bad_numbers(e, attribute, "it is negative");
     if (!by.joint && !by.tendon && (*given)[0] > 0) reader.bad_numbers(e, attribute, "it needs a joint or a tendon");
     const double reflected = actuator.spec.gear * actuator.spec.gear * (*given)[0];
+    if (actuator.spec.transmission == DYN_TRANSMISSION_AXES && (*given)[0] > 0) {
+      actuator.place.physics(std::string(attribute) + " of an actuator on several axes of a joint is not used");
+      continue;
+    }
     if (by.joint) (damping ? by.joint->spec.damping : by.joint->spec.armature)[size_t(actuator.spec.component)] += reflected;
     if (by.tendon) (damping ? by.tendon->spec.damping : by.tendon->spec.armature) += reflected;
     if (std::any_of(given->begin() + 1, given->end(), [](double x) { return x != 0; }))
@@ -175,16 +176,22 @@ void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuato
 }
 
 // Some that are not supported have several controls.
-size_t controls_of(const Element& e) {
-  const std::string kind = e.Name(), input = attribute(e, "input");
-  if (kind == "orientation") return input == "quat" ? 4 : 3;
-  if (kind != "pid" && kind != "dcmotor") return 1;
-  if (input.empty()) return kind == "pid" ? 2 : 1;
-  std::istringstream words(input);
-  return input == "none" ? 0 : size_t(std::distance(std::istream_iterator<std::string>(words), {}));
+size_t controls_of_unknown(const Element& e) {
+  return std::string_view(e.Name()) != "orientation" ? 1 : attribute(e, "input") == "quat" ? 4 : 3;
 }
 
 }  // namespace
+
+void read_mjcf_range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits,
+                     double (&out)[2]) {
+  const auto pair = reader.numbers(e, attribute, 2);
+  const auto on = read_switch(reader, e, limited, std::nullopt);
+  if (!pair && on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
+  if (!pair || !on.value_or(autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))) return;
+  if (!((*pair)[0] <= (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is above the upper one");
+  for (size_t k = 0; k < 2; ++k)  // the largest double stands for no bound
+    if (std::abs((*pair)[k]) < std::numeric_limits<double>::max()) out[k] = (*pair)[k];
+}
 
 void make_mjcf_actuator_inert(MjcfActuator& actuator, const std::string& why) {
   actuator.place.physics(why + ": it keeps its control and exerts no force");
@@ -205,7 +212,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   // the order and number of controls is the file's
   const auto keep_place = [&](const std::string& why) {
     make_mjcf_actuator_inert(actuator, why);
-    for (size_t k = 0, n = controls_of(e); k < n; ++k, actuator.activations = 0) {
+    for (size_t k = 0, n = controls_of_unknown(e); k < n; ++k, actuator.activations = 0) {
       if (k > 0) actuator.name = name + "_" + std::to_string(k);
       file.robot.actuators.push_back(actuator);
     }
@@ -213,7 +220,7 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
   const std::string_view dynamics_before = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
   actuator.activations = dynamics_before != "none";
   if (!is_actuator(e)) {
-    read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
+    read_mjcf_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
     return keep_place("<" + std::string(kind.substr(0, 60)) + "> is not supported");
   }
   reader.unread(e, {"name",         "class",         "group",     "nsample",    "interp",   "delay",       "ctrllimited",
@@ -223,26 +230,29 @@ void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context) 
                     "dynprm",       "gainprm",       "biasprm",   "actearly",   "kp",       "kv",          "dampratio",
                     "timeconst",    "inheritrange",  "armature",  "damping",    "area",     "diameter",    "bias",
                     "tausmooth",    "range",         "force",     "scale",      "lmin",     "lmax",        "vmax",
-                    "fpmax",        "fvmax",         converted_from},
+                    "fpmax",        "fvmax",         "gain",      "ki",         "imax",        "slewmax",     "input",
+                    "posrange",     "velrange",      "ffrange",   "motorconst", "resistance",  "nominal",     "saturation",
+                    "inductance",   "cogging",       "controller", "thermal",   "lugre",       converted_from},
                 {"plugin"});
   file.defaults.apply(file.source, e, "actuator", context.childclass);
   as_general(reader, e);
   const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none";
   actuator.activations = dynamics != "none";
-  if (actuator.activations && !read_switch(reader, e, "actearly", false).value_or(false))
-    reader.report.count("<actuator>: activations act at the end of the step, as with actearly", line(e));
-  read_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
+  read_mjcf_range(reader, e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
   if (reader.optional_number(e, "delay").value_or(0) > 0) place.physics("its delay is not used: controls act at once");
   const Transmission by = read_transmission(file, reader, e, context, actuator);
   if (by.not_attached) return place.info("its " + std::string(by.not_attached) + " was not attached: left out");
   if (!by.why.empty()) return keep_place(by.why);
-  if (const char* why = law(reader, e, file.robot.compiler, actuator)) return keep_place(why);
-  const bool muscle = actuator.spec.type == DYN_ACTUATOR_TYPE_MUSCLE;
-  if (actuator.spec.bias[1] != 0 || actuator.spec.kp != 0 || muscle)
-    if (const char* why = missing_length(by.joint)) return keep_place(why);
-  read_range(reader, e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
-  if (has_activation(actuator.spec))
-    read_range(reader, e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
+  if (kind == "pid" || kind == "dcmotor") read_mjcf_driver(reader, e, file.compiler.autolimits, actuator);
+  else if (const char* why = law(reader, e, file.robot.compiler, actuator)) return keep_place(why);
+  actuator.activations = size_t(activations_of(actuator.spec));
+  actuator.spec.late = actuator.activations > 0 && kind != "dcmotor" &&
+                       !read_switch(reader, e, "actearly", false).value_or(false);
+  if (by.joint && (actuator.spec.bias[1] != 0 || actuator.spec.kp != 0 || has_general_law(actuator.spec)))
+    take_axes(*by.joint, actuator.spec);
+  read_mjcf_range(reader, e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
+  if (actuator.activations > 0 && !has_driver(actuator.spec))
+    read_mjcf_range(reader, e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
   const std::optional<std::array<double, 2>> target = range_of(by);
   if (const double inherit = reader.optional_number(e, "inheritrange").value_or(0); inherit > 0 && target) {
     const double middle = ((*target)[0] + (*target)[1]) / 2, half = inherit * ((*target)[1] - (*target)[0]) / 2;
@@ -258,29 +268,32 @@ void limit_mjcf_actuators(MjcfRobot& robot) {
   for (MjcfActuator& a : robot.actuators)
     if (!a.inert && a.spec.gear != 0) driving[{a.spec.transmission, a.target}].push_back(&a.spec);
   const auto limit = [&](const MjcfPlace& place, const std::optional<std::array<double, 2>>& force, dynTransmission transmission,
-                         const std::string& target) {
+                         const std::string& target, bool compensates) {
     if (!force) return;
     const std::vector<dynActuator*>& all = driving[{transmission, target}];
-    if (all.size() > 1)
-      place.physics("actuatorfrcrange is not used: " + std::to_string(all.size()) +
-                    " actuators drive it, and their sum has no limit");
-    if (all.size() != 1) return;
+    const bool tendon = transmission == DYN_TRANSMISSION_TENDON;
+    if (all.size() > 1 || (compensates && !all.empty()))
+      return void(robot.force_limits.push_back({place, tendon, target, *force, compensates}));
+    if (compensates) place.physics("actuatorfrcrange does not limit the compensation of gravity: no actuator drives the joint");
+    if (all.empty()) return;
     const double gear = all[0]->gear, ends[2] = {(*force)[gear < 0] / gear, (*force)[gear > 0] / gear};
     for (double& x : all[0]->force_range) x = std::min(std::max(x, ends[0]), ends[1]);
   };
   for (const MjcfBody& body : robot.bodies)
-    for (const MjcfJoint& j : body.joints) limit(j.place, j.force, DYN_TRANSMISSION_JOINT, j.spec.name);
-  for (const MjcfTendon& t : robot.tendons) limit(t.place, t.force, DYN_TRANSMISSION_TENDON, t.name);
+    for (const MjcfJoint& j : body.joints) limit(j.place, j.force, DYN_TRANSMISSION_JOINT, j.spec.name, j.compensates);
+  for (const MjcfTendon& t : robot.tendons) limit(t.place, t.force, DYN_TRANSMISSION_TENDON, t.name, false);
 }
 
 void add_mjcf_actuator(Builder& builder, const MjcfRobot& robot, const MjcfActuator& a, const dynActuator& spec) {
-  const bool site = spec.transmission == DYN_TRANSMISSION_SITE;
+  const bool site = spec.transmission == DYN_TRANSMISSION_SITE || spec.transmission == DYN_TRANSMISSION_SLIDER_CRANK;
   const std::string target = site ? find_site(robot, a.target)->frame : a.target,
                     reference = site && !a.reference.empty() ? find_site(robot, a.reference)->frame : "";
   with_location(a.place, [&] { builder.actuator(a.name, spec, target, reference); });
 }
 
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot) {
+  for (const MjcfForceLimit& x : robot.force_limits)
+    with_location(x.place, [&] { builder.limit_actuators(x.tendon, x.target, x.range[0], x.range[1], x.with_weight); });
   const MjcfJoint* first = nullptr;  // those that are inert hang on it, with gear 0
   for (const MjcfBody& b : robot.bodies)
     for (const MjcfJoint& j : b.joints) first = first ? first : &j;

@@ -109,8 +109,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   const bool compensates = read_switch(reader, e, "actuatorgravcomp", false).value_or(false);
   const auto force = read_limits(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits);
   if (force && scalar) {
-    joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
-    if (compensates) joint.place.physics("actuatorgravcomp: the compensation of gravity is not limited by actuatorfrcrange");
+    joint.force = force, joint.compensates = compensates, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
   }
   spec.armature.assign(nv, read_coefficient(reader, e, "armature"));
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && spec.armature[0] != 0)

@@ -105,25 +105,25 @@ std::vector<std::pair<std::string, Placement>> mocaps_of(const MjcfRobot& robot,
 }
 
 ConfigurationState state_of(const MjcfRobot& robot, const MjcfKey& key, const ByJoint& q) {
-  size_t nv = 0, na = 0;
+  size_t nv = 0, na = 0, nu = 0;
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) nv += size_t(joint_nv(j.spec.type));
-  for (const MjcfActuator& a : robot.actuators) na += a.activations;
+  for (const MjcfActuator& a : robot.actuators) na += a.activations, nu += size_t(controls_of(a.spec));
   const auto of = [&](const char* what, const std::vector<double>& given, size_t size, const char* symbol) {
     return filled(key, what, given, std::vector<double>(size), symbol);
   };
   const std::vector<double> qvel = of("qvel", key.qvel, nv, "nv"), act = of("act", key.act, na, "na"),
-                            ctrl = of("ctrl", key.ctrl, robot.actuators.size(), "nu");
+                            ctrl = of("ctrl", key.ctrl, nu, "nu");
   ConfigurationState state;
   if (!key.qvel.empty()) state.v = velocities(robot, q, qvel);
   state.time = key.time;
-  size_t next = 0;
-  for (size_t k = 0; k < robot.actuators.size(); ++k) {
-    const MjcfActuator& a = robot.actuators[k];
+  const double *next_act = act.data(), *next_control = ctrl.data();
+  for (const MjcfActuator& a : robot.actuators) {
     ConfigurationState::Actuator x;
-    x.control[0] = ctrl[k];
-    if (a.activations > 0 && !a.inert) x.activation = act[next];
-    next += a.activations;
+    const size_t controls = size_t(controls_of(a.spec));
+    std::copy_n(next_control, controls, x.control.begin());
+    if (!a.inert) std::copy_n(next_act, a.activations, x.activation.begin());
+    next_act += a.activations, next_control += controls;
     if (!a.inert || nv > 0) state.actuators.emplace_back(a.name, x);
   }
   state.mocaps = mocaps_of(robot, key);

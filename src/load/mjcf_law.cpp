@@ -1,4 +1,5 @@
-// Converts <motor>, <position>, <velocity>, <intvelocity>, <cylinder> and <muscle> to <general>. In MuJoCo all actuators share
+// Converts <motor>, <position>, <velocity>, <intvelocity>, <damper>, <cylinder>, <muscle> and <adhesion> to <general>.
+// In MuJoCo all actuators share
 // one set of parameters and defaults, of which each kind writes a part. A shortcut continues from <general> or its own kind, and
 // starts anew after another kind.
 #include <algorithm>
@@ -10,9 +11,10 @@ namespace dyn::load {
 
 namespace {
 
-constexpr std::string_view law_kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder", "muscle"};
+constexpr std::string_view law_kinds[] = {"general", "motor", "position", "velocity", "intvelocity",
+                                         "damper",  "cylinder", "muscle", "adhesion", "pid", "dcmotor"};
 constexpr const char* shortcuts[] = {"kp",   "kv",    "dampratio", "timeconst", "area", "diameter", "bias", "tausmooth", "range",
-                                     "force", "scale", "lmin",      "lmax",      "vmax", "fpmax",    "fvmax"};
+                                     "force", "scale", "lmin",      "lmax",      "vmax", "fpmax",    "fvmax", "gain"};
 // Parameters of a muscle behind its range, and their defaults.
 constexpr std::pair<const char*, double> muscle_gains[] = {{"force", -1}, {"scale", 200}, {"lmin", 0.5}, {"lmax", 1.6},
                                                            {"vmax", 1.5}, {"fpmax", 1.3}, {"fvmax", 1.2}};
@@ -63,6 +65,7 @@ void as_general(const Reader& reader, Element& e) {
   e.SetAttribute(converted_from, e.Name());
   if (kind == "general") return;
   if (before != kind && before != "general") e.DeleteAttribute("gainprm"), e.DeleteAttribute("biasprm");
+  if (kind == "pid" || kind == "dcmotor") return;  // mjcf_driver.cpp
   const bool muscle = kind == "muscle",
              keeps_dynamics = before == kind || (before == "general" && (muscle || kind == "cylinder"));
   if (!keeps_dynamics) e.DeleteAttribute("dyntype"), e.DeleteAttribute("dynprm");
@@ -70,7 +73,7 @@ void as_general(const Reader& reader, Element& e) {
   Parameters gain(reader, e, "gainprm", 1, count), bias(reader, e, "biasprm", 0, count), dynamics(reader, e, "dynprm", 1, 3);
   const auto number = [&](const char* attribute) { return reader.optional_number(e, attribute); };
   const auto activation = [&](const char* type) { e.SetAttribute("dyntype", type); };
-  if (!muscle) std::fill(gain.x.begin() + 1, gain.x.end(), 0.0);
+  if (!muscle && kind != "damper") std::fill(gain.x.begin() + 1, gain.x.end(), 0.0);
   if (muscle) {
     set_muscle(reader, e, gain.x, dynamics.x);
     bias.x = gain.x;
@@ -82,6 +85,14 @@ void as_general(const Reader& reader, Element& e) {
     bias.x[0] = bias.x[1] = 0;
     gain.x[0] = number("kv").value_or(gain.x[0]), bias.x[2] = -gain.x[0];
     activation("none");
+  } else if (kind == "damper") {
+    gain.x[0] = gain.x[1] = 0, gain.x[2] = -number("kv").value_or(before == kind ? -gain.x[2] : 0);
+    if (gain.x[2] > 0) reader.bad_numbers(e, "kv", "it is negative");
+    activation("none"), e.SetAttribute("ctrllimited", "true");
+  } else if (kind == "adhesion") {
+    gain.x[0] = number("gain").value_or(gain.x[0]);
+    if (gain.x[0] < 0) reader.bad_numbers(e, "gain", "it is negative");
+    e.SetAttribute("ctrllimited", "true");
   } else if (kind == "cylinder") {
     const auto diameter = number("diameter");
     gain.x[0] = diameter ? 0.78539816339744831 * *diameter * *diameter : number("area").value_or(gain.x[0]);
@@ -102,8 +113,9 @@ void as_general(const Reader& reader, Element& e) {
       activation(*time == 0 ? "none" : "filterexact");
     }
   }
-  e.SetAttribute("gaintype", muscle ? "muscle" : "fixed"),
-      e.SetAttribute("biastype", muscle ? "muscle" : kind == "motor" ? "none" : "affine");
+  const bool no_bias = kind == "motor" || kind == "damper" || kind == "adhesion";
+  e.SetAttribute("gaintype", muscle ? "muscle" : kind == "damper" ? "affine" : "fixed"),
+      e.SetAttribute("biastype", muscle ? "muscle" : no_bias ? "none" : "affine");
   gain.write(), bias.write(), dynamics.write();
   for (const char* s : shortcuts) e.DeleteAttribute(s);
 }

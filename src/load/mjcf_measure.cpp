@@ -57,7 +57,7 @@ struct InverseInertia {
 bool is_measured(const MjcfActuator& a) { return a.damping_ratio > 0 || a.muscle_scale > 0 || needs_length_range(a); }
 
 void set_damping(InverseInertia& inverse_inertia, const std::vector<double>& arms, MjcfActuator& a) {
-  const bool servo = a.spec.type == DYN_ACTUATOR_TYPE_POSITION;
+  const bool servo = a.spec.type == DYN_ACTUATOR_TYPE_POSITION || a.spec.type == DYN_ACTUATOR_TYPE_PID;
   const double kp = servo ? a.spec.kp : a.spec.gain, inverse_mass = product(arms, inverse_inertia.times(arms)),
                kv = inverse_mass > 0 ? 2 * a.damping_ratio * std::sqrt(kp / inverse_mass) : 0;
   if (!(inverse_mass > 0) || !std::isfinite(kv))
@@ -115,7 +115,7 @@ void add_mjcf_motors(Builder& builder, const MjcfRobot& robot) {
     if (is_measured(a)) {
       dynActuator spec = default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
       spec.transmission = a.spec.transmission, spec.component = a.spec.component, spec.gear = a.spec.gear;
-      std::copy_n(a.spec.wrench, 6, spec.wrench);
+      std::copy_n(a.spec.wrench, 6, spec.wrench), spec.rod = a.spec.rod, spec.in_parent = a.spec.in_parent;
       add_mjcf_actuator(builder, robot, a, spec);
     }
 }

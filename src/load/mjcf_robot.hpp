@@ -48,6 +48,7 @@ struct MjcfJoint {
   JointSpec spec;  // parent and placement are set with the tree
   Vec3<double> anchor = Vec3<double>::zero(), axis = Vec3<double>::make(0, 0, 1);  // in the body's frame
   std::optional<std::array<double, 2>> force;  // total of all its actuators
+  bool compensates = false;                    // and of the compensation of gravity
   double reference = 0;  // coordinate at the initial configuration
   double time_constant = 0, damping_ratio = 0;  // both positive: they define stiffness and damping
 };
@@ -143,6 +144,15 @@ struct MjcfEquality {
   bool enabled, sites;
 };
 
+// Of the sum of the actuators on a joint or tendon.
+struct MjcfForceLimit {
+  MjcfPlace place;
+  bool tendon;
+  std::string target;
+  std::array<double, 2> range;
+  bool with_weight;
+};
+
 struct MjcfPair {
   MjcfPlace place;
   std::string geoms[2];
@@ -168,6 +178,7 @@ struct MjcfRobot {
   std::vector<MjcfKey> keys;
   std::vector<MjcfTendon> tendons;
   std::vector<MjcfActuator> actuators;
+  std::vector<MjcfForceLimit> force_limits;
   std::vector<MjcfSensor> sensors;
   std::array<double, 3> magnetic = {0, -0.5, 0};
   std::vector<MjcfEquality> equalities;
@@ -343,6 +354,10 @@ void read_mjcf_sensor(MjcfFile& file, Element& e, const MjcfContext& context);
 void add_mjcf_sensors(Builder& builder, const MjcfRobot& robot, const std::vector<MjcfMass>& masses);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuator(MjcfFile& file, Element& e, const MjcfContext& context);
+// mjcf_driver.cpp: the law of a <pid> or <dcmotor>.
+void read_mjcf_driver(const Reader& reader, const Element& e, bool autolimits, MjcfActuator& actuator);
+void read_mjcf_range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits,
+                     double (&out)[2]);
 void limit_mjcf_actuators(MjcfRobot& robot);  // applies the actuator force range of a joint or tendon to its only actuator
 // One that is not supported keeps its control and its place, and exerts no force.
 void make_mjcf_actuator_inert(MjcfActuator& actuator, const std::string& why);

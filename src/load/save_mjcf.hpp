@@ -68,9 +68,12 @@ class MjcfWriter {
   bool pushes_free_joint(const dynActuator& a) const;
   void put_transmission(XmlElement& e, const dynActuator& a);
   void put_muscle(XmlElement& e, const dynActuator& a);
+  void put_driver(XmlElement& e, const dynActuator& a);
+  const ForceLimitRecord* force_limit(Index joint, Index tendon) const;  // or nullptr
   std::string site(Index frame, const double (&placement)[12], const std::string& name);
   const Piece& piece(Index joint, int dof) const;
   void add_sensors();  // save_mjcf_sensor.cpp
+  void put_sides(XmlElement& e, const dynSensor& s);
   // save_mjcf_tendon.cpp
   void add_tendons();
   void add_element(XmlElement& tendon, const PathElement& e);

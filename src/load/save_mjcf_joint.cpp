@@ -89,7 +89,10 @@ void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
     if (x.lower < x.upper) put(e, "range", {std::max(x.lower, -no_limit_written), std::min(x.upper, no_limit_written)});
     else losses.loss("ranges of a single point", s.name);
   }
-  if (std::isfinite(x.effort)) {
+  if (const ForceLimitRecord* const limit = force_limit(p.joint, -1)) {
+    put_range(e, "actuatorfrcrange", limit->range);
+    if (limit->with_weight) put(e, "actuatorgravcomp", std::string("true"));
+  } else if (std::isfinite(x.effort)) {
     if (x.effort > 0) put(e, "actuatorfrcrange", {-x.effort, x.effort});
     else losses.loss("limits of effort that are zero", s.name);
   }
@@ -147,8 +150,8 @@ void MjcfWriter::put_state(XmlElement& key, Index configuration) {
   std::vector<double> ctrl, activations;
   for (const Index k : written_actuators) {
     const ActuatorRecord& a = m.actuators()[k];
-    ctrl.push_back(u[a.spec.idx_u]);
-    if (a.act >= 0) activations.push_back(act[a.act]);
+    ctrl.insert(ctrl.end(), u + a.spec.idx_u, u + a.spec.idx_u + a.spec.controls);
+    if (a.act >= 0) activations.insert(activations.end(), act + a.act, act + a.act + a.spec.activations);
   }
   const auto put_some = [&](const char* attribute, const std::vector<double>& x) {
     if (std::any_of(x.begin(), x.end(), [](double e) { return e != 0; })) put(key, attribute, x);

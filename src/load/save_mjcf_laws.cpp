@@ -1,4 +1,5 @@
 // Model to MJCF: actuators and equalities.
+#include <algorithm>
 #include <cmath>
 
 #include "constraint/list.hpp"
@@ -27,6 +28,17 @@ bool MjcfWriter::pushes_free_joint(const dynActuator& a) const {
 
 // What an actuator acts through, with its gear.
 void MjcfWriter::put_transmission(XmlElement& e, const dynActuator& a) {
+  if (a.transmission == DYN_TRANSMISSION_BODY)
+    return put(e, "body", a.frame == 0 ? std::string("world") : body_names[a.frame]);
+  if (a.transmission == DYN_TRANSMISSION_SLIDER_CRANK) {
+    put(e, "cranksite", site(a.frame)), put(e, "slidersite", site(a.reference)), put(e, "cranklength", a.rod);
+    if (a.gear != 1) put(e, "gear", a.gear);
+    return;
+  }
+  if (a.transmission == DYN_TRANSMISSION_AXES) {
+    put(e, a.in_parent ? "jointinparent" : "joint", piece(a.joint, 0).simple.name);
+    return put(e, "gear", std::span(a.wrench));
+  }
   if (a.transmission == DYN_TRANSMISSION_SITE) {
     put(e, "site", site(a.frame)), put(e, "gear", std::span(a.wrench));
     if (a.reference >= 0) put(e, "refsite", site(a.reference));
@@ -58,6 +70,39 @@ void MjcfWriter::put_muscle(XmlElement& e, const dynActuator& a) {
   for (const char* part : {"gaintype", "biastype", "dyntype"}) put(e, part, std::string("muscle"));
 }
 
+const ForceLimitRecord* MjcfWriter::force_limit(Index joint, Index tendon) const {
+  const ForceLimitRecord *const all = m.force_limits(), *const end = all + m.n.force_limits;
+  const auto at = std::find_if(all, end, [&](const ForceLimitRecord& x) { return x.joint == joint && x.tendon == tendon; });
+  return at == end ? nullptr : at;
+}
+
+// PID or DC motor.
+void MjcfWriter::put_driver(XmlElement& e, const dynActuator& a) {
+  const dynDcMotor& x = a.motor;
+  std::string inputs;
+  for (const auto& [bit, word] : {std::pair{DYN_INPUT_POSITION, "pos"}, {DYN_INPUT_VELOCITY, "vel"}, {DYN_INPUT_FORCE, "ff"},
+                                  {DYN_INPUT_VOLTAGE, "voltage"}})
+    if (a.inputs & std::uint32_t(bit)) inputs += (inputs.empty() ? "" : " ") + std::string(word);
+  put(e, "input", inputs.empty() ? std::string("none") : inputs);
+  put_range(e, "velrange", a.velocity_range), put_range(e, "ffrange", a.feedforward_range);
+  if (a.type == DYN_ACTUATOR_TYPE_PID) {
+    put_range(e, "posrange", a.control_range), put_range(e, "forcerange", a.force_range);
+    put(e, "kp", a.kp), put(e, "kv", a.kv), put(e, "ki", a.ki);
+    return put(e, "imax", a.integral_limit), put(e, "slewmax", a.slew);
+  }
+  put_range(e, "ctrlrange", a.control_range);
+  put(e, "motorconst", x.constant), put(e, "resistance", x.resistance), put(e, "inductance", {0, x.time_constant});
+  const bool limited = std::isfinite(a.force_range[1]) && a.force_range[0] == -a.force_range[1];
+  if (!limited && (std::isfinite(a.force_range[0]) || std::isfinite(a.force_range[1])))
+    losses.loss("ranges of force of motors that are not alike in both directions", e.Attribute("name"));
+  put(e, "saturation", {limited ? a.force_range[1] : 0, 0, x.rate});
+  put(e, "controller", {x.kp, a.ki, x.kd, a.slew, a.integral_limit, x.voltage_limit}), put(e, "cogging", std::span(x.cogging));
+  if (x.thermal_resistance > 0)
+    put(e, "thermal", {x.thermal_resistance, x.heat_capacity, 0, x.temperature_coefficient, x.reference, x.ambient});
+  if (x.bristle_stiffness > 0)
+    put(e, "lugre", {x.bristle_stiffness, x.bristle_damping, x.coulomb, x.breakaway, x.stribeck});
+}
+
 void MjcfWriter::add_actuators() {
   for (Index k = 0; k < m.n.actuators; ++k) {
     const dynActuator& a = m.actuators()[k].spec;
@@ -71,21 +116,32 @@ void MjcfWriter::add_actuators() {
       continue;
     }
     const bool filtered = a.time_constant > 0, muscle = a.type == DYN_ACTUATOR_TYPE_MUSCLE,
+               early = a.activations > 0 && !a.late, sloped = a.gain_slope[0] != 0 || a.gain_slope[1] != 0,
                affine = a.type == DYN_ACTUATOR_TYPE_AFFINE ||
-                        ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
+                        ((filtered || a.integrates) && (early || a.type != DYN_ACTUATOR_TYPE_POSITION));
     XmlElement& e = *section("actuator")
-                         .InsertNewChildElement(affine || muscle                       ? "general"
+                         .InsertNewChildElement(a.type == DYN_ACTUATOR_TYPE_PID          ? "pid"
+                                                : a.type == DYN_ACTUATOR_TYPE_DC_MOTOR ? "dcmotor"
+                                                : affine || muscle                     ? "general"
                                                 : a.type == DYN_ACTUATOR_TYPE_MOTOR    ? "motor"
                                                 : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity"
                                                 : a.integrates                         ? "intvelocity"
                                                                                        : "position");
     put(e, "name", name), put_transmission(e, a);
     written_actuators.push_back(k);
+    if (has_driver(a)) {
+      put_driver(e, a);
+      if (early && a.type == DYN_ACTUATOR_TYPE_PID && a.ki > 0)
+        losses.note("integrals of <pid> are those of the beginning of a step", name);
+      continue;
+    }
     if (muscle) {
       put_muscle(e, a);
     } else if (affine) {
       const ActuatorRecord& law = m.actuators()[k];
-      put(e, "gaintype", std::string("fixed")), put(e, "gainprm", law.gain[0]);
+      put(e, "gaintype", std::string(sloped ? "affine" : "fixed"));
+      if (sloped) put(e, "gainprm", {law.gain[0], a.gain_slope[0], a.gain_slope[1]});
+      else put(e, "gainprm", law.gain[0]);
       put(e, "biastype", std::string("affine")), put(e, "biasprm", std::span(law.bias));
       if (filtered) put(e, "dyntype", std::string("filterexact")), put(e, "dynprm", a.time_constant);
       if (a.integrates) put(e, "dyntype", std::string("integrator"));
@@ -95,6 +151,7 @@ void MjcfWriter::add_actuators() {
     } else if (a.type == DYN_ACTUATOR_TYPE_VELOCITY) {
       put(e, "kv", a.kv);
     }
+    if (early) put(e, "actearly", std::string("true"));
     put_range(e, "ctrlrange", a.control_range), put_range(e, "forcerange", a.force_range), put_range(e, "actrange", a.act_range);
   }
 }

@@ -58,6 +58,7 @@ void MjcfWriter::add_tendons() {
     for (const auto& [attribute, x] : {std::pair{"stiffness", t.stiffness}, {"damping", t.damping}, {"frictionloss", t.friction},
                                        {"armature", t.armature}})
       if (x != 0) put(tendon, attribute, x);
+    if (const ForceLimitRecord* const limit = force_limit(-1, k)) put_range(tendon, "actuatorfrcrange", limit->range);
     const PathRecord& p = m.paths()[k];
     for (const PathElement *e = m.path_elements() + p.first, *end = e + p.elements; e != end; ++e) add_element(tendon, *e);
   }

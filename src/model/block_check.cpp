@@ -166,37 +166,66 @@ bool BlockChecker::constraints() {
 }
 
 bool BlockChecker::actuators() {
-  Index nu = 0, na = 0, rows = 0;
-  return each(n.actuators, [&](Index k) {
+  Index nu = 0, na = 0, rows = 0, adhesions = 0;
+  const bool limits = each(n.force_limits, [&](Index k) {
+    const ForceLimitRecord& x = m.force_limits()[k];
+    if (!require(x.range[0] <= x.range[1] && (x.with_weight == 0 || x.with_weight == 1), "a limit of actuators")) return false;
+    if (x.joint < 0)
+      return require(x.joint == -1 && x.dof == -1 && x.tendon >= 0 && x.tendon < n.tendons, "a limit of actuators");
+    return index(x.joint, n.joints, "a limit of actuators") &&
+           require(x.joint > 0 && x.tendon == -1 && x.dof == m.joints()[x.joint].idx_v && m.joints()[x.joint].nv == 1,
+                   "a limit of actuators");
+  });
+  return limits && each(n.actuators, [&](Index k) {
     const ActuatorRecord& r = m.actuators()[k];
     const dynActuator& a = r.spec;
     if (!text(r.name) || !index(a.joint, n.joints, "joint of an actuator")) return false;
     const JointRecord& j = m.joints()[a.joint];
-    const bool coordinate = a.transmission == DYN_TRANSMISSION_JOINT && a.type != DYN_ACTUATOR_TYPE_MUSCLE;
+    const bool coordinate = a.transmission == DYN_TRANSMISSION_JOINT && !has_general_law(a) && r.limit == -1;
+    const dynTransmission by = a.transmission;
+    const bool framed = by == DYN_TRANSMISSION_SITE || by == DYN_TRANSMISSION_SLIDER_CRANK || by == DYN_TRANSMISSION_BODY;
+    const bool refers = by == DYN_TRANSMISSION_SLIDER_CRANK || (by == DYN_TRANSMISSION_SITE && a.reference >= 0);
     if (!require(is_value(a.type) && is_value(a.transmission), "type of an actuator") ||
         (a.transmission == DYN_TRANSMISSION_JOINT && !index(a.component, j.nv, "component of an actuator")) ||
         !require(coordinate ? r.path == -1 && r.row == -1 : r.row == rows++, "path of an actuator") ||
         (!coordinate && !index(r.path, n.paths, "path of an actuator")))
       return false;
     if (!require((a.transmission == DYN_TRANSMISSION_TENDON ? r.path < n.tendons && a.tendon == r.path : a.tendon == -1) &&
-                     (a.transmission == DYN_TRANSMISSION_SITE ? a.frame >= 0 && a.frame < n.frames && a.reference < n.frames
-                                                              : a.frame == -1 && a.reference == -1),
+                     (framed ? a.frame >= 0 && a.frame < n.frames : a.frame == -1) &&
+                     (refers ? a.reference >= 0 && a.reference < n.frames : a.reference == -1) &&
+                     (by != DYN_TRANSMISSION_BODY || m.frames()[a.frame].type == DYN_FRAME_TYPE_BODY || a.frame == 0),
                  "what an actuator acts on"))
       return false;
-    if (!require(a.controls == (a.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator"))
+    if (!require(a.controls == controls_of(a) && a.idx_u == nu, "controls of an actuator") ||
+        !require(r.limit >= -1 && r.limit < n.force_limits, "limit of an actuator"))
       return false;
+    if (r.limit >= 0) {
+      const ForceLimitRecord& x = m.force_limits()[r.limit];
+      const bool of = by == DYN_TRANSMISSION_TENDON ? x.tendon == a.tendon : by == DYN_TRANSMISSION_JOINT && x.joint == a.joint;
+      if (!require(of, "limit of an actuator")) return false;
+    }
+    adhesions += by == DYN_TRANSMISSION_BODY;
     nu += a.controls;
     Index q = -1;
     for (Index s = 0; s < n.euclidean_spans; ++s)
       if (const EuclideanSpan& span = m.euclidean_spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count)
         q = span.first_q + r.v - span.first_v;
-    const bool filtered = has_activation(a);
-    if (!require(r.v == (coordinate ? j.idx_v + a.component : -1) && r.q == q && r.act == (filtered ? na : -1) &&
-                     a.idx_act == r.act,
+    const Index activations = activations_of(a);
+    if (!require(r.v == (coordinate ? j.idx_v + a.component : -1) && r.q == q && r.act == (activations > 0 ? na : -1) &&
+                     a.idx_act == r.act && a.activations == activations,
                  "coordinates of an actuator"))
       return false;
-    na += filtered;
-    const double scalars[] = {a.gear, a.kp, a.kv, a.gain, a.time_constant};
+    na += activations;
+    double motor[sizeof a.motor / sizeof(double)];
+    std::memcpy(motor, &a.motor, sizeof motor);
+    const double scalars[] = {a.gear, a.kp, a.kv, a.gain, a.time_constant, a.rod, a.ki, a.integral_limit, a.slew, r.period};
+    if (!require(are_finite(motor) && are_finite(a.gain_slope) &&
+                     (a.type != DYN_ACTUATOR_TYPE_DC_MOTOR || (a.motor.resistance > 0 && a.motor.constant > 0)) &&
+                     r.period >= 0 && (a.motor.heat_capacity > 0 || !(a.motor.thermal_resistance > 0)) &&
+                     a.velocity_range[0] <= a.velocity_range[1] && a.feedforward_range[0] <= a.feedforward_range[1] &&
+                     (by != DYN_TRANSMISSION_SLIDER_CRANK || a.rod > 0),
+                 "a number of an actuator"))
+      return false;
     return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) &&
                        a.time_constant >= 0 && (a.integrates == 0 || (a.integrates == 1 && a.time_constant == 0)),
                    "a number of an actuator") &&
@@ -204,7 +233,8 @@ bool BlockChecker::actuators() {
            require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1] &&
                        a.act_range[0] <= a.act_range[1],
                    "a range of an actuator");
-  }) && require(nu == n.nu && na == n.na && n.path_rows == path_rows_of_tendon * n.tendons + n.couplings + rows,
+  }) && require(nu == n.nu && na == n.na && adhesions == n.adhesions &&
+                n.path_rows == path_rows_of_tendon * n.tendons + n.couplings + rows,
                 "controls of the actuators");
 }
 
@@ -244,17 +274,23 @@ bool BlockChecker::path(Index k) {
     return require(p.kind == PathKind::Coupling, "a coupling") && index(p.first, n.tendons, "tendon of a coupling") &&
            (p.elements == -1 || index(p.elements, n.tendons, "tendon of a coupling"));
   const bool known = k < n.tendons ? p.kind == PathKind::Fixed || p.kind == PathKind::Spatial
-                                   : p.kind == PathKind::Fixed || (p.kind == PathKind::Site && p.elements <= 2);
+                                   : p.kind == PathKind::SliderCrank ? p.elements == 2
+                                   : p.kind == PathKind::Site ? p.elements <= 2
+                                   : (p.kind == PathKind::Fixed || p.kind == PathKind::Axes || p.kind == PathKind::AxesInParent ||
+                                      p.kind == PathKind::Adhesion) && p.elements == 1;
   if (!require(known && p.elements > 0, "kind of a path") || !index(p.first, n.path_elements, "element of a path") ||
       !index(p.elements, std::int64_t(n.path_elements) - p.first + 1, "element of a path"))
     return false;
   const PathElement* const e = m.path_elements() + p.first;
+  const bool axes = p.kind == PathKind::Axes || p.kind == PathKind::AxesInParent;
   const auto is_site = [&](Index i) { return i >= 0 && i < p.elements && e[i].type == DYN_TENDON_ELEMENT_TYPE_SITE; };
   return each(p.elements, [&](Index i) {
     const bool joint = e[i].type == DYN_TENDON_ELEMENT_TYPE_JOINT, wrap = e[i].type == DYN_TENDON_ELEMENT_TYPE_SPHERE ||
                                                                           e[i].type == DYN_TENDON_ELEMENT_TYPE_CYLINDER;
     return path_element(e[i]) &&
-           require(joint == (p.kind == PathKind::Fixed) && (p.kind != PathKind::Site || is_site(i)) &&
+           require(joint == (p.kind == PathKind::Fixed || axes) && (p.kind == PathKind::Spatial || joint || is_site(i)) &&
+                       (!axes || m.joints()[e[i].id].type == DYN_JOINT_TYPE_SPHERICAL ||
+                        m.joints()[e[i].id].type == DYN_JOINT_TYPE_FREE_FLYER) &&
                        (!wrap || (is_site(i - 1) && is_site(i + 1))),
                    "element of a path");
   });
@@ -282,12 +318,17 @@ bool BlockChecker::sensors() {
     const dynSensor& s = m.sensors()[k].spec;
     if (!text(m.sensors()[k].name) || !require(is_value(s.quantity), "quantity of a sensor")) return false;
     const SensorRow& row = sensor_row(s.quantity);
-    if (!require(s.idx == values && s.size == row.size && s.order == row.order, "size of a sensor")) return false;
-    values += row.size;
+    if (!require(s.count >= 0 && s.count <= max_sensor_count && s.values < 1u << std::size(value_sizes) &&
+                     is_value(s.side) && is_value(s.other_side) && is_value(s.reduction) && s.delay >= 0,
+                 "a number of a sensor") ||
+        !require(s.idx == values && s.size == size_of(s) && s.order == row.order &&
+                     s.of_values == (s.quantity == DYN_QUANTITY_CONTACT ? values_size(s) : 0), "size of a sensor"))
+      return false;
+    values += s.size;
     if (!require(are_finite(s.placement) && are_finite(s.reference_placement) && are_finite(s.extent) && are_finite(s.field) &&
                      std::isfinite(s.cutoff) && std::isfinite(s.noise),
                  "a number of a sensor") ||
-        !require(s.reference >= -1 && s.reference < (row.refers ? n.frames : 0) &&
+        !require(s.reference >= -1 && s.reference < (s.other_side == DYN_SIDE_SHAPE ? n.shapes : row.refers ? n.frames : 0) &&
                      (s.quantity != DYN_QUANTITY_INSIDESITE || s.reference >= 0),
                  "reference of a sensor"))
       return false;
@@ -303,6 +344,16 @@ bool BlockChecker::sensors() {
       case SensorObject::Tendon: return index(s.object, n.tendons, "tendon of a sensor");
       case SensorObject::Actuator: return index(s.object, n.actuators, "actuator of a sensor");
       case SensorObject::Frame: return index(s.object, n.frames, "frame of a sensor");
+      case SensorObject::Sides: {
+        const auto good = [&](dynSide side, Index x) {
+          if (side == DYN_SIDE_ANY) return x == -1;
+          if (side != DYN_SIDE_SHAPE) return x >= 0 && x < n.frames;
+          return x >= 0 && x < n.shapes && m.shapes()[x].role == DYN_SHAPE_ROLE_COLLISION;
+        };
+        const bool pair = s.side != DYN_SIDE_ANY && s.other_side != DYN_SIDE_ANY;
+        return require(good(s.side, s.object) && good(s.other_side, s.reference) &&
+                           (pair || s.quantity == DYN_QUANTITY_CONTACT), "side of a sensor");
+      }
     }
     return false;
   }) && require(values == n.sensor_values, "values of the sensors");

@@ -411,7 +411,7 @@ void Builder::configuration_of_joints(const std::string& name,
   for (const auto& [actuator, x] : state.actuators) {
     const std::string who = "configuration '" + name + "', actuator '" + actuator + "'";
     if (impl->names.actuators.find(impl->actuators, actuator) < 0) refuse(DYN_ERROR_NAME, who + ": there is no such actuator");
-    check_finite(who, x.control.data(), x.control.size()), check_finite(who, &x.activation, 1);
+    check_finite(who, x.control.data(), x.control.size()), check_finite(who, x.activation.data(), x.activation.size());
     entry.actuators[actuator] = x;
   }
   for (const auto& [body, X] : state.mocaps) {

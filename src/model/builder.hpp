@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dyn.h"
+#include "effect/driver.hpp"
 #include "model/pair_filter.hpp"
 #include "shape/material.hpp"
 
@@ -81,7 +82,7 @@ struct TendonElement {
 struct ConfigurationState {
   struct Actuator {
     std::array<double, 3> control{};
-    double activation = 0;
+    std::array<double, max_activations> activation = {};
   };
   std::vector<std::pair<std::string, std::vector<double>>> v;  // by joints
   std::vector<std::pair<std::string, Actuator>> actuators;
@@ -145,6 +146,8 @@ class Builder {
   void actuator(const std::string& name, const dynActuator& spec, const std::string& target, const std::string& reference = "");
   // object: the name of a joint, tendon, actuator or frame, by spec.quantity; reference: of a frame, or "". (builder_sensor.cpp)
   void sensor(const std::string& name, const dynSensor& spec, const std::string& object, const std::string& reference = "");
+  // Of the sum of the actuators on a joint or a tendon. with_weight: and of the weight that is held for the joint.
+  void limit_actuators(bool tendon, const std::string& target, double lower, double upper, bool with_weight);
   void gravity_compensation(const std::string& body, double share);
   void mocap(const std::string& body);  // a link fixed to the world, whose pose data sets
   void medium(double density, double viscosity, const std::array<double, 3>& wind);

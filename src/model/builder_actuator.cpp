@@ -30,8 +30,48 @@ void set_law(const dynActuator& x, ActuatorRecord& r) {
     case DYN_ACTUATOR_TYPE_VELOCITY: set(r.gain, x.kv, 0, 0), set(r.bias, 0, 0, -x.kv); break;
     case DYN_ACTUATOR_TYPE_PD: set(r.gain, x.kp, x.kv, 1), set(r.bias, 0, -x.kp, -x.kv); break;
     case DYN_ACTUATOR_TYPE_AFFINE: set(r.gain, x.gain, 0, 0), set(r.bias, x.bias[0], x.bias[1], x.bias[2]); break;
-    case DYN_ACTUATOR_TYPE_MUSCLE: break;  // effect/muscle.hpp
+    case DYN_ACTUATOR_TYPE_MUSCLE: break;    // effect/muscle.hpp
+    case DYN_ACTUATOR_TYPE_PID:
+    case DYN_ACTUATOR_TYPE_DC_MOTOR: break;  // algorithm/driver.hpp
   }
+}
+
+// Of a length that is an angle, where a servo or a PID acts on it.
+double period_of(const dynActuator& a, const ActuatorRecord& r, bool ball) {
+  const bool servo = r.bias[1] != 0 && r.gain[0] == -r.bias[1] && a.time_constant == 0 && !has_general_law(a);
+  if (!servo && a.type != DYN_ACTUATOR_TYPE_PID) return 0;
+  const double* const w = a.wrench;
+  const auto turn = [](const double* x) { return 6.283185307179586 * std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]); };
+  if (a.transmission == DYN_TRANSMISSION_AXES && ball) return turn(w);
+  const bool turns = a.transmission == DYN_TRANSMISSION_SITE && r.spec.reference >= 0 && w[0] == 0 && w[1] == 0 && w[2] == 0;
+  return turns ? turn(w + 3) : 0;
+}
+
+void check_driver(const std::string& who, const dynActuator& a) {
+  const bool motor = a.type == DYN_ACTUATOR_TYPE_DC_MOTOR;
+  const std::uint32_t most = motor ? 15 : 7;
+  if (a.inputs & ~most)
+    refuse(DYN_ERROR_ARGUMENT, who + ": inputs is " + std::to_string(a.inputs) + ": give a sum of DYN_INPUT_... up to " +
+                                   std::to_string(most));
+  if (a.time_constant > 0 || a.integrates)
+    refuse(DYN_ERROR_INVALID, who + ": its type has states of its own: time_constant and integrates must be 0");
+  for (const auto& [what, x] : {std::pair{"ki", a.ki}, {"integral_limit", a.integral_limit}, {"slew", a.slew}})
+    check_number(who, what, x, false);
+  check_ends(who, "velocity_range", a.velocity_range), check_ends(who, "feedforward_range", a.feedforward_range);
+  if (!motor) return;
+  const dynDcMotor& x = a.motor;
+  const std::pair<const char*, double> sizes[] = {{"resistance", x.resistance}, {"constant", x.constant},
+      {"thermal_resistance", x.thermal_resistance}, {"heat_capacity", x.heat_capacity}, {"time_constant", x.time_constant},
+      {"rate", x.rate}, {"kp", x.kp}, {"kd", x.kd}, {"voltage_limit", x.voltage_limit},
+      {"bristle_stiffness", x.bristle_stiffness}, {"bristle_damping", x.bristle_damping}, {"coulomb", x.coulomb},
+      {"breakaway", x.breakaway}, {"stribeck", x.stribeck}};
+  for (const auto& [what, value] : sizes) check_number(who, (std::string("motor.") + what).c_str(), value, false);
+  for (const double y : {x.temperature_coefficient, x.reference, x.ambient, x.cogging[0], x.cogging[1], x.cogging[2]})
+    check_number(who, "motor", y, true);
+  if (x.resistance == 0 || x.constant == 0)
+    refuse(DYN_ERROR_INVALID, who + ": motor.resistance and motor.constant must be positive");
+  if (x.thermal_resistance > 0 && x.heat_capacity == 0)
+    refuse(DYN_ERROR_INVALID, who + ": motor.heat_capacity is 0: it must be positive with a thermal_resistance");
 }
 
 void check_muscle(const std::string& who, const dynMuscle& x) {
@@ -64,10 +104,13 @@ void check_driven_joint(const std::vector<JointEntry>& joints, const std::string
                                    std::to_string(spec_nv(at->spec)) + " degrees of freedom");
 }
 
-// Muscles act through a path, those of joints too.
-bool has_own_path(const ActuatorEntry& a) {
-  return a.spec.transmission == DYN_TRANSMISSION_SITE ||
-         (a.spec.transmission == DYN_TRANSMISSION_JOINT && a.spec.type == DYN_ACTUATOR_TYPE_MUSCLE);
+// The limit of the sum that an actuator is part of, or -1.
+int limit_of(const std::vector<ForceLimitEntry>& limits, const ActuatorEntry& a) {
+  const dynTransmission by = a.spec.transmission;
+  for (std::size_t k = 0; k < limits.size(); ++k)
+    if (limits[k].target == a.target && by == (limits[k].tendon ? DYN_TRANSMISSION_TENDON : DYN_TRANSMISSION_JOINT))
+      return int(k);
+  return -1;
 }
 
 }  // namespace
@@ -89,21 +132,43 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   if (!is_value(spec.transmission))
     refuse(DYN_ERROR_ARGUMENT, who + ": transmission " + std::to_string(int(spec.transmission)) + " is no dynTransmission");
   ActuatorEntry entry{name, spec, -1};
-  if (!reference.empty() && spec.transmission != DYN_TRANSMISSION_SITE)
-    refuse(DYN_ERROR_ARGUMENT, who + ": a reference frame needs the transmission SITE");
-  if (spec.transmission == DYN_TRANSMISSION_JOINT) {
+  const bool crank = spec.transmission == DYN_TRANSMISSION_SLIDER_CRANK;
+  if (!reference.empty() && spec.transmission != DYN_TRANSMISSION_SITE && !crank)
+    refuse(DYN_ERROR_ARGUMENT, who + ": a reference frame needs the transmission SITE or SLIDER_CRANK");
+  if (reference.empty() && crank) refuse(DYN_ERROR_ARGUMENT, who + ": its reference is missing: the frame of the slider");
+  const bool measured = spec.transmission != DYN_TRANSMISSION_BODY;
+  if (spec.transmission == DYN_TRANSMISSION_AXES) {
+    entry.target = impl->find_joint(target);
+    if (entry.target < 0) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + target + "'");
+    const JointSpec& j = impl->joints[std::size_t(entry.target)].spec;
+    if (j.type != DYN_JOINT_TYPE_SPHERICAL && j.type != DYN_JOINT_TYPE_FREE_FLYER)
+      refuse(DYN_ERROR_INVALID, who + ": joint '" + target + "' is no ball and no free joint, as AXES needs");
+  } else if (spec.transmission == DYN_TRANSMISSION_BODY) {
+    entry.target = impl->find({target, DYN_FRAME_TYPE_BODY}, who);
+  } else if (spec.transmission == DYN_TRANSMISSION_JOINT) {
     entry.target = impl->find_joint(target);
     check_driven_joint(impl->joints, who, target, entry.target, spec.component);
-    if (spec.type == DYN_ACTUATOR_TYPE_MUSCLE && joint_nq(impl->joints[std::size_t(entry.target)].spec.type) != 1)
-      refuse(DYN_ERROR_INVALID, who + ": a muscle needs a length, and joint '" + target + "' has none");
+    if (has_general_law(spec) && joint_nq(impl->joints[std::size_t(entry.target)].spec.type) != 1)
+      refuse(DYN_ERROR_INVALID, who + ": its law needs a length, and joint '" + target + "' has none");
   } else if (spec.transmission == DYN_TRANSMISSION_TENDON) {
     entry.target = impl->find_tendon(target, who);
   } else {
     entry.target = impl->find_frame(target, who);
     entry.reference = reference.empty() ? -1 : impl->find_frame(reference, who);
-    for (const double w : spec.wrench) check_number(who, "wrench", w, true);
-    if (spec.gear != 1) refuse(DYN_ERROR_INVALID, who + ": gear is " + number(spec.gear) + ": with SITE, wrench says it all");
   }
+  if (spec.transmission == DYN_TRANSMISSION_SITE || spec.transmission == DYN_TRANSMISSION_AXES) {
+    for (const double w : spec.wrench) check_number(who, "wrench", w, true);
+    if (spec.gear != 1)
+      refuse(DYN_ERROR_INVALID, who + ": gear is " + number(spec.gear) + ": with SITE and AXES, wrench says it all");
+  }
+  if (crank && !(spec.rod > 0 && std::isfinite(spec.rod)))
+    refuse(DYN_ERROR_INVALID, who + ": rod is " + number(spec.rod) + ": give a positive length");
+  if (!measured && (spec.type != DYN_ACTUATOR_TYPE_MOTOR && spec.type != DYN_ACTUATOR_TYPE_AFFINE))
+    refuse(DYN_ERROR_INVALID, who + ": adhesion has no length: use MOTOR or AFFINE");
+  for (const double x : spec.gain_slope) check_number(who, "gain_slope", x, true);
+  if (spec.type != DYN_ACTUATOR_TYPE_AFFINE && (spec.gain_slope[0] != 0 || spec.gain_slope[1] != 0))
+    refuse(DYN_ERROR_INVALID, who + ": gain_slope needs the type AFFINE");
+  if (has_driver(spec)) check_driver(who, spec);
   if (spec.type == DYN_ACTUATOR_TYPE_MUSCLE) check_muscle(who, spec.muscle);
   check_number(who, "gear", spec.gear, true);
   check_number(who, "kp", spec.kp, false), check_number(who, "kv", spec.kv, false);
@@ -118,6 +183,21 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   if (spec.type == DYN_ACTUATOR_TYPE_MUSCLE && (spec.integrates || spec.time_constant > 0))
     refuse(DYN_ERROR_INVALID, who + ": the activation of a muscle has its own time constants, t_act and t_deact");
   impl->actuators.push_back(std::move(entry));
+}
+
+void Builder::limit_actuators(bool tendon, const std::string& target, double lower, double upper, bool with_weight) {
+  const std::string who = "limit of the actuators on " + std::string(tendon ? "tendon" : "joint") + " '" + target + "'";
+  ForceLimitEntry entry{tendon, with_weight, tendon ? impl->find_tendon(target, who) : impl->find_joint(target), {lower, upper}};
+  if (entry.target < 0) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
+  if (!tendon) {
+    const JointSpec& j = impl->joints[std::size_t(entry.target)].spec;
+    if (!j.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": it follows '" + j.mimic + "': name that one");
+    if (spec_nq(j) != 1) refuse(DYN_ERROR_INVALID, who + ": it has not one coordinate, as is needed");
+  }
+  check_ends(who, "the range", entry.range);
+  for (const ForceLimitEntry& x : impl->force_limits)
+    if (x.tendon == tendon && x.target == entry.target) refuse(DYN_ERROR_INVALID, who + ": it has one already");
+  impl->force_limits.push_back(entry);
 }
 
 void Builder::gravity_compensation(const std::string& body, double share) {
@@ -172,7 +252,8 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
   impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt});
 }
 
-std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators,
+                                         const std::vector<ForceLimitEntry>& limits, const std::vector<Index>& id,
                                          const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n) {
   std::vector<ActuatorRecord> out;
@@ -182,12 +263,16 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
     ActuatorRecord r{};
     r.spec = a.spec;
     const dynTransmission by = a.spec.transmission;
-    r.spec.struct_size = sizeof r.spec, r.spec.joint = by == DYN_TRANSMISSION_JOINT ? id[std::size_t(a.target)] : 0;
+    const bool on_joint = by == DYN_TRANSMISSION_JOINT, joint = on_joint || by == DYN_TRANSMISSION_AXES;
+    r.spec.struct_size = sizeof r.spec, r.spec.joint = joint ? id[std::size_t(a.target)] : 0;
     r.spec.tendon = by == DYN_TRANSMISSION_TENDON ? a.target : -1;
-    r.spec.frame = by == DYN_TRANSMISSION_SITE ? a.target : -1, r.spec.reference = a.reference;
-    r.path = by == DYN_TRANSMISSION_TENDON ? a.target : has_own_path(a) ? n.paths++ : -1;
+    r.spec.frame = joint || by == DYN_TRANSMISSION_TENDON ? -1 : a.target, r.spec.reference = a.reference;
+    r.limit = Index(limit_of(limits, a));
+    const bool has_path = !on_joint || has_general_law(a.spec) || r.limit >= 0;
+    r.path = by == DYN_TRANSMISSION_TENDON ? a.target : has_path ? n.paths++ : -1;
     r.row = r.path >= 0 ? rows++ : -1;
-    r.spec.controls = a.spec.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1, r.spec.idx_u = n.nu;
+    r.spec.controls = controls_of(a.spec), r.spec.idx_u = n.nu;
+    r.spec.in_parent = a.spec.in_parent != 0, r.spec.late = a.spec.late != 0;
     n.nu += r.spec.controls;
     set_law(a.spec, r);
     r.v = r.path >= 0 ? -1 : joints[std::size_t(r.spec.joint)].idx_v + a.spec.component, r.q = -1;
@@ -200,7 +285,9 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
              "actuator '" + a.name +
                  "' depends on a length, and the coordinates of its joint are no lengths: use MOTOR or VELOCITY");
     r.spec.integrates = a.spec.integrates != 0;
-    r.act = r.spec.idx_act = has_activation(a.spec) ? n.na++ : -1;
+    r.spec.activations = activations_of(a.spec);
+    r.act = r.spec.idx_act = r.spec.activations > 0 ? n.na : -1, n.na += r.spec.activations;
+    r.period = period_of(a.spec, r, joint && joints[std::size_t(r.spec.joint)].type == DYN_JOINT_TYPE_SPHERICAL);
     out.push_back(r);
   }
   n.actuators = Index(out.size());

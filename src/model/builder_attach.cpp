@@ -110,22 +110,30 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
   const int actuators_before = int(next.actuators.size());
   for (ActuatorEntry& a : other.actuators) {
     const dynTransmission by = a.spec.transmission;
-    a.target = by == DYN_TRANSMISSION_SITE ? place(a.target)
-                                             : a.target + (by == DYN_TRANSMISSION_JOINT ? before : tendons_before);
+    const bool joint = by == DYN_TRANSMISSION_JOINT || by == DYN_TRANSMISSION_AXES;
+    a.target = joint ? a.target + before : by == DYN_TRANSMISSION_TENDON ? a.target + tendons_before : place(a.target);
     if (a.reference >= 0) a.reference = place(a.reference);
     a.name = prefix + a.name;
     next.check_actuator_name(a.name);
     next.actuators.push_back(std::move(a));
   }
+  for (ForceLimitEntry& x : other.force_limits) {
+    x.target += x.tendon ? tendons_before : before;
+    next.force_limits.push_back(x);
+  }
   for (SensorEntry& s : other.sensors) {
+    const auto shift = [&](dynSide side, int& x) {
+      if (x >= 0) x = side == DYN_SIDE_SHAPE ? x + shapes_before : place(x);
+    };
     switch (sensor_row(s.spec.quantity).object) {
       case SensorObject::None: break;
       case SensorObject::Joint: s.object += before; break;
       case SensorObject::Tendon: s.object += tendons_before; break;
       case SensorObject::Actuator: s.object += actuators_before; break;
-      case SensorObject::Frame: s.object = place(s.object); break;
+      case SensorObject::Frame:
+      case SensorObject::Sides: shift(s.spec.side, s.object); break;
     }
-    if (s.reference >= 0) s.reference = place(s.reference);
+    shift(s.spec.other_side, s.reference);
     s.name = prefix + s.name;
     next.check_sensor_name(s.name);
     next.sensors.push_back(std::move(s));

@@ -130,10 +130,13 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   for (Index k = 0; k < m.n.actuators; ++k) {
     const ActuatorRecord& r = m.actuators()[k];
     const dynTransmission by = r.spec.transmission;
-    const int target = by == DYN_TRANSMISSION_JOINT ? r.spec.joint - 1
+    const int target = by == DYN_TRANSMISSION_JOINT || by == DYN_TRANSMISSION_AXES ? r.spec.joint - 1
                        : by == DYN_TRANSMISSION_TENDON ? r.spec.tendon : r.spec.frame;
     impl->actuators.push_back({m.string(r.name), r.spec, target, r.spec.reference});
   }
+  for (const ForceLimitRecord *r = m.force_limits(), *end = r + m.n.force_limits; r != end; ++r)
+    impl->force_limits.push_back(
+        {r->tendon >= 0, r->with_weight != 0, int(r->tendon >= 0 ? r->tendon : r->joint - 1), {r->range[0], r->range[1]}});
   for (Index k = 0; k < m.n.sensors; ++k) {
     const dynSensor& s = m.sensors()[k].spec;
     const int object = sensor_row(s.quantity).object == SensorObject::Joint ? s.object - 1 : s.object;
@@ -158,7 +161,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
       const ActuatorRecord& r = m.actuators()[i];
       ConfigurationState::Actuator& x = c.actuators[m.string(r.name)];
       std::copy_n(u + r.spec.idx_u, r.spec.controls, x.control.begin());
-      if (r.act >= 0) x.activation = act[r.act];
+      if (r.act >= 0) std::copy_n(act + r.act, r.spec.activations, x.activation.begin());
     }
     c.time = act[m.n.na];
     for (Index i = 0; i < m.n.mocaps; ++i)

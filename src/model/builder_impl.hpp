@@ -111,7 +111,15 @@ struct ActuatorEntry {
   int reference = -1;  // frame
 };
 
-// object: index of a joint, tendon, actuator or frame, by spec.quantity; reference: of a frame; -1: none.
+// Of the sum of the actuators on a joint or tendon.
+struct ForceLimitEntry {
+  bool tendon, with_weight;
+  int target;  // its index
+  double range[2];
+};
+
+// object: index of a joint, tendon, actuator, frame or shape, by spec.quantity and spec.side; reference: of a frame or shape; -1:
+// none.
 struct SensorEntry {
   std::string name;
   dynSensor spec;
@@ -168,6 +176,7 @@ struct Builder::Impl {
   std::vector<TendonEntry> tendons;
   std::vector<TendonCoupling> couplings;
   std::vector<ActuatorEntry> actuators;
+  std::vector<ForceLimitEntry> force_limits;
   std::vector<SensorEntry> sensors;
   std::vector<PairEntry> pairs;
   // (the names of joints and frames are in frame_index)
@@ -271,7 +280,8 @@ Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
 // Throws when the model can't have one.
 void check_constraints(const Model& m);
 // Actuators as the model keeps them, and their sizes. (builder_actuator.cpp)
-std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id,
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators,
+                                         const std::vector<ForceLimitEntry>& limits, const std::vector<Index>& id,
                                          const std::vector<JointRecord>& joints,
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n);
 // Lengths at rest that the entries leave open, and those of couplings, in the finished model. (algorithm/builder_paths.cpp)

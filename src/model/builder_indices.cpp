@@ -15,7 +15,7 @@ void Compiler::add_runs() {
   make_spans(a.bodies, a.euclidean_spans, a.manifold_joints);
   n.euclidean_spans = Index(a.euclidean_spans.size()), n.manifold_joints = Index(a.manifold_joints.size());
   n.tendons = Index(in.tendons.size()), n.couplings = Index(in.couplings.size());
-  for (const ActuatorRecord& r : actuators_of(in.actuators, id, a.joints, a.euclidean_spans, n)) {
+  for (const ActuatorRecord& r : actuators_of(in.actuators, in.force_limits, id, a.joints, a.euclidean_spans, n)) {
     a.actuators.push_back(r);
     a.actuators.back().name = text.add(in.actuators[a.actuators.size() - 1].name);
   }

@@ -214,7 +214,7 @@ void Compiler::add_configuration_states() {
       if (const auto given = c.actuators.find(in.actuators[k].name); given != c.actuators.end()) {
         const ActuatorRecord& r = a.actuators[k];
         std::copy_n(given->second.control.begin(), r.spec.controls, u + r.spec.idx_u);
-        if (r.act >= 0) act[r.act] = given->second.activation;
+        if (r.act >= 0) std::copy_n(given->second.activation.begin(), r.spec.activations, act + r.act);
       }
     act[n.na] = c.time;
   }

@@ -81,7 +81,8 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   for (std::size_t k = 0; k < actuators.size(); ++k) {
     ActuatorEntry& a = actuators[k];
     const dynTransmission by = a.spec.transmission;
-    if (!follow(by == DYN_TRANSMISSION_JOINT ? joint : by == DYN_TRANSMISSION_TENDON ? tendon : frame, a.target) ||
+    const bool on_joint = by == DYN_TRANSMISSION_JOINT || by == DYN_TRANSMISSION_AXES;
+    if (!follow(on_joint ? joint : by == DYN_TRANSMISSION_TENDON ? tendon : frame, a.target) ||
         !follow(frame, a.reference))
       continue;
     actuator[k] = int(left_actuators.size());
@@ -93,9 +94,11 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
     const std::vector<int>& to = on == SensorObject::Joint      ? joint
                                  : on == SensorObject::Tendon   ? tendon
                                  : on == SensorObject::Actuator ? actuator
-                                                                : frame;
-    return !follow(to, s.object) || !follow(frame, s.reference);
+                                 : s.spec.side == DYN_SIDE_SHAPE ? shape
+                                                                 : frame;
+    return !follow(to, s.object) || !follow(s.spec.other_side == DYN_SIDE_SHAPE ? shape : frame, s.reference);
   });
+  std::erase_if(force_limits, [&](ForceLimitEntry& x) { return !follow(x.tendon ? tendon : joint, x.target); });
   std::erase_if(constraints, [&](ConstraintEntry& c) {
     const std::vector<int>& at = between_joints(c.spec.type) ? joint : frame;
     const bool alone = between_joints(c.spec.type) && c.second < 0;

@@ -186,7 +186,20 @@ void Compiler::add_paths() {
   for (std::size_t k = 0; k < in.actuators.size(); ++k) {
     const ActuatorEntry& e = in.actuators[k];
     if (a.actuators[k].path < n.tendons + n.couplings) continue;
-    if (e.spec.transmission == DYN_TRANSMISSION_JOINT) {
+    const dynTransmission by = e.spec.transmission;
+    if (by == DYN_TRANSMISSION_AXES) {
+      std::copy_n(e.spec.wrench, 6, begin(e.spec.in_parent ? PathKind::AxesInParent : PathKind::Axes).wrench);
+      a.paths.back().joint = a.actuators[k].spec.joint;
+      add_element({DYN_TENDON_ELEMENT_TYPE_JOINT, e.target, -1, 1});
+    } else if (by == DYN_TRANSMISSION_BODY) {
+      begin(PathKind::Adhesion), ++n.adhesions;
+      add_element({DYN_TENDON_ELEMENT_TYPE_SITE, e.target, -1, 1});
+      for (Index i = 0; i < n.nv; ++i) moved_by.back().insert(i);  // it may touch anything
+    } else if (by == DYN_TRANSMISSION_SLIDER_CRANK) {
+      begin(PathKind::SliderCrank).wrench[0] = e.spec.rod;
+      add_element({DYN_TENDON_ELEMENT_TYPE_SITE, e.target, -1, 1});
+      add_element({DYN_TENDON_ELEMENT_TYPE_SITE, e.reference, -1, 1});
+    } else if (by == DYN_TRANSMISSION_JOINT) {
       PathRecord& p = begin(PathKind::Fixed);
       p.joint = a.actuators[k].spec.joint;
       add_element({DYN_TENDON_ELEMENT_TYPE_JOINT, e.target, -1, 1});
@@ -205,8 +218,15 @@ void Compiler::add_paths() {
   }
   a.path_parents.assign(a.path_dofs.size(), -1);
   n.paths_in_space = Index(std::count_if(a.paths.begin(), a.paths.end(), [](const PathRecord& p) {
-    return p.kind == PathKind::Spatial || p.kind == PathKind::Site;
+    return p.kind != PathKind::Fixed && p.kind != PathKind::Coupling;
   }));
+  for (const ForceLimitEntry& e : in.force_limits) {
+    const Index joint = e.tendon ? -1 : id[std::size_t(e.target)];
+    a.force_limits.push_back({{e.range[0], e.range[1]}, joint, e.tendon ? Index(e.target) : -1,
+                              e.tendon ? -1 : a.joints[std::size_t(joint)].idx_v, e.with_weight});
+    n.paths_in_space += e.with_weight && n.paths > 0;
+  }
+  n.force_limits = Index(a.force_limits.size());
   n.path_elements = Index(a.path_elements.size()), n.path_dofs = Index(a.path_dofs.size());
 }
 

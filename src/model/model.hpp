@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "dyn.h"
+#include "effect/driver.hpp"
 #include "joint/body.hpp"
 #include "model/pair_filter.hpp"
 #include "model/stored.hpp"
@@ -105,10 +106,15 @@ struct ActuatorRecord {
   double gain[3], bias[3];
   Index name, q, v, act;  // the user's coordinate (or -1) and degree of freedom (or -1); of the activation, or -1
   Index path, row;        // what it acts through, and its number among those that do; or -1: a coordinate
+  Index limit, padding;   // its number among force_limits, or -1
+  double period;          // of a length that is an angle, for servos: l and l + period are the same; 0: none
 };
-inline bool has_activation(const dynActuator& a) {
-  return a.time_constant > 0 || a.integrates || a.type == DYN_ACTUATOR_TYPE_MUSCLE;
-}
+
+// Limit of the sum of the actuators on a joint or a tendon; the other one is -1.
+struct ForceLimitRecord {
+  double range[2];
+  Index joint, tendon, dof, with_weight;
+};
 
 struct TendonRecord {
   dynTendon spec;
@@ -121,10 +127,10 @@ struct SensorRecord {
 };
 
 // A length as a function of the configuration: of tendons, by their ids, of couplings, and of what else actuators act through.
-enum class PathKind : Index { Fixed, Spatial, Site, Coupling };
+enum class PathKind : Index { Fixed, Spatial, Site, Coupling, Axes, AxesInParent, SliderCrank, Adhesion };
 inline constexpr Index path_rows_of_tendon = 3;  // of a step: its limit, its spring and damper, its friction
 struct PathRecord {
-  double wrench[6];   // SITE
+  double wrench[6];   // SITE, AXES; SLIDER_CRANK: the rod
   double polynomial[5], neutral[2];  // COUPLING: l = L1 - neutral1 - p(L2 - neutral2)
   PathKind kind;
   Index first, elements;    // in path_elements
@@ -223,6 +229,7 @@ struct ModelSizes {
   Index path_rows;  // that a step has room for: of each tendon, coupling, and actuator on a path
   Index mocaps;
   Index sensors, sensor_values;
+  Index force_limits, adhesions;  // adhesions: paths of this kind
 };
 
 struct Model {

@@ -108,7 +108,7 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
   });
   for (Index k = 0; k < m.n.nv; ++k) out.kinetic += 0.5 * d.armature[k] * d.v[k] * d.v[k];
   if (d.acting & DYN_EFFECT_SPRINGS) out.springs = spring_energy(m, d);
-  if (m.n.paths > 0) measure_paths(m, d);
+  if (m.n.paths > 0) measure_paths(m, d), take_limits(m, d);
   out.springs += tendon_energy(m, d), out.kinetic += tendon_kinetic_energy(m, d);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     if (r.q >= 0) out.actuators += actuator_energy(r, d);

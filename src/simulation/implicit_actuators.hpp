@@ -5,6 +5,7 @@
 // Actuators that this drives beyond their range are then fixed at its end. Those on paths, and tendons: path_forces.hpp.
 #pragma once
 
+#include "simulation/adhesion.hpp"
 #include "simulation/path_forces.hpp"
 
 namespace dyn::simulation {
@@ -21,16 +22,8 @@ template <class T>
 class ImplicitActuators {
  public:
   ImplicitActuators(const Model& model, Data<T>& data, T step) : m(model), d(data), h(step) {
-    if (m.n.paths > 0) place_paths(m, d);
-    each([&](const ActuatorRecord& r, Index k) {
-      const T w = r.act >= 0 ? activation_after(r, d, d.act[r.act], h) : command(r, d);
-      d.saturated[k] = 0;
-      if (r.v < 0) return set_path_force(m, d, actuator_row(m, r), r.path, h, path_force_of(r, d, w));
-      d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
-    });
-    for_each_tendon(m, d, [&](const dynTendon& t, Index k, T length, T rate) {
-      set_path_force(m, d, spring_row(k), k, h, path_force_of(t, length, rate));
-    });
+    if (m.n.paths > 0) begin_with_paths();
+    else each([&](const ActuatorRecord& r, Index k) { begin(r, k); });
   }
   // Adds the implicit terms to d.armature and returns tau of the trees `part` with the forces.
   template <class Part>
@@ -59,6 +52,24 @@ class ImplicitActuators {
   }
 
  private:
+  void begin(const ActuatorRecord& r, Index k) {
+    const T w = r.act < 0 ? command(r, d) : r.spec.late ? d.act[r.act] : activation_after(r, d, d.act[r.act], h);
+    d.saturated[k] = 0;
+    d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
+  }
+  void begin_with_paths() {
+    place_paths(m, d);
+    if constexpr (std::is_same_v<T, double>) measure_adhesions(m, d);
+    each([&](const ActuatorRecord& r, Index k) {
+      if (r.v >= 0) return begin(r, k);
+      d.saturated[k] = 0;
+      set_path_force(m, d, actuator_row(m, r), r.path, h, path_force_in_step(r, d, h));
+    });
+    for_each_tendon(m, d, [&](const dynTendon& t, Index k, T length, T rate) {
+      set_path_force(m, d, spring_row(k), k, h, path_force_of(t, length, rate));
+    });
+    if (m.n.force_limits > 0) limit_path_forces(m, d);
+  }
   template <class F>
   void each(F&& f) {
     for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {

@@ -59,7 +59,12 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   forward_kinematics<1>(m, d);
   double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
-  if (m.n.paths > 0) measure_paths(m, d), x.energy += tendon_kinetic_energy(m, d);
+  if (m.n.paths > 0) {
+    measure_paths(m, d), take_limits(m, d), x.energy += tendon_kinetic_energy(m, d);
+    std::copy_n(t, m.n.nv, d.step_tau);
+    add_beyond_limits(m, d, t);
+    for (Index k = 0; k < m.n.nv; ++k) x.power.actuators += (t[k] - d.step_tau[k]) * d.v[k];
+  }
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     const double force = actuator_force(r, d);
     add_actuator_force(m, d, r, force, t), x.power.actuators += r.spec.gear * force * stroke_of(r, d).v;

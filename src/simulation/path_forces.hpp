@@ -49,21 +49,51 @@ void set_path_force(const Model& m, Data<T>& d, Index row, Index path, T h, Path
   d.path_forces[row] = x;
 }
 
-// Force of an actuator on a path, with what its gear makes of it, at the beginning of a step with the activation w at its end.
+// Force of an actuator on a path, with what its gear makes of it, at the beginning of a step. w: what drives it.
 template <class T>
-PathForce<T> path_force_of(const ActuatorRecord& r, const Data<T>& d, T w) {
-  const T gear = T(r.spec.gear), l = gear * d.path_length[r.path], rate = gear * d.path_velocity[r.path];
-  PathForce<T> x{};
-  if (is_muscle(r)) {
-    const muscle::Force<T> f = muscle::force(r.spec.muscle, w, l, rate);
-    x = {f.force, f.stiffness, f.damping, T(0), T(r.spec.force_range[0]), std::min(T(0), T(r.spec.force_range[1])), 0};
-  } else {
-    x = {unbounded_force(r, d, w, d.path_length[r.path], d.path_velocity[r.path]), T(std::max(0.0, -r.bias[1])),
-         T(std::max(0.0, -r.bias[2])), T(0), T(r.spec.force_range[0]), T(r.spec.force_range[1]), 0};
-  }
+PathForce<T> path_force_of(const ActuatorRecord& r, const Data<T>& d, const T* w) {
+  const T gear = T(r.spec.gear);
+  const PathLaw<T> law = path_law(r, d, w);
+  PathForce<T> x{law.force + law.beside, law.stiffness, law.damping, T(0), T(r.spec.force_range[0]) + law.beside,
+                 T(r.spec.force_range[1]) + law.beside, 0};
+  if (is_muscle(r)) x.upper = std::min(T(0), x.upper);
   x.force *= gear, x.stiffness *= gear * gear, x.damping *= gear * gear, x.lower *= gear, x.upper *= gear;
   if (gear < T(0)) std::swap(x.lower, x.upper);
   return x;
+}
+
+// The same in a step of h, from the activations in d: filtered and integrated ones at its end, unless they are late.
+template <class T>
+PathForce<T> path_force_in_step(const ActuatorRecord& r, const Data<T>& d, T h) {
+  T w[max_activations] = {};
+  if (r.act < 0) return path_force_of(r, d, driving(r, d, w[0]));
+  const T* const now = d.act + r.act;
+  activations_after(r, d, now, h, w);
+  if (!has_driver(r.spec)) return path_force_of(r, d, r.spec.late ? now : w);
+  // a limited rate acts at once; temperature and friction are those of the beginning
+  const driver::Slots slot(r.spec);
+  const bool motor = r.spec.type == DYN_ACTUATOR_TYPE_DC_MOTOR;
+  for (const int k : {slot.temperature, slot.bristle, motor || r.spec.late ? slot.integral : -1, r.spec.late ? slot.current : -1})
+    if (k >= 0) w[k] = now[k];
+  return path_force_of(r, d, w);
+}
+
+// Limits of sums, of the forces in d.path_forces. What reaches a limit keeps its force in the step.
+template <class T>
+void limit_path_forces(const Model& m, Data<T>& d) {
+  const auto of = [&](const ActuatorRecord& r) -> PathForce<T>& { return d.path_forces[actuator_row(m, r)]; };
+  take_force_limits(m, d, [&](const ActuatorRecord& r, Index) {
+    const PathForce<T>& x = of(r);
+    return !on_tendon(r) ? std::clamp(x.force, x.lower, x.upper) : r.spec.gear != 0 ? x.force / T(r.spec.gear) : T(0);
+  });
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
+    if (r.limit < 0 || d.force_sums[2 * r.limit + 1] == T(0)) return;
+    PathForce<T>& x = of(r);
+    x.stiffness = x.damping = T(0), x.acts = 0;
+    if (on_tendon(r)) return void(x.force *= d.force_sums[2 * r.limit]);
+    T& back = d.force_sums[2 * r.limit];  // the first actuator takes it
+    x.force = std::clamp(x.force, x.lower, x.upper) + back, x.lower = T(-HUGE_VAL), x.upper = T(HUGE_VAL), back = T(0);
+  });
 }
 
 template <class T>

@@ -6,7 +6,7 @@ import re
 import sys
 
 OUTPUT = re.compile(r"(\w+) (\w+)(?: x (\w+))?(?: x (\w+))?$")
-SIZES = {"nq", "nv", "njoints", "nframes", "nparameters", "ntendons"}
+SIZES = {"nq", "nv", "njoints", "nframes", "nparameters", "ntendons", "nsensordata"}
 OPTIONS = {"frame", "joint", "reference", "dt", "integrator"}
 STATES = {"q", "v", "a", "tau", "fext", "b", "q1"}
 ALIASES = {"lambda": "b", "q0": "q"}  # parameters whose input has another name

@@ -236,6 +236,8 @@ TEST(Handles, TablesAreComplete) {
           "dyn_builder_set_mocap", "dyn_data_set_mocap", "dyn_data_mocap",
           // capi/python/tests/test_sensors.py
           "dyn_sensor_init", "dyn_builder_add_sensor",
+          // capi/python/tests/test_transmissions.py
+          "dyn_builder_limit_actuators", "dyn_builder_limit_tendon_actuators",
           // effects_test.cpp
           "dyn_batch_set_effects",
           // constraint_test.cpp

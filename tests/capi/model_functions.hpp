@@ -81,6 +81,13 @@ inline const ModelFunction model_functions[] = {
        double x = 1;
        return dyn_sensor_noise(m, 0, 0, &x) == DYN_ERROR_HANDLE && x == 1;
      }},
+    {"dyn_sensor_delay",
+     [](auto* m) {
+       double t = 0, x = 1;
+       return dyn_sensor_delay(m, &t, &x, 1, 0, &x) == DYN_ERROR_HANDLE && x == 1;
+     }},
+    {"dyn_model_nforce_limits", [](auto* m) { return dyn_model_nforce_limits(m) == -1; }},
+    {"dyn_model_force_limit_info", [](auto* m) { return keeps(dyn_model_force_limit_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_nshapes", [](auto* m) { return dyn_model_nshapes(m) == -1; }},
     {"dyn_model_shape_info", [](auto* m) { return keeps(dyn_model_shape_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_ndisabled_pairs", [](auto* m) { return dyn_model_ndisabled_pairs(m) == -1; }},

@@ -177,6 +177,9 @@ const std::map<std::string, Row> rows = {
     WRITTEN(dynShapeInfo, material, return dyn_model_shape_info(r.m, 0, s);),
     WRITTEN(dynEffectInfo, bytes, return dyn_data_effect_info(r.m, r.d, 0, s);),
     WRITTEN(dynFieldInfo, sentence, (void)r; return dyn_field_info(0, s);),
+    WRITTEN(dynForceLimit, range, (void)r; Builder b; b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)).body("link", "j");
+            if (dyn_builder_limit_actuators(b, "j", -1, 1, 0) != DYN_OK) return DYN_ERROR_INVALID; const Model m = b.finish();
+            return dyn_model_force_limit_info(m, 0, s);),
     WRITTEN(dynIkResult, cost, dynIkTask t; dyn_ik_task_init(&t); t.type = DYN_IK_TASK_TYPE_COM;
             return dyn_ik(r.m, r.d, nullptr, &t, 1, nullptr, with<dynIkOutput>({0, nullptr, nullptr, s}));),
     WRITTEN(dynConstraintResult, condition,

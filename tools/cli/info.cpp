@@ -71,7 +71,8 @@ json actuators_json(const Robot& robot) {
     dynActuator a{};
     a.struct_size = sizeof a;
     check(dyn_model_actuator_info(robot, k, &a));
-    const char* target = a.transmission == DYN_TRANSMISSION_JOINT    ? dyn_model_joint_name(robot, a.joint)
+    const bool on_joint = a.transmission == DYN_TRANSMISSION_JOINT || a.transmission == DYN_TRANSMISSION_AXES;
+    const char* target = on_joint                                    ? dyn_model_joint_name(robot, a.joint)
                          : a.transmission == DYN_TRANSMISSION_TENDON ? dyn_model_tendon_name(robot, a.tendon)
                                                                      : dyn_model_frame_name(robot, a.frame);
     json item = {{"name", dyn_model_actuator_name(robot, k)},
@@ -80,6 +81,8 @@ json actuators_json(const Robot& robot) {
                  {"target", target}};
     if (a.transmission == DYN_TRANSMISSION_JOINT) item["component"] = a.component;
     if (a.reference >= 0) item["reference"] = dyn_model_frame_name(robot, a.reference);
+    if (a.controls != 1) item["controls"] = a.controls;
+    if (a.activations > 0) item["activations"] = a.activations;
     out.push_back(std::move(item));
   }
   return out;
@@ -93,14 +96,29 @@ json sensors_json(const Robot& robot) {
     check(dyn_model_sensor_info(robot, k, &s));
     const std::string quantity = name_of("dynQuantity", s.quantity);
     json item = {{"name", dyn_model_sensor_name(robot, k)}, {"quantity", quantity}, {"idx", s.idx}, {"size", s.size}};
+    const auto side_name = [&](dynSide side, int id) {
+      if (side != DYN_SIDE_SHAPE) return dyn_model_frame_name(robot, id);
+      dynShapeInfo shape{};
+      shape.struct_size = sizeof shape;
+      check(dyn_model_shape_info(robot, id, &shape));
+      return shape.name;
+    };
     if (s.object >= 0)
-      item["object"] = quantity.starts_with("joint") || quantity.starts_with("ball") ? dyn_model_joint_name(robot, s.object)
+      item["object"] = s.side != DYN_SIDE_ANY ? side_name(s.side, s.object) :
+ quantity.starts_with("joint") || quantity.starts_with("ball") ? dyn_model_joint_name(robot, s.object)
                        : quantity.starts_with("tendon")                              ? dyn_model_tendon_name(robot, s.object)
                        : quantity.starts_with("actuator") ? dyn_model_actuator_name(robot, s.object)
                                                           : dyn_model_frame_name(robot, s.object);
-    if (s.reference >= 0) item["reference"] = dyn_model_frame_name(robot, s.reference);
+    if (s.reference >= 0) item["reference"] = side_name(s.other_side, s.reference);
+    if (s.delay > 0) item["delay"] = s.delay;
     out.push_back(std::move(item));
   }
+  return out;
+}
+
+json mocaps_json(const Robot& robot) {
+  json out = json::array();
+  for (int k = 0; k < dyn_model_nmocaps(robot); ++k) out.push_back(dyn_model_frame_name(robot, dyn_model_mocap_frame(robot, k)));
   return out;
 }
 
@@ -128,6 +146,7 @@ json info_json(const Robot& robot) {
                              {"mesh", s.mesh}});
   }
   out["tendons"] = tendons_json(robot), out["actuators"] = actuators_json(robot), out["sensors"] = sensors_json(robot);
+  out["mocaps"] = mocaps_json(robot);
   out["configurations"] = json::array();
   for (int i = 0; i < dyn_model_nconfigurations(robot); ++i)
     out["configurations"].push_back(dyn_model_configuration_name(robot, i));

@@ -18,7 +18,7 @@ except ModuleNotFoundError:
 del _numpy
 
 from . import accuracy, batch, constraint, enums, ik, spatial
-from .actuator import Actuator, Muscle
+from .actuator import Actuator, DcMotor, ForceLimit, Muscle
 from .batch import Batch, Rollout
 from .builder import Builder
 from .collision import Distance, geometry_distance
@@ -112,7 +112,7 @@ __all__ = [
     "ALGORITHMS", "Actuator", "AlgorithmInfo", "ArgumentError", "BaseChoiceError", "Batch", "BroadPhase", "Builder", "BusyError",
     "CancelledError", "Centroidal", "ClosestPoint", "ConeQp", "Contact", "ContactForce", "ContactReport", "ContactSolution",
     "ContactSolver", "ContactWarning",
-    "Data", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "FrameInfo",
+    "Data", "DcMotor", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "ForceLimit", "FrameInfo",
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
     "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError",

@@ -56,6 +56,67 @@ class Muscle(NamedTuple):
         return cls(x.force, tuple(x.range), tuple(x.length_range), *(getattr(x, name) for name in cls._fields[3:]))
 
 
+class DcMotor(NamedTuple):
+    """A DC motor with its driver. See dynDcMotor in dyn.h."""
+
+    resistance: float = 1.0
+    """Ohm."""
+    constant: float = 1.0
+    """N m/A, V s/rad."""
+    temperature_coefficient: float = 0.0
+    """1/K."""
+    reference: float = 0.0
+    """Degrees C at which the resistance is as given."""
+    ambient: float = 0.0
+    """Degrees C."""
+    thermal_resistance: float = 0.0
+    """K/W; 0: the temperature is ambient."""
+    heat_capacity: float = 0.0
+    """J/K."""
+    time_constant: float = 0.0
+    """s, of the current; 0: it follows at once."""
+    rate: float = 0.0
+    """A/s, of the current; 0: no bound."""
+    kp: float = 0.0
+    kd: float = 0.0
+    voltage_limit: float = 0.0
+    """V, of the controller; 0: none."""
+    bristle_stiffness: float = 0.0
+    """N m/rad; 0: no friction."""
+    bristle_damping: float = 0.0
+    """N m s/rad."""
+    coulomb: float = 0.0
+    """N m."""
+    breakaway: float = 0.0
+    """N m."""
+    stribeck: float = 0.0
+    """rad/s."""
+    cogging: Tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Amplitude (N m), periods a radian, phase (rad)."""
+
+    def structure(self) -> abi.DcMotor:
+        """As the library takes it."""
+        return abi.DcMotor(*self[:-1], tuple(self.cogging))
+
+    @classmethod
+    def of(cls, x: Any) -> DcMotor:
+        """From the library's structure."""
+        return cls(*(getattr(x, name) for name in cls._fields[:-1]), tuple(x.cogging))
+
+
+class ForceLimit(NamedTuple):
+    """A limit of the sum of the actuators on a joint or a tendon."""
+
+    joint: int
+    """Its id; -1: it is of a tendon."""
+    tendon: int
+    """Its id; -1: it is of a joint."""
+    range: Tuple[float, float]
+    """N m or N."""
+    with_weight: bool
+    """What gravity compensation gives the joint is part of the sum."""
+
+
 class Actuator(NamedTuple):
     """force = gain . controls + bias . (1, length, its rate), within force_range. See dynActuator in dyn.h."""
 
@@ -99,6 +160,30 @@ class Actuator(NamedTuple):
     """site: its id; set for a model's actuator."""
     reference: int = -1
     """site: id of the reference frame, -1: none; set for a model's actuator."""
+    gain_slope: Tuple[float, float] = (0.0, 0.0)
+    """affine: what the gain gains by length and by rate."""
+    rod: float = 0.0
+    """slider_crank: m."""
+    ki: float = 0.0
+    """pid, dc_motor: of the integral of the position error."""
+    integral_limit: float = 0.0
+    """pid, dc_motor: bound of that integral; 0: none."""
+    slew: float = 0.0
+    """pid, dc_motor: largest rate of the position control; 0: none."""
+    velocity_range: Tuple[float, float] = (-inf, inf)
+    """pid, dc_motor: of the velocity control."""
+    feedforward_range: Tuple[float, float] = (-inf, inf)
+    """pid, dc_motor: of the force control."""
+    inputs: int | None = None
+    """pid, dc_motor: a sum of dyn.Input; None: POSITION, of a dc_motor VOLTAGE."""
+    in_parent: bool = False
+    """axes: moments are in the axes of the parent."""
+    late: bool = False
+    """Euler steps take the activation at their beginning, as MuJoCo without actearly."""
+    activations: int = 0
+    """Numbers of it in Data.act; set for a model's actuator."""
+    motor: DcMotor = DcMotor()
+    """dc_motor."""
 
     def structure(self) -> abi.Actuator:
         """As the library takes it."""
@@ -108,7 +193,12 @@ class Actuator(NamedTuple):
         out.act_range[:], out.integrates = self.act_range, self.integrates
         out.time_constant = self.time_constant
         out.transmission, out.wrench[:] = member(Transmission, self.transmission, "transmission"), self.wrench
-        out.muscle = self.muscle.structure()
+        out.muscle, out.motor = self.muscle.structure(), self.motor.structure()
+        out.gain_slope[:], out.rod, out.in_parent, out.late = self.gain_slope, self.rod, self.in_parent, self.late
+        out.ki, out.integral_limit, out.slew = self.ki, self.integral_limit, self.slew
+        out.velocity_range[:], out.feedforward_range[:] = self.velocity_range, self.feedforward_range
+        if self.inputs is not None:
+            out.inputs = self.inputs
         return out
 
 
@@ -141,8 +231,20 @@ class ModelActuators(ModelHandle):
             ActuatorType(x.type), x.gear, x.kp, x.kv, x.gain, tuple(x.bias), x.time_constant,
             tuple(x.control_range), tuple(x.force_range), x.component, x.joint, x.idx_u, x.controls,
             tuple(x.act_range), bool(x.integrates), x.idx_act, Transmission(x.transmission), tuple(x.wrench),
-            Muscle.of(x.muscle), x.tendon, x.frame, x.reference,
+            Muscle.of(x.muscle), x.tendon, x.frame, x.reference, tuple(x.gain_slope), x.rod, x.ki, x.integral_limit,
+            x.slew, tuple(x.velocity_range), tuple(x.feedforward_range), x.inputs, bool(x.in_parent), bool(x.late),
+            x.activations, DcMotor.of(x.motor),
         )  # fmt: skip
+
+    @property
+    def force_limits(self) -> list[ForceLimit]:
+        """Limits of the sum of the actuators on joints and tendons."""
+        out = []
+        for k in range(lib.dyn_model_nforce_limits(self._m)):
+            x = abi.ForceLimit()
+            check(lib.dyn_model_force_limit_info(self._m, k, byref(x)))
+            out.append(ForceLimit(x.joint, x.tendon, tuple(x.range), bool(x.with_weight)))
+        return out
 
 
 class Actuation(DataHandle):

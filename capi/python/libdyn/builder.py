@@ -190,13 +190,24 @@ class Builder:
     def add_actuator(self, name: str, target: str, actuator: Actuator | None = None, *, reference: str | None = None,
                      **values: Any) -> Builder:
         """Adds an actuator to a joint, a tendon or a frame: a dyn.Actuator, or its values, as in add_actuator("hip", "hip_joint",
-        type="position", kp=40, kv=1). reference: with transmission="site", the frame that takes the opposite wrench."""
+        type="position", kp=40, kv=1). reference: with transmission="site", the frame that takes the opposite wrench; with
+        "slider_crank" that of the slider."""
         spec = (Actuator(**values) if actuator is None else actuator._replace(**values)).structure()
         names = text(name, "name"), byref(spec), text(target, "target")
         if reference is None:
             check(lib.dyn_builder_add_actuator(self._b, *names))
         else:
             check(lib.dyn_builder_add_actuator_between(self._b, *names, text(reference, "reference")))
+        return self
+
+    def limit_actuators(self, joint: str, lower: float, upper: float, *, with_weight: bool = False) -> Builder:
+        """Limits the sum of the actuators on a joint of one coordinate. with_weight: and of what gravity compensation gives it."""
+        check(lib.dyn_builder_limit_actuators(self._b, text(joint, "joint"), lower, upper, with_weight))
+        return self
+
+    def limit_tendon_actuators(self, tendon: str, lower: float, upper: float) -> Builder:
+        """Limits the sum of the actuators on a tendon: they are scaled alike."""
+        check(lib.dyn_builder_limit_tendon_actuators(self._b, text(tendon, "tendon"), lower, upper))
         return self
 
     def add_tendon(self, name: str, elements: Sequence[TendonElement | tuple[Any, ...]], tendon: Tendon | None = None,

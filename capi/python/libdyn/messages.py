@@ -33,6 +33,8 @@ DIFFERENT = {
     "dyn_builder_add_actuator_between": "Builder.add_actuator", "dyn_model_actuator_name": "Model.actuator_names",
     "dyn_model_tendon_name": "Model.tendon_names", "dyn_model_tendon_element": "Model.tendon",
     "dyn_model_sensor_name": "Model.sensor_names", "dyn_sensor_noise": "Data.noisy_sensors",
+    "dyn_sensor_delay": "Model.delayed_sensors", "dyn_model_nforce_limits": "Model.force_limits",
+    "dyn_model_force_limit_info": "Model.force_limits",
     "dyn_model_state_size": "Data.save_state",
     "dyn_state_layout_sizes": "StateLayout.sizes", "dyn_state_layout_convert": "Model.to_peer", "dyn_field_info": "dyn.FIELDS",
     "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS", "dyn_algorithm_run": "dyn.ALGORITHMS",

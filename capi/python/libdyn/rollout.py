@@ -161,6 +161,9 @@ class Rollouts:
         tolerance: float | None = None,
         max_iterations: int | None = None,
         sensors: Sensors | None = None,
+        model_sensors: bool = False,
+        sensor_noise: int | None = None,
+        sensor_delays: bool = False,
         contacts: int = 0,
         states: np.ndarray | None = None,
         keep_states: bool = False,
@@ -178,6 +181,9 @@ class Rollouts:
         n, steps    where no array says them
         integrator, solver, tolerance, max_iterations  as in Data.set_step_options
         sensors     {name: type or (type, frame)}: see dyn.SensorType
+        model_sensors  record the model's own sensors, too, by their names; accelerations are the mean ones of the last step
+        sensor_noise   a seed: those have noise, of simulation k with the seed plus k, of record r with the count r
+        sensor_delays  those are as old as their delays, rounded to steps
         contacts    contact points to record, of the last step before each record, the rest is counted
         keep_states whether to return what a later call goes on from
         strict      the first simulation that fails raises, after all have ended; False: Rollout.status says it
@@ -209,6 +215,9 @@ class Rollouts:
         out = {"q": empty((N, R, model.nq)), "v": empty((N, R, model.nv)), "status": np.zeros(N, np.int32)}
         if sizes:
             out["sensor_data"] = empty((N, R, sum(sizes.values())))
+        if model_sensors:
+            out["model_sensors"] = empty((N, R, model.nsensordata))
+            x.sensor_noise, x.sensor_seed, x.sensor_delays = sensor_noise is not None, sensor_noise or 0, sensor_delays
         if contacts:
             out["contacts"], out["contact_count"] = np.zeros((N, R, contacts), CONTACT), np.zeros((N, R), np.int32)
         if keep_states:
@@ -226,5 +235,7 @@ class Rollouts:
             fail(status)
         ends = np.cumsum([0, *sizes.values()])
         data = {name: out["sensor_data"][..., a:b] for name, a, b in zip(sizes, ends, ends[1:])}
+        if model_sensors:
+            data |= {str(s.name): out["model_sensors"][..., s.idx : s.idx + s.size] for s in model.sensors}
         return Rollout(out["q"], out["v"], data, out.get("contacts"), out.get("contact_count"), out.get("final_states"),
                        out["status"])

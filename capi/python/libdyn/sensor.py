@@ -11,14 +11,14 @@ import numpy as np
 from . import abi
 from .arrays import address
 from .choices import member, size, string, text
-from .enums import Quantity, ShapeType
+from .enums import Quantity, Reduction, ShapeType, Side
 from .fields import Fields
 from .handles import ModelHandle
 from .library import check, lib
 
 if TYPE_CHECKING:
     from .arrays import Numbers
-    from .enums import QuantityLike, ShapeTypeLike
+    from .enums import QuantityLike, ReductionLike, ShapeTypeLike, SideLike
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
@@ -53,13 +53,30 @@ class Sensor(NamedTuple):
     """How many values it has."""
     order: int = 0
     """0 reads q, 1 reads v too, 2 acceleration or forces too."""
+    delay: float = 0.0
+    """s, for Model.delayed_sensors and rollouts."""
+    side: SideLike = Side.ANY
+    """distance, normal, fromto, contact: what `object` names."""
+    other_side: SideLike = Side.ANY
+    """And what `reference` names."""
+    values: int = 0
+    """rangefinder, contact: a sum of dyn.Value; 0: distance, found."""
+    reduction: ReductionLike = Reduction.NONE
+    """contact: which of more than `count`."""
+    count: int = 1
+    """contact: contacts; user: values."""
+    of_values: int = 0
+    """contact: how many values each has."""
 
     def structure(self) -> abi.Sensor:
         """As the library takes it."""
         out = abi.initialized(abi.Sensor, member(Quantity, self.quantity, "quantity"))
         out.cutoff, out.noise, out.shape = self.cutoff, self.noise, member(ShapeType, self.shape, "shape")
         out.placement[:], out.reference_placement[:] = self.placement, self.reference_placement
-        out.extent[:], out.field[:] = self.extent, self.field
+        out.extent[:], out.field[:], out.delay = self.extent, self.field, self.delay
+        out.side, out.other_side = member(Side, self.side, "side"), member(Side, self.other_side, "other_side")
+        out.values, out.count = int(self.values), self.count
+        out.reduction = member(Reduction, self.reduction, "reduction")
         return out
 
 
@@ -93,7 +110,18 @@ class ModelSensors(ModelHandle):
         check(lib.dyn_model_sensor_info(self._m, id, byref(x)))
         return Sensor(Quantity(x.quantity), x.cutoff, x.noise, tuple(x.placement), tuple(x.reference_placement),
                       ShapeType(x.shape), tuple(x.extent), tuple(x.field), string(lib.dyn_model_sensor_name(self._m, id)),
-                      x.object, x.reference, x.idx, x.size, x.order)
+                      x.object, x.reference, x.idx, x.size, x.order, x.delay, Side(x.side), Side(x.other_side), x.values,
+                      Reduction(x.reduction), x.count, x.of_values)
+
+    def delayed_sensors(self, times: Numbers, readings: Numbers, time: float) -> Numbers:
+        """Values at `time` with the sensors' delays, from readings (n, nsensordata) at times (n,) that ascend."""
+        t, rows = np.ascontiguousarray(times, float), np.ascontiguousarray(readings, float)
+        if t.ndim != 1 or rows.shape != (len(t), self.nsensordata):
+            raise ValueError(f"times and readings have the shapes {t.shape} and {rows.shape}, but (n,) and "
+                             f"(n, {self.nsensordata}) are needed")
+        out = np.empty(self.nsensordata)
+        check(lib.dyn_sensor_delay(self._m, address(t), address(rows), len(t), time, address(out)))
+        return out
 
 
 class SensorCalls(Fields):

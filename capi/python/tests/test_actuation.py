@@ -50,15 +50,16 @@ def test_steps_are_mujocos(kind):
 def test_what_is_read_of_actuators():
     text = SERVOS.format(option="", actuators="""<motor name="m" joint="shoulder" gear="5"/><position joint="shoulder" inheritrange="0.5"/>
 <general joint="elbow" gainprm="3" biastype="affine" biasprm="1 -2 -0.1" dyntype="filter" dynprm="0.02"/>
-<general joint="elbow" dyntype="muscle"/><general body="lower"/>""")
+<general joint="elbow" dyntype="muscle"/><orientation joint="elbow"/>""")
     m = dyn.load_string(text)
-    assert m.actuator_names == ["m", "position_1", "general_2", "general_3", "general_4"]  # the last two exert no force
+    assert m.actuator_names == ["m", "position_1", "general_2", "general_3", "orientation_4", "orientation_4_1",
+                                "orientation_4_2"]  # the last four exert no force
     motor, servo, affine = (m.actuator(k) for k in range(3))
     assert (motor.type, motor.gear, motor.control_range) == (dyn.ActuatorType.MOTOR, 5, (-1, 1))
     assert (servo.kp, servo.control_range) == (1, pytest.approx((-math.pi / 4, math.pi / 4)))
     assert (affine.gain, affine.bias, affine.time_constant) == (3, (1, -2, -0.1), 0.02)
     messages = "\n".join(r.message for r in m.report)
-    for part in ("neither a first-order filter", "contacts of a body"):
+    for part in ("neither a first-order filter", "<orientation> is not supported"):
         assert part in messages
     for bad, message in (('<motor joint="none"/>', "no joint 'none'"), ('<motor joint="elbow" ctrlrange="1 0"/>', "lower end"),
                          ('<position joint="elbow" kp="-1"/>', "kp is -1"),

@@ -295,7 +295,7 @@ def test_a_moving_surface_is_a_belt():
 
 
 @pytest.mark.parametrize("joint, geom, what", [
-    ('<joint name="j" actuatorgravcomp="true" actuatorfrcrange="-1 1"/>', "", "joint 'j': actuatorgravcomp"),
+    ('<joint name="j" actuatorgravcomp="true" actuatorfrcrange="-1 1"/>', "", "joint 'j': actuatorfrcrange does not limit the compensation of gravity"),
     ('<joint name="j" type="free" stiffness="3"/>', "", "joint 'j': the spring of a free joint"),
     ('<joint/>', 'name="g" shellinertia="true"', "geom 'g': <geom>: attribute shellinertia"),
     ('<joint actuatorgravcomp="true"/>', "", None),

@@ -147,8 +147,6 @@ def test_actuators_of_tendons_and_sites():
 
 
 @pytest.mark.parametrize(("actuator", "message"), [
-    ('<general body="upper"/>', "contacts of a body"),
-    ('<motor cranksite="s1" slidersite="s2" cranklength=".1"/>', "slider and crank"),
     ('<general tendon="flexor" dyntype="muscle" gaintype="muscle" gainprm=".7 1 1 1 .5 1.6 1 1 1"/>', "first-order filter"),
     ('<muscle tendon="flexor" force="0"/>', "force is 0"),
 ])

@@ -200,8 +200,8 @@ def test_refusals():
 
 
 def test_what_is_left_out_is_named_once_a_kind():
-    text = SCENE.format(sensors='<user dim="3"/><user dim="2"/><rangefinder site="imu"/><jointpos joint="hinge"/>')
+    text = SCENE.format(sensors='<tactile geom="trunk" mesh="m"/><rangefinder camera="c"/><rangefinder camera="c"/><jointpos joint="hinge"/>')
     m = dyn.load_string(text)
     assert m.nsensors == 1
     messages = sorted(r.message for r in m.report if "<sensor>" in r.message)
-    assert len(messages) == 2 and "<rangefinder>" in messages[0] and "<user>" in messages[1]
+    assert len(messages) == 2 and "<tactile>" in messages[0] and "<rangefinder>" in messages[1]
