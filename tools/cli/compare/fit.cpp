@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t most_rows = 80;   // that are tried for each number
 constexpr std::size_t refined = 12;     // numbers whose value is sought by iteration
 constexpr int iterations = 6;
+constexpr std::size_t best_causes = 6;  // that are tried over the whole log
 constexpr double exact = 1e-9;          // of the motion from row to row: the model is that of the log
 
 double norm(const Vector& x) {
@@ -363,20 +364,30 @@ Comparison explain_log(const Log& log, const Side& b, bool own_start) {
     for (Cause& c : out.causes)
       if (c.name != "start") c.explained *= rest;
     std::stable_sort(out.causes.begin(), out.causes.end(), [](const Cause& x, const Cause& y) { return x.explained > y.explained; });
-    for (std::size_t k = 0; k < std::min<std::size_t>(out.causes.size(), 3); ++k) {  // the whole motion with the best three
+    std::map<std::string, double> whole;  // share of the whole motion that the best ones explain: between equals it decides
+    for (std::size_t k = 0; k < std::min(out.causes.size(), best_causes); ++k) {
       Cause& c = out.causes[k];
+      if (c.name == "start" || c.name == "controls") {
+        whole[c.name] = c.explained;
+        continue;
+      }
       Stepping s = b.stepping;
       std::unique_ptr<Robot> changed;
       if (c.name == "step") s.dt = c.differences[0].a;
       else if (c.name == "integrator") s.integrator = integrator_named(c.differences[0].a).id;
       else
         for (const Fitted& f : fitted)
-          if (c.name == f.unknown->group && f.unknown->what == c.differences[0].what && f.unknown->changes)
-            changed = b.with(f.unknown->changes(f.value));
-      if (c.name == "start" || c.name == "controls") continue;
+          if (c.name == f.unknown->group && f.unknown->what == c.differences[0].what) changed = b.with(f.unknown->changes(f.value));
       const Path with = path(changed ? *changed : robot, s, start);
       c.remaining = distances(shared, of_log, with, moments), c.alone = distances(shared, of_model, with, moments).back();
+      whole[c.name] = std::clamp(share(out.divergence, c.remaining), -1.0, 1.0);
     }
+    const std::vector<std::string> groups = names_of("dynParameterGroup");
+    const auto rank = [&](const Cause& c) {  // equal ones in the order of the groups: damping before gains that act alike
+      const auto at = std::find(groups.begin(), groups.end(), c.name) - groups.begin();
+      return std::pair(-std::round(1e4 * (c.explained + (whole.contains(c.name) ? whole[c.name] : -1) / 2)), at);
+    };
+    std::stable_sort(out.causes.begin(), out.causes.end(), [&](const Cause& x, const Cause& y) { return rank(x) < rank(y); });
   }
   out.unexplained = out.begins < 0 ? 0 : out.causes.empty() ? 1 : 1 - out.causes[0].explained;
   return out;
