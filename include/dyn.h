@@ -599,23 +599,23 @@ DYN_API dynStatus dyn_builder_remove_subtree(dynBuilder* builder, const char* jo
 
 /* Groups of them. */
 typedef enum dynParameterGroup {
-  DYN_PARAMETER_GROUP_GRAVITY = 0,     /* Gravity. */
-  DYN_PARAMETER_GROUP_MASS = 1,        /* Masses of links. */
-  DYN_PARAMETER_GROUP_INERTIA = 2,     /* Centres of mass and inertias of links. */
-  DYN_PARAMETER_GROUP_ARMATURE = 3,    /* Armature of joints. */
-  DYN_PARAMETER_GROUP_DAMPING = 4,     /* Damping of joints. */
-  DYN_PARAMETER_GROUP_FRICTION = 5,    /* Dry friction of joints. */
-  DYN_PARAMETER_GROUP_SPRINGS = 6,     /* Stiffness of joints, and where their springs rest. */
-  DYN_PARAMETER_GROUP_LIMITS = 7,      /* Limits of joints. */
-  DYN_PARAMETER_GROUP_FRAMES = 8,      /* Placements of joints, links and frames; axes of joints. */
-  DYN_PARAMETER_GROUP_MIMIC = 9,       /* Ratios and offsets of followers. */
-  DYN_PARAMETER_GROUP_SHAPES = 10,     /* Sizes, placements and masks of collision shapes. */
-  DYN_PARAMETER_GROUP_CONTACT = 11,    /* Materials: what happens where shapes touch. */
-  DYN_PARAMETER_GROUP_ACTUATORS = 12,  /* Gains, ranges and time constants of actuators. */
-  DYN_PARAMETER_GROUP_TENDONS = 13,    /* Numbers of tendons and their couplings. */
-  DYN_PARAMETER_GROUP_CONSTRAINTS = 14, /* Numbers of constraints. */
-  DYN_PARAMETER_GROUP_MEDIUM = 15,     /* Density, viscosity, wind. */
-  DYN_PARAMETER_GROUP_COMPENSATION = 16 /* Shares of weights that are held. */
+  DYN_PARAMETER_GROUP_GRAVITY = 0,       /* Gravity. */
+  DYN_PARAMETER_GROUP_MASS = 1,          /* Masses of links. */
+  DYN_PARAMETER_GROUP_INERTIA = 2,       /* Centres of mass and inertias of links. */
+  DYN_PARAMETER_GROUP_ARMATURE = 3,      /* Armature of joints. */
+  DYN_PARAMETER_GROUP_DAMPING = 4,       /* Damping of joints. */
+  DYN_PARAMETER_GROUP_FRICTION = 5,      /* Dry friction of joints. */
+  DYN_PARAMETER_GROUP_SPRINGS = 6,       /* Stiffness of joints, and where their springs rest. */
+  DYN_PARAMETER_GROUP_LIMITS = 7,        /* Limits of joints. */
+  DYN_PARAMETER_GROUP_FRAMES = 8,        /* Placements of joints, links and frames; axes of joints. */
+  DYN_PARAMETER_GROUP_MIMIC = 9,         /* Ratios and offsets of followers. */
+  DYN_PARAMETER_GROUP_SHAPES = 10,       /* Sizes, placements and masks of collision shapes. */
+  DYN_PARAMETER_GROUP_CONTACT = 11,      /* Materials: what happens where shapes touch. */
+  DYN_PARAMETER_GROUP_ACTUATORS = 12,    /* Gains, ranges and time constants of actuators. */
+  DYN_PARAMETER_GROUP_TENDONS = 13,      /* Numbers of tendons and their couplings. */
+  DYN_PARAMETER_GROUP_CONSTRAINTS = 14,  /* Numbers of constraints. */
+  DYN_PARAMETER_GROUP_MEDIUM = 15,       /* Density, viscosity, wind. */
+  DYN_PARAMETER_GROUP_COMPENSATION = 16  /* Shares of weights that are held. */
 } dynParameterGroup;
 
 /* A quantity of one object. Texts and numbers live until the builder changes or is freed. */
@@ -628,8 +628,8 @@ typedef struct dynParameter {
   const double* values;
   size_t count;
 } dynParameter;
-/* Lists the quantities of joints, links, frames, collision shapes, actuators, tendons and constraints. Returns
-   their number, or -1. */
+/* Lists the quantities of joints, links, frames, collision shapes, actuators, tendons and constraints.
+   Returns their number, or -1. */
 DYN_API int dyn_builder_parameter_count(dynBuilder* builder);
 /* Describes quantity index of the list. */
 DYN_API dynStatus dyn_builder_parameter(dynBuilder* builder, int index, dynParameter* out);

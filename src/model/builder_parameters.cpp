@@ -412,6 +412,7 @@ void Builder::set_parameter(std::size_t index, const std::vector<double>& values
   for (const double x : values)
     if (std::isnan(x) && !std::isnan(p.values[std::size_t(&x - values.data())]))
       refuse(DYN_ERROR_NONFINITE, who + ": " + p.quantity + " is NaN: give numbers");
+  if (values == p.values) return;  // rotations keep their bits
   p.set(values);
   p.values = p.get();
 }

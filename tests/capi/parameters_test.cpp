@@ -93,8 +93,10 @@ TEST_F(ParametersTest, ANumberSetIsThatOfTheModel) {
   dynJointInfo joint = sized<dynJointInfo>();
   ASSERT_EQ(DYN_OK, dyn_model_joint_info(made, dyn_model_joint_id(made, "hinge"), &joint));
   EXPECT_NEAR(joint.axis[1], joint.axis[2], 1e-15);
-  EXPECT_NEAR(0.1, joint.placement[9], 1e-15), EXPECT_NEAR(0.3, joint.placement[11], 1e-15);
-  EXPECT_NEAR(std::cos(0.5), joint.placement[0], 1e-15), EXPECT_NEAR(std::sin(0.5), joint.placement[1], 1e-15);
+  EXPECT_NEAR(0.1, joint.placement[9], 1e-15);
+  EXPECT_NEAR(0.3, joint.placement[11], 1e-15);
+  EXPECT_NEAR(std::cos(0.5), joint.placement[0], 1e-15);
+  EXPECT_NEAR(std::sin(0.5), joint.placement[1], 1e-15);
   dynActuator servo = sized<dynActuator>();
   ASSERT_EQ(DYN_OK, dyn_model_actuator_info(made, 0, &servo));
   EXPECT_EQ(20, servo.kp);
@@ -119,7 +121,7 @@ TEST_F(ParametersTest, RefusedNumbersChangeNothing) {
   refused("shape", "floor", "friction", &negative, 1, DYN_ERROR_INVALID, {"friction"});
   refused("shape", "rod", "size", &negative, 1, DYN_ERROR_INVALID, {"size"});
   refused("tendon", "cord", "damping", &negative, 1, DYN_ERROR_INVALID, {"cord", "damping"});
-  refused("constraint", "held", "stiffness", &negative, 1, DYN_ERROR_INVALID, {"held"});
+  refused("constraint", "held", "stiffness", &negative, 1, DYN_ERROR_ARGUMENT, {"held"});
   refused("frame", "hook", "placement", std::vector<double>(6, inf).data(), 6, DYN_ERROR_NONFINITE, {"hook", "placement"});
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_set_parameter(b, -1, two, 2));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_set_parameter(b, dyn_builder_parameter_count(b), two, 2));

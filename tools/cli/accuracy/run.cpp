@@ -74,7 +74,7 @@ json json_of(const Samples& samples) {
 }
 
 Samples samples_of(const Robot& robot, const json& x) {
-  const Data data(robot, DYN_PART_FRAMES);
+  const Data data(robot, DYN_PART_FRAMES | DYN_PART_COM);
   Samples out;
   for (const json& s : x) {
     Sample y;
@@ -90,7 +90,8 @@ Samples samples_of(const Robot& robot, const json& x) {
 
 JointRun run(const Scene& scene, const Setting& setting) {
   const Robot& robot = scene.robot;
-  const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL, scene.effects);
+  const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL | DYN_PART_COM,
+                  scene.effects);
   set_start(robot, data, scene.start);
   JointRun out;
   const double part = scene.duration / samples, call = part / setting.parts;
