@@ -62,12 +62,13 @@ Reference by_accuracy(const Scene& scene, const Setting& contact, const Budget& 
     const Error orders = error_between(scene.robot, a.samples, b.samples);
     const Error finer = before.samples.empty() ? Error{HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL}
                                                : error_between(scene.robot, a.samples, before.samples);
+    if (finer.m == 0 && finer.rad == 0) break;  // the same steps: they say nothing
     if (const double m = std::max(orders.m, finer.m); m < best.uncertainty.m) {
       best.uncertainty = {m, std::max(orders.rad, finer.rad), std::max(orders.energy, finer.energy),
                           std::max(orders.momentum, finer.momentum)};
       best.run = a, best.kind = "steps for an accuracy of " + short_number(accuracy);
-      best.confidence = "orders 8 and 5 differ by " + short_number(orders.m, 3) + " m, and ten times the accuracy by " +
-                        short_number(finer.m, 3) + " m: they agree";
+      best.confidence = "ten times the accuracy differs by " + short_number(finer.m, 3) + " m" +
+                        (orders.m > 0 ? ", order 5 by " + short_number(orders.m, 3) + " m" : std::string()) + ": they agree";
     } else if (m > 100 * best.uncertainty.m) {
       break;  // rounding, or chaos
     }
@@ -313,6 +314,7 @@ const Point* refine_cheapest(const Scene& scene, const Reference& reference, con
   constexpr int finer = 3;             // settings between two of the sweep
   constexpr double near = 3;           // times the cheapest: what may become it
   constexpr double tolerances[] = {0, 1e-1, 1e-2, 1e-3, 1e-6};
+  constexpr double longer[] = {1, 1.1, 1.2, 1.33, 1.5, 2};  // steps with these: impacts fall otherwise, and errors with them
   const auto passes = [&](const Point& p) { return p.failure.empty() && within(p.error); };
   const auto cheapest = [&] {
     const Point* best = nullptr;
@@ -343,19 +345,25 @@ const Point* refine_cheapest(const Scene& scene, const Reference& reference, con
       if (x.accuracy <= 0) x.dt = std::min(x.dt, scene.duration / samples);
       return x;
     };
-    for (double by = s.accuracy > 0 ? std::sqrt(10.0) : std::sqrt(2.0), k = 0; k < finer; ++k, by = 1 + (by - 1) / 2) {
+    double by = s.accuracy > 0 ? std::sqrt(10.0) : std::sqrt(2.0);
+    for (int k = 0; k < finer; ++k, by = 1 + (by - 1) / 2) {
       const Setting x = scaled(by);
       if (size(x) > size(s) && tried(x)) s = x;
     }
   }
   if (!reference.smooth) {
     const Setting base = cheapest()->setting;
-    for (const Solver& solver : solvers())
-      for (const double tolerance : tolerances) {
-        Setting s = base;
-        s.solver = solver.id, s.tolerance = tolerance;
-        if (s.solver != base.solver || s.tolerance != base.tolerance) tried(s);
-      }
+    const double each = 3 * cheapest()->wall_s * static_cast<double>(solvers().size() * std::size(tolerances));
+    for (const double by : longer) {
+      if (by > 1 && each > budget.left()) break;
+      for (const Solver& solver : solvers())
+        for (const double tolerance : tolerances) {
+          Setting s = base;
+          s.solver = solver.id, s.tolerance = tolerance, (s.accuracy > 0 ? s.accuracy : s.dt) *= by;
+          if (s.accuracy <= 0 && s.dt > scene.duration / samples) continue;
+          if (by > 1 || s.solver != base.solver || s.tolerance != base.tolerance) tried(s);
+        }
+    }
   }
   for (Point& p : points)  // the time of one run may be a chance
     if (passes(p) && p.wall_s < 1.5 * cheapest()->wall_s)
