@@ -34,7 +34,8 @@ void check_finite(const std::string& who, const char* quantity, const Numbers& x
 
 class ParameterLister {
  public:
-  ParameterLister(Builder& builder, Builder::Impl& impl, std::vector<Parameter>& out) : builder_(builder), impl_(impl), out_(out) {}
+  ParameterLister(Builder& builder, Builder::Impl& impl, std::vector<Parameter>& out)
+      : builder_(builder), impl_(impl), out_(out) {}
   void all() {
     model();
     for (std::size_t k = 0; k < impl_.joints.size(); ++k) joint(k);
@@ -82,13 +83,17 @@ class ParameterLister {
   void model() {
     Builder* b = &builder_;
     Builder::Impl* i = &impl_;
-    add(DYN_PARAMETER_GROUP_GRAVITY, "gravity", [i] { return Numbers(i->gravity.begin(), i->gravity.end()); },
+    add(
+        DYN_PARAMETER_GROUP_GRAVITY, "gravity", [i] { return Numbers(i->gravity.begin(), i->gravity.end()); },
         [b](const Numbers& x) { b->gravity({x[0], x[1], x[2]}); });
-    add(DYN_PARAMETER_GROUP_MEDIUM, "density", [i] { return Numbers{i->density}; },
+    add(
+        DYN_PARAMETER_GROUP_MEDIUM, "density", [i] { return Numbers{i->density}; },
         [b, i](const Numbers& x) { b->medium(x[0], i->viscosity, i->wind); });
-    add(DYN_PARAMETER_GROUP_MEDIUM, "viscosity", [i] { return Numbers{i->viscosity}; },
+    add(
+        DYN_PARAMETER_GROUP_MEDIUM, "viscosity", [i] { return Numbers{i->viscosity}; },
         [b, i](const Numbers& x) { b->medium(i->density, x[0], i->wind); });
-    add(DYN_PARAMETER_GROUP_MEDIUM, "wind", [i] { return Numbers(i->wind.begin(), i->wind.end()); },
+    add(
+        DYN_PARAMETER_GROUP_MEDIUM, "wind", [i] { return Numbers(i->wind.begin(), i->wind.end()); },
         [b, i](const Numbers& x) { b->medium(i->density, i->viscosity, {x[0], x[1], x[2]}); });
   }
 
@@ -316,12 +321,13 @@ class ParameterLister {
     object_ = "coupling", name_ = impl_.couplings[k].name;
     Builder::Impl* i = &impl_;
     const std::string who = this->who();
-    fields(DYN_PARAMETER_GROUP_TENDONS, "coefficients", [i, k] { return i->couplings[k].coefficients; },
-           [=](const std::array<double, 5>& x) {
-             check_finite(who, "coefficients", Numbers(x.begin(), x.end()));
-             i->couplings[k].coefficients = x;
-           },
-           [](std::array<double, 5>& x) { return x.data(); }, 5);
+    fields(
+        DYN_PARAMETER_GROUP_TENDONS, "coefficients", [i, k] { return i->couplings[k].coefficients; },
+        [=](const std::array<double, 5>& x) {
+          check_finite(who, "coefficients", Numbers(x.begin(), x.end()));
+          i->couplings[k].coefficients = x;
+        },
+        [](std::array<double, 5>& x) { return x.data(); }, 5);
   }
 
   void actuator(std::size_t k) {
@@ -375,7 +381,7 @@ class ParameterLister {
     const auto number_of = [&](const char* quantity, auto select, std::size_t n) {
       fields(DYN_PARAMETER_GROUP_CONSTRAINTS, quantity, at, replace, select, n);
     };
-    for (double(dynConstraint::* member)[12] : {&dynConstraint::placement1, &dynConstraint::placement2})
+    for (double (dynConstraint::*member)[12] : {&dynConstraint::placement1, &dynConstraint::placement2})
       add(
           DYN_PARAMETER_GROUP_CONSTRAINTS, member == &dynConstraint::placement1 ? "placement1" : "placement2",
           [=] { return six_of(load_se3((i->constraints[k].spec.*member))); },

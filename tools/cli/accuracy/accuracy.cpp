@@ -278,7 +278,8 @@ std::string text_of(const json& a, const std::vector<Point>& points, const std::
     out += x.is_null()
                ? "\nno setting reached the target within the budget: give it more time (--budget), or a larger target\n"
                : "\ncheapest for " + a["target"].get<std::string>() + ": " + x["command"].get<std::string>() + "\n  error " +
-                     short_json(x["error"]) + ", " + short_json(x["margin"]) + " times below the target, " + short_json(x["verified"]) + " in a run of its own; " +
+                     short_json(x["error"]) + ", " + short_json(x["margin"]) + " times below the target, " +
+                     short_json(x["verified"]) + " in a run of its own; " +
                      short_number(1000 * x["wall_s"].get<double>(), 3) + " ms\n  in C: " + x["c"].get<std::string>() + "\n";
   }
   for (const auto& w : a["warnings"]) out += "warning: " + w.get<std::string>() + "\n";

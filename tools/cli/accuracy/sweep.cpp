@@ -11,7 +11,7 @@ constexpr double steps_of[] = {2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5
 constexpr double accuracies[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
 constexpr double short_run = 0.02;  // s: those below are run again, for their time
 
-constexpr int perturbed_runs = 6;    // of a reference by statistics
+constexpr int perturbed_runs = 6;      // of a reference by statistics
 constexpr double perturbation = 1e-7;  // m, rad, of their starts
 constexpr double hopeless = 1e-2;      // m: a reference known no better is one of many motions that are as likely
 constexpr double good_enough = 1e-7;   // m: finer steps are not looked for
@@ -45,7 +45,8 @@ void mark_front(std::vector<Point>& points) {
   }
 }
 
-// Steps for an accuracy, of orders 8 and 5: what they differ by, and what each gains by a tenth of the accuracy. No kind: they fail.
+// Steps for an accuracy, of orders 8 and 5: what they differ by, and what each gains by a tenth of the accuracy. No kind: they
+// fail.
 Reference by_accuracy(const Scene& scene, const Setting& contact, const Budget& budget) {
   const double kept = budget.left() * 2 / 3;
   Reference best;
@@ -100,7 +101,8 @@ Reference by_steps(const Scene& scene, const Setting& contact, const Budget& bud
   for (const JointRun* r : std::initializer_list<const JointRun*>{&far, &near, &out.run})
     if (!r->error.empty() || r->samples.empty()) {
       out.uncertainty.m = HUGE_VAL;
-      out.confidence = "steps of " + short_number(fine.dt) + " s and more end early: " + (r->error.empty() ? std::string(too_long) : r->error);
+      out.confidence =
+          "steps of " + short_number(fine.dt) + " s and more end early: " + (r->error.empty() ? std::string(too_long) : r->error);
       return out;
     }
   out.kind = "steps of " + short_number(fine.dt, 3) + " s, the finest that a third of the budget allows";
@@ -167,8 +169,9 @@ Reference by_statistics(const Scene& scene, const Setting& contact, const Budget
   out.smooth = false, out.statistics = true;
   out.kind = "means of " + std::to_string(runs.size()) + " runs from starts that differ by " + short_number(perturbation) +
              " m and rad, in steps of " + short_number(s.dt, 3) + " s";
-  out.confidence = "the motion amplifies errors, so that no single one is known: errors are those of the centre of mass, energy and "
-                   "momentum; single runs differ from the means by this";
+  out.confidence =
+      "the motion amplifies errors, so that no single one is known: errors are those of the centre of mass, energy and "
+      "momentum; single runs differ from the means by this";
   return out;
 }
 
@@ -311,8 +314,8 @@ std::vector<Point> solver_sweep(const Scene& scene, double dt, const Budget& bud
 
 const Point* refine_cheapest(const Scene& scene, const Reference& reference, const Budget& budget,
                              const std::function<bool(const Error&)>& within, std::vector<Point>& points) {
-  constexpr int finer = 3;             // settings between two of the sweep
-  constexpr double near = 3;           // times the cheapest: what may become it
+  constexpr int finer = 3;    // settings between two of the sweep
+  constexpr double near = 3;  // times the cheapest: what may become it
   constexpr double tolerances[] = {0, 1e-1, 1e-2, 1e-3, 1e-6};
   constexpr double longer[] = {1, 1.1, 1.2, 1.33, 1.5, 2};  // steps with these: impacts fall otherwise, and errors with them
   const auto passes = [&](const Point& p) { return p.failure.empty() && within(p.error); };
@@ -335,8 +338,10 @@ const Point* refine_cheapest(const Scene& scene, const Reference& reference, con
     const auto at = std::find_if(starts.begin(), starts.end(), [&](const Setting& s) {
       return s.integrator.id == p.setting.integrator.id && (s.accuracy > 0) == (p.setting.accuracy > 0);
     });
-    if (at == starts.end()) starts.push_back(p.setting);
-    else if (size(p.setting) > size(*at)) *at = p.setting;
+    if (at == starts.end())
+      starts.push_back(p.setting);
+    else if (size(p.setting) > size(*at))
+      *at = p.setting;
   }
   for (Setting s : starts) {
     const auto scaled = [&](double by) {

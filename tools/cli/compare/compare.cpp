@@ -41,7 +41,9 @@ std::unique_ptr<Side> side_of(const std::string& file, SteppingOptions options, 
   options.robot.file = file;
   auto side = std::make_unique<Side>(options.robot, options.ground);
   complete_stepping(side->robot(), options);
-  side->stepping = {options.dt, integrator_named(options.integrator).id, effects_on(side->robot(), options.effects),
+  side->stepping = {options.dt,
+                    integrator_named(options.integrator).id,
+                    effects_on(side->robot(), options.effects),
                     {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget}};
   side->start = start_of(side->robot(), options, warnings);
   return side;
@@ -60,7 +62,8 @@ json comparison_json(const Comparison& c) {
   for (const Cause& x : c.causes) {
     json differences = json::array();
     for (const Difference& d : x.differences)
-      differences.push_back({{"what", d.what}, {"a", d.a}, {"b", d.b}, {"explained", d.explained < 0 ? json(nullptr) : json(d.explained)}});
+      differences.push_back(
+          {{"what", d.what}, {"a", d.a}, {"b", d.b}, {"explained", d.explained < 0 ? json(nullptr) : json(d.explained)}});
     causes.push_back({{"name", x.name},
                       {"explained", x.explained},
                       {"alone", x.measured ? number_json(x.alone) : json(nullptr)},
@@ -94,22 +97,29 @@ constexpr std::size_t most_shown = 5;  // differences of a cause
 
 std::string comparison_text(const Comparison& c) {
   const auto end = [](const Vector& x) { return x.empty() ? std::string("unknown") : short_number(x.back(), 3); };
-  if (c.begins < 0) return "no divergence: both are within 1e-10 m and rad of one another at " + std::to_string(c.divergence.size()) + " moments\n";
+  if (c.begins < 0)
+    return "no divergence: both are within 1e-10 m and rad of one another at " + std::to_string(c.divergence.size()) +
+           " moments\n";
   std::string out = "divergence begins at " + short_number(c.begins) + " s" +
-                    (c.beyond < 0 ? ", never beyond the errors of integration" : c.beyond > c.begins ? ", beyond the errors of integration at " + short_number(c.beyond) + " s" : "") +
-                    "; " + end(c.divergence) + " m or rad at " + short_number(c.every * static_cast<double>(c.divergence.size() - 1)) +
-                    " s, at " + c.where + "\nerror of integration at the end: A " + end(c.error_a) + ", B " + end(c.error_b) + "\n\n";
+                    (c.beyond < 0          ? ", never beyond the errors of integration"
+                     : c.beyond > c.begins ? ", beyond the errors of integration at " + short_number(c.beyond) + " s"
+                                           : "") +
+                    "; " + end(c.divergence) + " m or rad at " +
+                    short_number(c.every * static_cast<double>(c.divergence.size() - 1)) + " s, at " + c.where +
+                    "\nerror of integration at the end: A " + end(c.error_a) + ", B " + end(c.error_b) + "\n\n";
   std::vector<std::vector<std::string>> rows = {{"cause", "explains", "alone", "what", "A", "B"}};
   for (const Cause& x : c.causes)
     for (std::size_t k = 0; k < std::min(x.differences.size(), most_shown); ++k) {
       const Difference& d = x.differences[k];
       rows.push_back({k ? "" : x.name, k ? "" : short_number(std::round(1000 * x.explained) / 10, 4) + " %",
-                      k || !x.measured || x.alone == 0 ? "" : short_number(x.alone, 3), d.what, value_text(d.a), value_text(d.b)});
+                      k || !x.measured || x.alone == 0 ? "" : short_number(x.alone, 3), d.what, value_text(d.a),
+                      value_text(d.b)});
       if (k + 1 == most_shown && x.differences.size() > most_shown)
         rows.push_back({"", "", "", std::to_string(x.differences.size() - most_shown) + " more", "", ""});
     }
   if (rows.size() > 1) out += table(rows);
-  if (c.unexplained > 0.01) out += short_number(std::round(1000 * c.unexplained) / 10, 4) + " % is not explained by what differs\n";
+  if (c.unexplained > 0.01)
+    out += short_number(std::round(1000 * c.unexplained) / 10, 4) + " % is not explained by what differs\n";
   for (const std::string& n : c.notes) out += "note: " + n + "\n";
   return out;
 }
@@ -140,28 +150,38 @@ void run_compare(const CompareOptions& o) {
   } else if (log_a && log_b && o.model.empty()) {
     parts.emplace_back("", explain_tables(read_table(o.robot.file), read_table(o.other)));
   } else {
-    const auto model = side_of(log_a && log_b ? o.model : log_a ? o.other : o.robot.file, log_a ? options_of_b(o) : static_cast<const SteppingOptions&>(o), warnings);
-    if (log_a) parts.emplace_back(log_b ? "A" : "", explain_log(read_log(o.robot.file, model->robot(), o.layout_a), *model, own_start));
-    if (log_b) parts.emplace_back(log_a ? "B" : "", explain_log(read_log(o.other, model->robot(), o.layout_b), *model, own_start));
+    const auto model = side_of(log_a && log_b ? o.model
+                               : log_a        ? o.other
+                                              : o.robot.file,
+                               log_a ? options_of_b(o) : static_cast<const SteppingOptions&>(o), warnings);
+    if (log_a)
+      parts.emplace_back(log_b ? "A" : "", explain_log(read_log(o.robot.file, model->robot(), o.layout_a), *model, own_start));
+    if (log_b)
+      parts.emplace_back(log_a ? "B" : "", explain_log(read_log(o.other, model->robot(), o.layout_b), *model, own_start));
     if (!(log_a && log_b) && log_a == false) warnings.push_back("B is the log: in the table it stands as A, and the model as B");
   }
   json answer = {{"a", o.robot.file}, {"b", o.other}};
   if (!o.model.empty()) answer["model"] = o.model;
   std::string text, pictures;
   for (const auto& [name, c] : parts) {
-    if (name.empty()) answer.update(comparison_json(c));
-    else answer["log_" + std::string(name == "A" ? "a" : "b")] = comparison_json(c);
-    text += name.empty() ? comparison_text(c) : "log " + name + " beside the model (A: the log, B: the model)\n" + comparison_text(c) + "\n";
+    if (name.empty())
+      answer.update(comparison_json(c));
+    else
+      answer["log_" + std::string(name == "A" ? "a" : "b")] = comparison_json(c);
+    text += name.empty() ? comparison_text(c)
+                         : "log " + name + " beside the model (A: the log, B: the model)\n" + comparison_text(c) + "\n";
     pictures += picture(c);
   }
   answer["warnings"] = warnings;
   for (const auto& w : warnings) text += "warning: " + w.get<std::string>() + "\n";
   if (!o.svg.empty()) write_picture(o.svg, picture(parts.back().second) + "\n");
   if (!o.html.empty())
-    write_picture(o.html, "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>dyn compare</title><style>body{font:14px "
-                          "system-ui;margin:2em}svg{width:720px;max-width:100%}pre{overflow-x:auto}</style><h1>Why they differ</h1><p>A: " +
-                              page::escaped(o.robot.file) + "<br>B: " + page::escaped(o.other) + "</p>" + pictures + "<pre>" +
-                              page::escaped(text) + "</pre></html>\n");
+    write_picture(
+        o.html,
+        "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>dyn compare</title><style>body{font:14px "
+        "system-ui;margin:2em}svg{width:720px;max-width:100%}pre{overflow-x:auto}</style><h1>Why they differ</h1><p>A: " +
+            page::escaped(o.robot.file) + "<br>B: " + page::escaped(o.other) + "</p>" + pictures + "<pre>" + page::escaped(text) +
+            "</pre></html>\n");
   print(o.robot.json ? json_text(answer) : text);
 }
 
@@ -173,7 +193,8 @@ void add_compare(CLI::App& app) {
   CLI::App* command = app.add_subcommand("compare", "Why two simulations differ: two models, a log and a model, or two logs");
   command->footer(
       "A and B are robot files, or logs: CSV files (.csv) with columns t, q0, .., v0, .. (MuJoCo: qpos0, .., qvel0, ..), and tau "
-      "and ctrl if there were any. Each difference is given to the other side alone: what then is left of the divergence says how "
+      "and ctrl if there were any. Each difference is given to the other side alone: what then is left of the divergence says "
+      "how "
       "much it explains.");
   add_stepping_options(*command, *options);
   command->get_option("FILE")->description("A: a URDF, MJCF or .dynb file, or a log (.csv)");
@@ -185,7 +206,8 @@ void add_compare(CLI::App& app) {
   const auto list = [&](const char* name, std::vector<std::string>& words, const char* what) {
     command->add_option(name, words, what)->type_name("NUMBERS");
   };
-  list("--q-b", options->state_b.q, "Configuration of B, where it is another"), list("--v-b", options->state_b.v, "Velocity of B");
+  list("--q-b", options->state_b.q, "Configuration of B, where it is another"),
+      list("--v-b", options->state_b.v, "Velocity of B");
   list("--tau-b", options->state_b.tau, "Generalised force of B"), list("--ctrl-b", options->ctrl_b, "Controls of B");
   command->add_option("--model", options->model, "Of two logs: the robot")->check(not_empty)->type_name("FILE");
   const std::string conventions = one_of("dynConvention") + "; default: by the columns' names";

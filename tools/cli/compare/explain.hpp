@@ -7,9 +7,9 @@
 namespace cli::compare {
 
 struct Difference {
-  std::string what;                 // "joint 'elbow': damping"
-  json a, b;                        // of both sides; null: there is none
-  double explained = -1;            // share; below zero: not measured
+  std::string what;       // "joint 'elbow': damping"
+  json a, b;              // of both sides; null: there is none
+  double explained = -1;  // share; below zero: not measured
 };
 
 // A kind of difference: a group of quantities, or step, integrator, start, controls, effects, structure.
@@ -23,13 +23,13 @@ struct Cause {
 };
 
 struct Comparison {
-  double every = 0;                // s between moments
-  Vector divergence;               // at moments, from the start on
-  Vector error_a, error_b;         // each side's own, of integration; empty: not known
-  std::string where;               // frame or column that is farthest apart at the end
+  double every = 0;                 // s between moments
+  Vector divergence;                // at moments, from the start on
+  Vector error_a, error_b;          // each side's own, of integration; empty: not known
+  std::string where;                // frame or column that is farthest apart at the end
   double begins = -1, beyond = -1;  // s: first moment at which there is a divergence, and one beyond both errors; -1: none
-  std::vector<Cause> causes;       // the first explains most
-  double unexplained = 0;          // share that is left when all of them are given
+  std::vector<Cause> causes;        // the first explains most
+  double unexplained = 0;           // share that is left when all of them are given
   std::vector<std::string> notes;
 };
 

@@ -1,5 +1,5 @@
-// A log and a model: from row to row of the log the model makes its own steps, and what it misses is explained by one number of the
-// model at a time, at the value that explains most. Errors of one row do not add up, so that chaos does not hide the cause.
+// A log and a model: from row to row of the log the model makes its own steps, and what it misses is explained by one number of
+// the model at a time, at the value that explains most. Errors of one row do not add up, so that chaos does not hide the cause.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,8 +10,8 @@ namespace cli::compare {
 
 namespace {
 
-constexpr std::size_t most_rows = 80;   // that are tried for each number
-constexpr std::size_t refined = 12;     // numbers whose value is sought by iteration
+constexpr std::size_t most_rows = 80;  // that are tried for each number
+constexpr std::size_t refined = 12;    // numbers whose value is sought by iteration
 constexpr int iterations = 6;
 constexpr std::size_t best_causes = 6;  // that are tried over the whole log
 constexpr double exact = 1e-9;          // of the motion from row to row: the model is that of the log
@@ -102,9 +102,9 @@ class Defects {
 struct Unknown {
   std::string group, what;
   json now;
-  double value, step;                                        // to begin with; of the difference
-  std::function<Changes(double)> changes;                    // x is the number itself
-  int control = -1;                                          // index, whose offset x is
+  double value, step;                      // to begin with; of the difference
+  std::function<Changes(double)> changes;  // x is the number itself
+  int control = -1;                        // index, whose offset x is
 };
 
 double step_of(const Quantity& p, double x) {
@@ -143,17 +143,19 @@ std::vector<Unknown> unknowns_of(const Side& side) {
   for (const auto& [of, list] : alike) {
     if (list.size() == 1 && list[0]->values.size() == 1) continue;
     const std::vector<const Quantity*> quantities = list;
-    out.push_back({of.first, "factor of " + std::string(list.size() == 1 ? list[0]->text() : "every " + list[0]->object + "'s " + of.second),
-                   1, 1, 1e-3, [quantities](double y) {
-                     Changes all;
-                     for (const Quantity* p : quantities) {
-                       Vector values = p->values;
-                       for (double& x : values)
-                         if (std::isfinite(x)) x *= y;
-                       all.emplace_back(p->index, values);
-                     }
-                     return all;
-                   }});
+    out.push_back(
+        {of.first,
+         "factor of " + std::string(list.size() == 1 ? list[0]->text() : "every " + list[0]->object + "'s " + of.second), 1, 1,
+         1e-3, [quantities](double y) {
+           Changes all;
+           for (const Quantity* p : quantities) {
+             Vector values = p->values;
+             for (double& x : values)
+               if (std::isfinite(x)) x *= y;
+             all.emplace_back(p->index, values);
+           }
+           return all;
+         }});
   }
   for (int k = 0; k < dyn_model_nu(side.robot()); ++k)
     out.push_back({"controls", "control " + std::to_string(k) + ", offset", 0, 0, 1e-3, nullptr, k});
@@ -168,14 +170,17 @@ struct Fitted {
 
 class Fit {
  public:
-  Fit(const Log& log, const Side& side) : side_(side), defects_(log, side.start), first_(defects_.of(side.robot(), side.stepping)) {
+  Fit(const Log& log, const Side& side)
+      : side_(side), defects_(log, side.start), first_(defects_.of(side.robot(), side.stepping)) {
     if (first_.empty()) fail("the model cannot step from a row of the log: " + std::string(dyn_last_error()));
     defects_.weigh(first_);
     cost_ = defects_.cost(first_);
   }
   const Defects& defects() const { return defects_; }
   const std::vector<Vector>& first() const { return first_; }
-  double explained(const std::vector<Vector>& r) const { return cost_ > 0 ? 1 - std::sqrt(std::min(defects_.cost(r) / cost_, 1e6)) : 0; }
+  double explained(const std::vector<Vector>& r) const {
+    return cost_ > 0 ? 1 - std::sqrt(std::min(defects_.cost(r) / cost_, 1e6)) : 0;
+  }
 
   std::vector<Vector> at(const Unknown& u, double x) const {
     try {
@@ -214,8 +219,7 @@ class Fit {
     std::vector<Vector> r0 = first_;
     for (int k = 0; k < iterations; ++k) {
       std::vector<Vector> r1 = at(u, x1);
-      for (int halved = 0; halved < 6 && (r1.empty() || explained(r1) < best - 1); ++halved)
-        x1 = (x0 + x1) / 2, r1 = at(u, x1);
+      for (int halved = 0; halved < 6 && (r1.empty() || explained(r1) < best - 1); ++halved) x1 = (x0 + x1) / 2, r1 = at(u, x1);
       if (r1.empty()) break;
       if (const double e = explained(r1); e > best) best = e, value = x1;
       std::vector<Vector> slope = r1;
@@ -255,7 +259,8 @@ Comparison explain_log(const Log& log, const Side& b, bool own_start) {
   out.every = (log.t.back() - log.t.front()) / static_cast<double>(n - 1);
   for (std::size_t k = 1; k < n; ++k)
     if (std::abs(log.t[k] - log.t[k - 1] - out.every) > 0.01 * out.every) {
-      out.notes.push_back("the log's rows are not equally far apart in time: moments are those of its rows, in their mean distance");
+      out.notes.push_back(
+          "the log's rows are not equally far apart in time: moments are those of its rows, in their mean distance");
       break;
     }
   State logged = b.start;
@@ -333,8 +338,8 @@ Comparison explain_log(const Log& log, const Side& b, bool own_start) {
       if (i.id != b.stepping.integrator) {
         Stepping s = b.stepping;
         s.integrator = i.id;
-        take("integrator", {"integrator", i.name, integrators()[b.stepping.integrator].name,
-                            fit.explained(fit.defects().of(robot, s))});
+        take("integrator",
+             {"integrator", i.name, integrators()[b.stepping.integrator].name, fit.explained(fit.defects().of(robot, s))});
       }
     const std::vector<Unknown> unknowns = unknowns_of(b);
     std::vector<Fitted> fitted;
@@ -363,7 +368,8 @@ Comparison explain_log(const Log& log, const Side& b, bool own_start) {
     const double rest = out.causes.empty() || out.causes[0].name != "start" ? 1 : std::max(0.0, 1 - out.causes[0].explained);
     for (Cause& c : out.causes)
       if (c.name != "start") c.explained *= rest;
-    std::stable_sort(out.causes.begin(), out.causes.end(), [](const Cause& x, const Cause& y) { return x.explained > y.explained; });
+    std::stable_sort(out.causes.begin(), out.causes.end(),
+                     [](const Cause& x, const Cause& y) { return x.explained > y.explained; });
     std::map<std::string, double> whole;  // share of the whole motion that the best ones explain: between equals it decides
     for (std::size_t k = 0; k < std::min(out.causes.size(), best_causes); ++k) {
       Cause& c = out.causes[k];
@@ -373,11 +379,14 @@ Comparison explain_log(const Log& log, const Side& b, bool own_start) {
       }
       Stepping s = b.stepping;
       std::unique_ptr<Robot> changed;
-      if (c.name == "step") s.dt = c.differences[0].a;
-      else if (c.name == "integrator") s.integrator = integrator_named(c.differences[0].a).id;
+      if (c.name == "step")
+        s.dt = c.differences[0].a;
+      else if (c.name == "integrator")
+        s.integrator = integrator_named(c.differences[0].a).id;
       else
         for (const Fitted& f : fitted)
-          if (c.name == f.unknown->group && f.unknown->what == c.differences[0].what) changed = b.with(f.unknown->changes(f.value));
+          if (c.name == f.unknown->group && f.unknown->what == c.differences[0].what)
+            changed = b.with(f.unknown->changes(f.value));
       const Path with = path(changed ? *changed : robot, s, start);
       c.remaining = distances(shared, of_log, with, moments), c.alone = distances(shared, of_model, with, moments).back();
       whole[c.name] = std::clamp(share(out.divergence, c.remaining), -1.0, 1.0);
@@ -412,7 +421,8 @@ Comparison explain_tables(const Table& a, const Table& b) {
   out.every = (last - first) / static_cast<double>(n - 1);
   // between rows by straight lines
   const auto at = [](const Table& x, std::size_t time, double t, std::size_t column) {
-    const auto next = std::upper_bound(x.rows.begin() + 1, x.rows.end() - 1, t, [&](double s, const Vector& r) { return s < r[time]; });
+    const auto next =
+        std::upper_bound(x.rows.begin() + 1, x.rows.end() - 1, t, [&](double s, const Vector& r) { return s < r[time]; });
     const Vector &p = next[-1], &q = *next;
     const double s = std::clamp((t - p[time]) / (q[time] - p[time]), 0.0, 1.0);
     return p[column] + s * (q[column] - p[column]);
@@ -422,7 +432,8 @@ Comparison explain_tables(const Table& a, const Table& b) {
     const double t = first + out.every * static_cast<double>(k);
     double most = 0;
     Vector apart;
-    for (const auto& [i, j] : columns) apart.push_back(std::abs(at(a, ta, t, i) - at(b, tb, t, j))), most = std::max(most, apart.back());
+    for (const auto& [i, j] : columns)
+      apart.push_back(std::abs(at(a, ta, t, i) - at(b, tb, t, j))), most = std::max(most, apart.back());
     out.divergence.push_back(most);
     if (k == 0) at_start = apart;
     at_end = apart;
@@ -432,7 +443,8 @@ Comparison explain_tables(const Table& a, const Table& b) {
   Cause start{"start", 0, 0, false, {}, {}};
   for (std::size_t k = 0; k < columns.size(); ++k)
     if (at_start[k] > 1e-9)
-      start.differences.push_back({a.names[columns[k].first], at(a, ta, first, columns[k].first), at(b, tb, first, columns[k].second)});
+      start.differences.push_back(
+          {a.names[columns[k].first], at(a, ta, first, columns[k].first), at(b, tb, first, columns[k].second)});
   if (!start.differences.empty()) out.causes.push_back(start);
   out.unexplained = out.begins < 0 ? 0 : 1;
   out.notes.push_back("columns of the same names are compared as they are: --model FILE names the cause");

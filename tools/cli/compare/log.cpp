@@ -105,8 +105,8 @@ Log read_log(const std::string& path, const Robot& robot, const std::string& lay
     const std::vector<std::size_t> found = numbered(table, names);
     if (static_cast<int>(found.size()) != n)
       fail(path + ": there are " + std::to_string(found.size()) + " columns of " + what + " (" +
-           join({names.begin(), names.end()}, "0, .. or ") + "0, ..), and the model has " + std::to_string(n) + " in the layout " +
-           name_of("dynConvention", peer.convention) + "; another model, or another --layout, may be meant.");
+           join({names.begin(), names.end()}, "0, .. or ") + "0, ..), and the model has " + std::to_string(n) +
+           " in the layout " + name_of("dynConvention", peer.convention) + "; another model, or another --layout, may be meant.");
     return found;
   };
   const auto q = columns({"q", "qpos", "position"}, nq, "positions"), v = columns({"v", "qvel", "velocity"}, nv, "velocities");

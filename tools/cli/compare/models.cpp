@@ -10,8 +10,8 @@ namespace cli::compare {
 namespace {
 
 constexpr int least_moments = 100;
-constexpr double same = 1e-12;        // relative: rounding of rotations and files
-constexpr double noise = 1e-10;       // m, rad: no divergence
+constexpr double same = 1e-12;           // relative: rounding of rotations and files
+constexpr double noise = 1e-10;          // m, rad: no divergence
 constexpr std::size_t most_single = 40;  // differing quantities that are measured one by one
 
 bool equal(const Vector& a, const Vector& b) {
@@ -58,7 +58,8 @@ class Pair {
     out.error_a = own_error(a_.robot(), a_.stepping, a_.start, every_, moments_, pa);
     out.error_b = own_error(b_.robot(), b_.stepping, b_.start, every_, moments_, pb);
     int frame = 0;
-    distance(shared_, pa.places[static_cast<std::size_t>(moments_) - 1], pb.places[static_cast<std::size_t>(moments_) - 1], &frame);
+    distance(shared_, pa.places[static_cast<std::size_t>(moments_) - 1], pb.places[static_cast<std::size_t>(moments_) - 1],
+             &frame);
     out.where = shared_.names[static_cast<std::size_t>(frame)];
     find_begin(out);
     structure(out);
@@ -101,8 +102,8 @@ class Pair {
     });
     if (!structure_.differences.empty()) {
       structure_.measured = false, structure_.explained = out.unexplained;
-      const auto at = std::find_if(out.causes.begin(), out.causes.end(),
-                                   [&](const Cause& c) { return c.explained < structure_.explained; });
+      const auto at =
+          std::find_if(out.causes.begin(), out.causes.end(), [&](const Cause& c) { return c.explained < structure_.explained; });
       out.causes.insert(at, structure_);
     }
     return out;
@@ -200,30 +201,34 @@ class Pair {
     };
     const Stepping &sa = a_.stepping, &sb = b_.stepping;
     if (sa.dt != sb.dt)
-      other("step", {"step, s", sa.dt, sb.dt}, [sb](Mixed& x) { x.stepping.dt = sb.dt; }, [sa](Mixed& x) { x.stepping.dt = sa.dt; });
+      other(
+          "step", {"step, s", sa.dt, sb.dt}, [sb](Mixed& x) { x.stepping.dt = sb.dt; },
+          [sa](Mixed& x) { x.stepping.dt = sa.dt; });
     if (sa.integrator != sb.integrator)
-      other("integrator", {"integrator", integrators()[sa.integrator].name, integrators()[sb.integrator].name},
-            [sb](Mixed& x) { x.stepping.integrator = sb.integrator; }, [sa](Mixed& x) { x.stepping.integrator = sa.integrator; });
+      other(
+          "integrator", {"integrator", integrators()[sa.integrator].name, integrators()[sb.integrator].name},
+          [sb](Mixed& x) { x.stepping.integrator = sb.integrator; }, [sa](Mixed& x) { x.stepping.integrator = sa.integrator; });
     if (sa.effects != sb.effects)
-      other("effects", {"effects that act", effects_json(sa.effects), effects_json(sb.effects)},
-            [sb](Mixed& x) { x.stepping.effects = sb.effects; }, [sa](Mixed& x) { x.stepping.effects = sa.effects; });
+      other(
+          "effects", {"effects that act", effects_json(sa.effects), effects_json(sb.effects)},
+          [sb](Mixed& x) { x.stepping.effects = sb.effects; }, [sa](Mixed& x) { x.stepping.effects = sa.effects; });
     const State b_in_a = moved(b_.robot(), a_.robot(), b_.start), a_in_b = moved(a_.robot(), b_.robot(), a_.start);
-    const auto differs = [&](Vector State::* x) {
-      return !equal(a_.start.*x, b_in_a.*x) && !equal(b_.start.*x, a_in_b.*x);
-    };
+    const auto differs = [&](Vector State::* x) { return !equal(a_.start.*x, b_in_a.*x) && !equal(b_.start.*x, a_in_b.*x); };
     const auto vector = [&](const char* what, Vector State::* x) {
       return Difference{what, vector_json((a_.start.*x).data(), static_cast<int>((a_.start.*x).size())),
                         vector_json((b_.start.*x).data(), static_cast<int>((b_.start.*x).size()))};
     };
     if (differs(&State::q) || differs(&State::v)) {
       const auto take = [](State& to, const State& from) { to.q = from.q, to.v = from.v; };
-      other("start", vector(differs(&State::q) ? "q at the start" : "v at the start", differs(&State::q) ? &State::q : &State::v),
-            [=](Mixed& x) { take(x.start, b_in_a); }, [=](Mixed& x) { take(x.start, a_in_b); });
+      other(
+          "start", vector(differs(&State::q) ? "q at the start" : "v at the start", differs(&State::q) ? &State::q : &State::v),
+          [=](Mixed& x) { take(x.start, b_in_a); }, [=](Mixed& x) { take(x.start, a_in_b); });
     }
     if (differs(&State::ctrl) || differs(&State::tau)) {
       const auto take = [](State& to, const State& from) { to.ctrl = from.ctrl, to.tau = from.tau; };
-      other("controls", vector(differs(&State::ctrl) ? "controls" : "tau", differs(&State::ctrl) ? &State::ctrl : &State::tau),
-            [=](Mixed& x) { take(x.start, b_in_a); }, [=](Mixed& x) { take(x.start, a_in_b); });
+      other(
+          "controls", vector(differs(&State::ctrl) ? "controls" : "tau", differs(&State::ctrl) ? &State::ctrl : &State::tau),
+          [=](Mixed& x) { take(x.start, b_in_a); }, [=](Mixed& x) { take(x.start, a_in_b); });
     }
   }
 

@@ -26,7 +26,8 @@ Side::Side(const RobotOptions& options, bool ground) : robot_(options) {
     dynParameter p{};
     p.struct_size = sizeof p;
     check(dyn_builder_parameter(made, k, &p));
-    quantities_.push_back({k, name_of("dynParameterGroup", p.group), p.object, p.name, p.quantity, Vector(p.values, p.values + p.count)});
+    quantities_.push_back(
+        {k, name_of("dynParameterGroup", p.group), p.object, p.name, p.quantity, Vector(p.values, p.values + p.count)});
     by_key_.try_emplace(quantities_.back().key(), quantities_.size() - 1);
   }
 }
