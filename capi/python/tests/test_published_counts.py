@@ -37,7 +37,7 @@ def test_published_counts_hold(name, counts):
     scene = run_dyn.Scene(problem)
     reference, _ = counts.reference_of(problem)
     rows = [row for row in counts.published(CAPI / "pages/measured_accuracy.md") if row[0] == problem.name]
-    assert len(rows) >= 4
+    assert len(rows) >= 3
     for _, level, evaluations, method, value in rows:
         again, error = counts.run(scene, reference, method, value)
         assert again <= MOST * evaluations, (level, method, value)
