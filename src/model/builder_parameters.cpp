@@ -415,8 +415,8 @@ void Builder::set_parameter(std::size_t index, const std::vector<double>& values
   if (values.size() != p.values.size())
     refuse(DYN_ERROR_SIZE, who + ": " + p.quantity + " has " + std::to_string(p.values.size()) + " numbers, and " +
                                std::to_string(values.size()) + " are given");
-  for (const double x : values)
-    if (std::isnan(x) && !std::isnan(p.values[std::size_t(&x - values.data())]))
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (std::isnan(values[k]) && !std::isnan(p.values[k]))
       refuse(DYN_ERROR_NONFINITE, who + ": " + p.quantity + " is NaN: give numbers");
   if (values == p.values) return;  // rotations keep their bits
   p.set(values);
