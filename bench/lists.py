@@ -104,9 +104,15 @@ def quantities():
     return table(("name", "shape", "unit", "frame", "part", "made by", "what it is"), *rows)
 
 
+def parameters():
+    values = next(e for e in INTERFACE["enums"] if e["name"] == "dynParameterGroup")["values"]
+    return table(("name", "what is in it"), *((f"`{v['name'].lower()}`", v["doc"]) for v in values))
+
+
 SECTIONS = {
     "Joint types": joints, "Shapes": shapes, "Constraints": constraints, "Effects": effects, "Integrators": integrators,
     "Contact solvers": solvers, "Algorithms": algorithms, "Fields": quantities,
+    "Groups of parameters": parameters,
 }  # fmt: skip
 
 

@@ -212,6 +212,38 @@ dynStatus dyn_builder_remove_subtree(dynBuilder* builder, const char* joint) {
   return with(builder, [&](Builder& b) { b.remove(joint); });
 }
 
+int dyn_builder_parameter_count(dynBuilder* builder) {
+  if (check(builder)) return -1;
+  int count = -1;
+  (void)guarded([&] { return count = int(builder->b->parameters().size()), DYN_OK; });
+  return count;
+}
+
+dynStatus dyn_builder_parameter(dynBuilder* builder, int index, dynParameter* out) {
+  if (const dynStatus s = check(builder)) return s;
+  if (const dynStatus s = check_struct("dyn_builder_parameter", "out", out)) return s;
+  return guarded([&] {
+    const std::vector<Parameter>& all = builder->b->parameters();
+    if (index < 0 || std::size_t(index) >= all.size())
+      return fail(DYN_ERROR_ARGUMENT, "dyn_builder_parameter: index is %d, and there are %zu", index, all.size());
+    const Parameter& p = all[std::size_t(index)];
+    write_struct({sizeof *out, p.group, p.object, p.name.c_str(), p.quantity, p.values.data(), p.values.size()}, out);
+    return DYN_OK;
+  });
+}
+
+dynStatus dyn_builder_set_parameter(dynBuilder* builder, int index, const double* values, size_t count) {
+  if (const dynStatus s = check(builder)) return s;
+  if (const dynStatus s = check_array("dyn_builder_set_parameter", "values", values, count)) return s;
+  return guarded([&] {
+    const std::size_t n = builder->b->parameters().size();
+    if (index < 0 || std::size_t(index) >= n)
+      return fail(DYN_ERROR_ARGUMENT, "dyn_builder_set_parameter: index is %d, and there are %zu", index, n);
+    builder->b->set_parameter(std::size_t(index), {values, values + count});
+    return DYN_OK;
+  });
+}
+
 dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model) {
   if (!model) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_finish: model is NULL");
   if (const dynStatus s = check(builder)) return s;

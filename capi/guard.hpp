@@ -150,6 +150,7 @@ template <class F>
 dynStatus with(dynBuilder* builder, F&& f) {
   if (const dynStatus s = check(builder)) return s;
   return guarded([&] {
+    builder->b->forget_parameters();
     f(*builder->b);
     return DYN_OK;
   });

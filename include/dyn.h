@@ -595,6 +595,48 @@ DYN_API dynStatus dyn_builder_keep_subtree(dynBuilder* builder, const char* join
 /* Removes a joint and its subtree. Returns DYN_ERROR_INVALID when a joint that stays follows a removed one.
    */
 DYN_API dynStatus dyn_builder_remove_subtree(dynBuilder* builder, const char* joint);
+/* Numbers of what a builder holds: to list them, to compare two models, and to change some. */
+
+/* Groups of them. */
+typedef enum dynParameterGroup {
+  DYN_PARAMETER_GROUP_GRAVITY = 0,       /* Gravity. */
+  DYN_PARAMETER_GROUP_MASS = 1,          /* Masses of links. */
+  DYN_PARAMETER_GROUP_INERTIA = 2,       /* Centres of mass and inertias of links. */
+  DYN_PARAMETER_GROUP_ARMATURE = 3,      /* Armature of joints. */
+  DYN_PARAMETER_GROUP_DAMPING = 4,       /* Damping of joints. */
+  DYN_PARAMETER_GROUP_FRICTION = 5,      /* Dry friction of joints. */
+  DYN_PARAMETER_GROUP_SPRINGS = 6,       /* Stiffness of joints, and where their springs rest. */
+  DYN_PARAMETER_GROUP_LIMITS = 7,        /* Limits of joints. */
+  DYN_PARAMETER_GROUP_FRAMES = 8,        /* Placements of joints, links and frames; axes of joints. */
+  DYN_PARAMETER_GROUP_MIMIC = 9,         /* Ratios and offsets of followers. */
+  DYN_PARAMETER_GROUP_SHAPES = 10,       /* Sizes, placements and masks of collision shapes. */
+  DYN_PARAMETER_GROUP_CONTACT = 11,      /* Materials: what happens where shapes touch. */
+  DYN_PARAMETER_GROUP_ACTUATORS = 12,    /* Gains, ranges and time constants of actuators. */
+  DYN_PARAMETER_GROUP_TENDONS = 13,      /* Numbers of tendons and their couplings. */
+  DYN_PARAMETER_GROUP_CONSTRAINTS = 14,  /* Numbers of constraints. */
+  DYN_PARAMETER_GROUP_MEDIUM = 15,       /* Density, viscosity, wind. */
+  DYN_PARAMETER_GROUP_COMPENSATION = 16  /* Shares of weights that are held. */
+} dynParameterGroup;
+
+/* A quantity of one object. Texts and numbers live until the builder changes or is freed. */
+typedef struct dynParameter {
+  uint32_t struct_size;
+  dynParameterGroup group;
+  const char* object;   /* "model", "joint", "link", "frame", "shape", "pair", "actuator", "tendon", .. */
+  const char* name;     /* of the object; of a shape without a name "LINK, shape K"; "" of the model */
+  const char* quantity; /* "damping"; a "placement" is x, y, z and a rotation vector, in the carrying joint */
+  const double* values;
+  size_t count;
+} dynParameter;
+/* Lists the quantities of joints, links, frames, collision shapes, actuators, tendons and constraints.
+   Returns their number, or -1. */
+DYN_API int dyn_builder_parameter_count(dynBuilder* builder);
+/* Describes quantity index of the list. */
+DYN_API dynStatus dyn_builder_parameter(dynBuilder* builder, int index, dynParameter* out);
+/* Replaces the numbers of a quantity: as many as it has. The list stays as it is. Numbers that the functions
+   above would refuse are refused, and change nothing. */
+DYN_API dynStatus dyn_builder_set_parameter(dynBuilder* builder, int index, const double* values,
+                                            size_t count);
 /* Compiles the model. The builder stays valid: it may be extended and finished again. */
 DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
 
@@ -2172,8 +2214,9 @@ typedef enum dynQuantity {
   DYN_QUANTITY_GYRO = 26,              /* Frame, 3: angular velocity, its axes. */
   DYN_QUANTITY_MAGNETOMETER = 27,      /* Frame, 3: dynSensor.field, its axes. */
   /* Frame, 3: force that the parent exerts on the link of the frame, its axes. It follows from the motion of
-     all that the link carries, from the contacts, connects and welds of the last step, and from the wrenches
-     of dyn_data_apply_wrench: one on a link that is fixed to another counts as on that one. */
+     all that the link carries, from the contacts of the last step, and from the wrenches of
+     dyn_data_apply_wrench: one on a link that is fixed to another counts as on that one. Connects and welds are
+     left out. */
   DYN_QUANTITY_FORCE = 28,
   DYN_QUANTITY_TORQUE = 29,            /* Frame, 3: moment of the same about the frame's origin. */
   /* Frame, 1: sum of the normal forces of contacts of its link whose line meets the zone, last step. */

@@ -1595,6 +1595,19 @@ class Builder {
   Builder& set_contact_capacity(int contacts) { return ok(dyn_builder_set_contact_capacity(get(), contacts)); }
   Builder& keep_subtree(const std::string& joint) { return ok(dyn_builder_keep_subtree(get(), joint.c_str())); }
   Builder& remove_subtree(const std::string& joint) { return ok(dyn_builder_remove_subtree(get(), joint.c_str())); }
+  // Numbers of what was added, one quantity of an object each. Texts and numbers live until the builder changes.
+  std::vector<dynParameter> parameters() {
+    std::vector<dynParameter> out(static_cast<std::size_t>(std::max(0, dyn_builder_parameter_count(get()))));
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      out[k].struct_size = sizeof out[k];
+      check(dyn_builder_parameter(get(), static_cast<int>(k), &out[k]));
+    }
+    return out;
+  }
+  // index: in parameters()
+  Builder& set_parameter(int index, const Vector& values) {
+    return ok(dyn_builder_set_parameter(get(), index, values.data(), values.size()));
+  }
   Model finish() {
     dynModel* model = nullptr;
     check(dyn_builder_finish(get(), &model));

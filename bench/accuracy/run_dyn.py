@@ -28,6 +28,13 @@ class Scene:
         self.frames = [(m.frame_id(body), np.array(point)) for body, point in problem.markers]
         self.start = None
 
+    def set(self, method, value):
+        """An integrator in steps of value, or "order 8" or "order 5", in steps for an accuracy of value."""
+        if method.startswith("order"):
+            self.data.set_step_options({"order 8": "reference", "order 5": "rk45"}[method], dt=1e-3, accuracy=value)
+        else:
+            self.data.set_step_options(method, dt=value, accuracy=0)
+
     def begin(self):
         d = self.data
         if self.start is None:
@@ -65,19 +72,21 @@ def reference(problem):
     return out[0], float(np.abs(out[0] - out[1]).max())
 
 
+def methods(problem):
+    """Integrators in steps, then orders of steps for an accuracy. In contact other integrators are one of the first two."""
+    steps = ["semi_implicit_euler", "implicit_fast"] + ([] if problem.kind == "contact" else ["implicit_midpoint", "rk4", "rk45"])
+    return [*steps, "order 8", "order 5"]
+
+
 def points(problem, reference):
     scene = Scene(problem)
+    out = []
+    for method in methods(problem):
+        def measure(name, value, method=method):
+            scene.set(method, value)
+            return measured(name, value, scene.begin, scene.move, scene.look, reference, problem, lambda: scene.evaluations)
 
-    def measure(method, value):
-        kind, _, how = method.partition(", ")
-        if how == "accuracy":
-            scene.data.set_step_options({"order 8": "reference", "order 5": "rk45"}[kind], dt=1e-3, accuracy=value)
-        else:
-            scene.data.set_step_options(kind, dt=value, accuracy=0)
-        return measured(method, value, scene.begin, scene.move, scene.look, reference, problem, lambda: scene.evaluations)
-
-    # of order 1 alone where something touches: the others are one of these there
-    steps = ["semi_implicit_euler", "implicit_fast"] + ([] if problem.kind == "contact" else ["implicit_midpoint", "rk4", "rk45"])
-    accuracies = [10.0**-e for e in range(0, 14)]
-    return [p for method in steps for p in ladder(method, steps_of(problem), measure)] + [
-        p for method in ("order 8, accuracy", "order 5, accuracy") for p in ladder(method, accuracies, measure)]
+        by_accuracy = method.startswith("order")
+        out += ladder(method + ", accuracy" * by_accuracy, [10.0**-e for e in range(14)] if by_accuracy else steps_of(problem),
+                      measure)
+    return out

@@ -196,6 +196,32 @@ void append_elements(const std::string& where, const JointPart& s, std::vector<P
 
 }  // namespace
 
+void check_joint_numbers(const std::string& who, const JointSpec& s, const std::vector<PlacedElement>& elements) {
+  const int nq = spec_nq(s), nv = spec_nv(s);
+  check_vector(who, "lower limit", s.lower, nq, -HUGE_VAL);
+  check_vector(who, "upper limit", s.upper, nq, -HUGE_VAL);
+  check_vector(who, "velocity limit", s.velocity, nv, 0);
+  check_vector(who, "effort limit", s.effort, nv, 0);
+#define COEFFICIENT(name, has, sentence) check_vector(who, #name, s.name, nv, 0);
+#include "effect/coefficients.def"
+  check_vector(who, "spring reference", s.spring_reference, nq, -HUGE_VAL);
+  check_range(who, s.lower, s.upper);
+  for (const auto& [what, x] : {
+#define COEFFICIENT(name, has, sentence) std::pair{#name, &s.name},
+#include "effect/coefficients.def"
+           std::pair{"spring reference", &s.spring_reference}})
+    for (double a : *x)
+      if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");
+  check_springs(who, s, elements), check_balls(who, s, elements);
+  if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio) ||
+      !std::isfinite(s.rotor_inertia * s.gear_ratio * s.gear_ratio))
+    refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite, and rotor_inertia * gear_ratio^2, too");
+  if (s.rotor_inertia < 0)
+    refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");
+  if (s.rotor_inertia != 0 && nv != 1)
+    refuse(DYN_ERROR_INVALID, who + ": a rotor inertia needs a joint of one degree of freedom; use armature");
+}
+
 std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<JointPart>& parts) {
   const std::string who = "joint '" + s.name + "'";
   std::vector<PlacedElement> out;
@@ -213,6 +239,20 @@ int spec_nv(const JointSpec& s) {
   int n = joint_nv(s.type);
   for (const JointSpec& p : s.parts) n += spec_nv(p);
   return n;
+}
+
+void check_link_numbers(const std::string& who, double mass, const std::array<double, 3>& com,
+                        const std::array<double, 9>& inertia) {
+  if (!std::isfinite(mass)) refuse(DYN_ERROR_NONFINITE, who + ": mass is " + number(mass) + ": give a finite number");
+  if (mass < 0) refuse(DYN_ERROR_INVALID, who + ": mass is " + number(mass) + " kg: it can't be negative");
+  check_finite(who + ": com", com.data(), 3);
+  check_finite(who + ": inertia", inertia.data(), 9);
+  double big = 0;
+  for (double x : inertia) big = std::max(big, std::abs(x));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < i; ++j)
+      if (std::abs(inertia[std::size_t(i + 3 * j)] - inertia[std::size_t(j + 3 * i)]) > 1e-9 * big)
+        refuse(DYN_ERROR_INVALID, who + ": inertia is not symmetric");
 }
 
 Builder::Builder(std::string name) : impl(std::make_unique<Impl>()) {
@@ -281,29 +321,8 @@ void Builder::Impl::add_joint(const JointSpec& s) {
   entry.elements = elements_of(s, entry.parts);
   entry.placement = X;
   if (entry.elements.empty()) refuse(DYN_ERROR_ARGUMENT, who + ": a composite joint needs at least one part that moves");
+  check_joint_numbers(who, s, entry.elements);
   const int nq = spec_nq(s), nv = spec_nv(s);
-  check_vector(who, "lower limit", s.lower, nq, -HUGE_VAL);
-  check_vector(who, "upper limit", s.upper, nq, -HUGE_VAL);
-  check_vector(who, "velocity limit", s.velocity, nv, 0);
-  check_vector(who, "effort limit", s.effort, nv, 0);
-#define COEFFICIENT(name, has, sentence) check_vector(who, #name, s.name, nv, 0);
-#include "effect/coefficients.def"
-  check_vector(who, "spring reference", s.spring_reference, nq, -HUGE_VAL);
-  check_range(who, s.lower, s.upper);
-  for (const auto& [what, x] : {
-#define COEFFICIENT(name, has, sentence) std::pair{#name, &s.name},
-#include "effect/coefficients.def"
-           std::pair{"spring reference", &s.spring_reference}})
-    for (double a : *x)
-      if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");
-  check_springs(who, s, entry.elements), check_balls(who, s, entry.elements);
-  if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio) ||
-      !std::isfinite(s.rotor_inertia * s.gear_ratio * s.gear_ratio))
-    refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite, and rotor_inertia * gear_ratio^2, too");
-  if (s.rotor_inertia < 0)
-    refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");
-  if (s.rotor_inertia != 0 && nv != 1)
-    refuse(DYN_ERROR_INVALID, who + ": a rotor inertia needs a joint of one degree of freedom; use armature");
   if (!s.mimic.empty()) {
     if (nv != 1 || nq != 1)
       refuse(DYN_ERROR_INVALID, who + ": only joints of one degree of freedom can mimic; this is " + name_of(s.type));
@@ -324,16 +343,7 @@ void Builder::body(const std::string& name, const Parent& parent, const Placemen
   const int on = impl->find(parent, who);
   const FrameEntry& carrier = impl->frames[std::size_t(on)];
   const SE3<double> X = carrier.X * check_placement(who, placement);
-  if (!std::isfinite(mass)) refuse(DYN_ERROR_NONFINITE, who + ": mass is " + number(mass) + ": give a finite number");
-  if (mass < 0) refuse(DYN_ERROR_INVALID, who + ": mass is " + number(mass) + " kg: it can't be negative");
-  check_finite(who + ": com", com.data(), 3);
-  check_finite(who + ": inertia", inertia.data(), 9);
-  double big = 0;
-  for (double x : inertia) big = std::max(big, std::abs(x));
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < i; ++j)
-      if (std::abs(inertia[std::size_t(i + 3 * j)] - inertia[std::size_t(j + 3 * i)]) > 1e-9 * big)
-        refuse(DYN_ERROR_INVALID, who + ": inertia is not symmetric");
+  check_link_numbers(who, mass, com, inertia);
   const Inertia<double> Y = Inertia<double>::at_com(mass, load3(com.data()), load33(inertia.data()));
   FrameEntry entry{name, DYN_FRAME_TYPE_BODY, carrier.joint, X, act(X, Y), {}, {}, {}};
   entry.mass = mass, entry.com = com, entry.inertia = inertia, entry.parent = on;

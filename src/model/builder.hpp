@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -90,6 +91,17 @@ struct ConfigurationState {
   double time = 0;
 };
 
+// A quantity of one object, as dynParameter. set throws for numbers that are refused, and then changes nothing.
+struct Parameter {
+  dynParameterGroup group;
+  const char* object;
+  std::string name;
+  const char* quantity;
+  std::vector<double> values;
+  std::function<std::vector<double>()> get;
+  std::function<void(const std::vector<double>&)> set;
+};
+
 // nq and nv of a type with no parts.
 int joint_nq(dynJointType type);
 int joint_nv(dynJointType type);
@@ -164,13 +176,21 @@ class Builder {
   // Takes away a joint and what it carries.
   void remove(const std::string& joint);
 
+  // Numbers of what was added. The list is made when it is asked for, and good until the builder changes otherwise.
+  // (builder_parameters.cpp)
+  const std::vector<Parameter>& parameters();
+  void set_parameter(std::size_t index, const std::vector<double>& values);
+  void forget_parameters() { parameters_.clear(); }
+
   // Compiles: joints depth first, children in the order of addition.
   ModelPtr finish() const;
 
  private:
   friend struct Compiler;
+  friend class ParameterLister;
   struct Impl;
   std::unique_ptr<Impl> impl;
+  std::vector<Parameter> parameters_;  // empty: not listed
 };
 
 // Throws where no body has these principal moments; who begins the message. (Files say so in their report, or under strict.)

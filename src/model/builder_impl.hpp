@@ -208,6 +208,11 @@ struct Builder::Impl {
 // What a joint of a model was made from, and its parts. (builder_copy.cpp)
 JointSpec spec_of(const Model& m, const JointRecord& joint);
 std::vector<JointPart> parts_of(const JointSpec& s);
+// Throw for numbers of a joint, a link or a tendon that are refused; who begins the message.
+void check_joint_numbers(const std::string& who, const JointSpec& s, const std::vector<PlacedElement>& elements);
+void check_link_numbers(const std::string& who, double mass, const std::array<double, 3>& com,
+                        const std::array<double, 9>& inertia);
+void check_tendon_numbers(const std::string& who, const dynTendon& t);
 // The chain of primitives of a joint's parts.
 std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<JointPart>& parts);
 // Joints depth first, siblings in the order of addition.

@@ -25,18 +25,6 @@ void check_coefficient(const std::string& who, const char* what, double x) {
   if (x < 0) refuse(DYN_ERROR_INVALID, who + ": " + what + " is " + number(x) + ": it can't be negative");
 }
 
-void check_spec(const std::string& who, const dynTendon& t) {
-  if (!is_value(t.type)) refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(t.type)) + " is no dynTendonType");
-  check_coefficient(who, "stiffness", t.stiffness), check_coefficient(who, "damping", t.damping);
-  check_coefficient(who, "friction", t.friction), check_coefficient(who, "armature", t.armature);
-  if (std::isnan(t.rest[0]) != std::isnan(t.rest[1]) || std::isinf(t.rest[0]) || std::isinf(t.rest[1]) || t.rest[0] > t.rest[1])
-    refuse(DYN_ERROR_INVALID, who + ": rest is [" + number(t.rest[0]) + ", " + number(t.rest[1]) +
-                                  "]: give a lower end, then an upper one, or two NaN");
-  if (!(t.range[0] <= t.range[1]) || t.range[0] == HUGE_VAL || t.range[1] == -HUGE_VAL)
-    refuse(DYN_ERROR_INVALID, who + ": range is [" + number(t.range[0]) + ", " + number(t.range[1]) +
-                                  "]: give a lower end, then an upper one");
-}
-
 // Sites, a wrap between two of them at most, branches of two sites at least.
 void check_branches(const std::string& who, const std::vector<TendonElement>& elements) {
   std::size_t sites = 0;
@@ -63,6 +51,18 @@ void check_branches(const std::string& who, const std::vector<TendonElement>& el
 
 }  // namespace
 
+void check_tendon_numbers(const std::string& who, const dynTendon& t) {
+  if (!is_value(t.type)) refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(t.type)) + " is no dynTendonType");
+  check_coefficient(who, "stiffness", t.stiffness), check_coefficient(who, "damping", t.damping);
+  check_coefficient(who, "friction", t.friction), check_coefficient(who, "armature", t.armature);
+  if (std::isnan(t.rest[0]) != std::isnan(t.rest[1]) || std::isinf(t.rest[0]) || std::isinf(t.rest[1]) || t.rest[0] > t.rest[1])
+    refuse(DYN_ERROR_INVALID, who + ": rest is [" + number(t.rest[0]) + ", " + number(t.rest[1]) +
+                                  "]: give a lower end, then an upper one, or two NaN");
+  if (!(t.range[0] <= t.range[1]) || t.range[0] == HUGE_VAL || t.range[1] == -HUGE_VAL)
+    refuse(DYN_ERROR_INVALID, who + ": range is [" + number(t.range[0]) + ", " + number(t.range[1]) +
+                                  "]: give a lower end, then an upper one");
+}
+
 void Builder::Impl::check_tendon_name(const std::string& name) const {
   check_name(name, "tendon");
   if (names.tendons.find(tendons, name) >= 0)
@@ -85,7 +85,7 @@ int Builder::Impl::find_tendon(const std::string& name, const std::string& who) 
 void Builder::tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements) {
   impl->check_tendon_name(name);
   const std::string who = "tendon '" + name + "'";
-  check_spec(who, spec);
+  check_tendon_numbers(who, spec);
   if (elements.empty()) refuse(DYN_ERROR_INVALID, who + ": it has no element");
   TendonEntry entry{name, spec, {}};
   for (std::size_t k = 0; k < elements.size(); ++k) {

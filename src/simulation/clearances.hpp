@@ -14,7 +14,7 @@ namespace dyn::simulation {
 class Clearances {
   struct Known {
     Index a, b;
-    double until;          // distance plus what both shapes had moved by then (m)
+    float until;           // distance plus what both shapes had moved by then, or less (m)
     std::int16_t axis[3];  // the direction from A to B in A's axes; zero: none
   };
   Known* known_;              // in buckets, by a hash of the pair; a new pair takes the place of the one that is nearest
@@ -44,6 +44,7 @@ class Clearances {
       if (k->a == a && k->b == b) return k;
     return nullptr;
   }
+  static float below(double bound) { return std::nextafter(float(bound), -HUGE_VALF); }
   double left(const Known& k) const { return k.until * (1 - rounding) - moved_[k.a] - moved_[k.b]; }
 
  public:
@@ -74,7 +75,7 @@ class Clearances {
     if (!(length > 0)) return -shape::infinity;
     const double gap =
         collision::gap_along(geoms[a].shape, poses[a], geoms[b].shape, poses[b], poses[a].R * (axis * (1 / length)));
-    if (gap > margin) k->until = gap + moved_[a] + moved_[b];
+    if (gap > margin) k->until = below(gap + moved_[a] + moved_[b]);
     return gap;
   }
   // axis: the unit vector that separates the shapes, from A to B in A's axes; zero if no plane does.
@@ -86,7 +87,7 @@ class Clearances {
         if (left(*k) < left(*place)) place = k;
     }
     const auto stored = [&](int i) { return std::int16_t(axis[i] * axis_scale); };
-    *place = {a, b, distance + moved_[a] + moved_[b], {stored(0), stored(1), stored(2)}};
+    *place = {a, b, below(distance + moved_[a] + moved_[b]), {stored(0), stored(1), stored(2)}};
   }
   // The shapes are near each other: no direction is worth trying.
   void forget_axis(Index a, Index b) {

@@ -113,6 +113,11 @@ TEST(Handles, EveryFunctionOfABuilder) {
       EXPECT_TRUE(says({"builder", word}));
     };
     refused(dyn_builder_set_gravity(b, gravity));
+    dynParameter parameter{};
+    parameter.struct_size = sizeof parameter;
+    EXPECT_EQ(-1, dyn_builder_parameter_count(b));
+    refused(dyn_builder_parameter(b, 0, &parameter));
+    refused(dyn_builder_set_parameter(b, 0, gravity, 3));
     refused(dyn_builder_add_joint(b, &spec));
     refused(dyn_builder_add_body(b, "l", "j", nullptr, 1, com, some_inertia));
     refused(dyn_builder_add_frame(b, "f", nullptr, nullptr, DYN_FRAME_TYPE_OP_FRAME));
@@ -194,6 +199,7 @@ TEST(Handles, TablesAreComplete) {
           "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init",
           "dyn_ik_options_init", "dyn_model_load", "dyn_model_load_string", "dyn_model_from_buffer", "dyn_model_free",
           "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_set_gravity", "dyn_builder_add_joint",
+          "dyn_builder_parameter_count", "dyn_builder_parameter", "dyn_builder_set_parameter",
           "dyn_builder_add_body", "dyn_builder_add_frame", "dyn_builder_add_configuration", "dyn_builder_finish", "dyn_data_free",
           "dyn_builder_set_shape_rgba", "dyn_builder_lock", "dyn_builder_keep_subtree", "dyn_builder_remove_subtree",
           "dyn_effect_count", "dyn_data_effect_info", "dyn_field_count", "dyn_field_info", "dyn_field_id",

@@ -175,6 +175,8 @@ const std::map<std::string, Row> rows = {
     WRITTEN(dynJointInfo, pitch, return dyn_model_joint_info(r.m, 1, s);),
     WRITTEN(dynFrameInfo, inertia, return dyn_model_frame_info(r.m, 1, s);),
     WRITTEN(dynShapeInfo, material, return dyn_model_shape_info(r.m, 0, s);),
+    WRITTEN(dynParameter, count, dynBuilder* b = nullptr; dyn_builder_from_model(r.m, &b);
+            const dynStatus status = dyn_builder_parameter(b, 0, s); dyn_builder_free(b); return status;),
     WRITTEN(dynEffectInfo, bytes, return dyn_data_effect_info(r.m, r.d, 0, s);),
     WRITTEN(dynFieldInfo, sentence, (void)r; return dyn_field_info(0, s);),
     WRITTEN(dynForceLimit, range, (void)r; Builder b; b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)).body("link", "j");

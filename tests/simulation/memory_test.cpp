@@ -35,7 +35,7 @@ Model beam(int links) {
 TEST(StepMemory, OfAQuadrupedOnTheGround) {
   const Model m = on_ground(robot("go2", DYN_BASE_FLOATING));
   const double bytes = double(dyn_data_size(m, DYN_PART_SIMULATION));
-  EXPECT_LT(bytes, 405e3);
+  EXPECT_LT(bytes, 400e3);
   EXPECT_LT(4096 * bytes, 2e9);
 }
 

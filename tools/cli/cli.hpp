@@ -67,6 +67,7 @@ struct Deleter {
 
 struct Robot {
   explicit Robot(const RobotOptions& options, int contacts = 0);
+  explicit Robot(dynModel* made);  // owns it
   void add_ground();  // the half-space below z = 0, its friction that of what touches it
   std::unique_ptr<dynModel, Deleter<dyn_model_free>> handle;
   int nq, nv, njoints, nframes;
@@ -186,6 +187,7 @@ void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_effects(CLI::App& app);
 void add_accuracy(CLI::App& app);
+void add_compare(CLI::App& app);
 void add_stress(CLI::App& app);
 void add_view(CLI::App& app);
 void add_convert(CLI::App& app);

@@ -101,7 +101,7 @@ Measured measure(const Robot& robot, const State& state, const SteppingOptions& 
   return out;
 }
 
-// The most effects, the least ones first, that can be left out together.
+// The most effects that can be left out together: the least ones first, each that keeps the motion within allowed.
 json suggest(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on, const Measured& measured,
              double allowed) {
   std::vector<std::pair<double, std::string>> candidates;
@@ -109,25 +109,25 @@ json suggest(const Robot& robot, const State& state, const SteppingOptions& opti
     if (e.contains("magnitude") && !e["magnitude"].is_null() && e["magnitude"].get<double>() < allowed)
       candidates.emplace_back(e["magnitude"].get<double>(), e["name"].get<std::string>());
   std::sort(candidates.begin(), candidates.end());
-  for (;; candidates.pop_back()) {
-    std::uint32_t kept = on;
-    std::vector<std::string> without;
-    for (const auto& c : candidates) kept &= ~effect_bits(c.second), without.push_back(c.second);
-    const Rollout run = candidates.empty() ? measured.all : roll_out(robot, state, options, kept);
-    const double error = candidates.empty() ? 0 : largest_difference(robot, state, options, on, kept);
-    if (!(error < allowed) && !candidates.empty()) continue;
-    json keep = json::array();
-    for (const json& e : measured.effects)
-      if (e["active"].get<bool>() && std::find(without.begin(), without.end(), e["name"]) == without.end())
-        keep.push_back(e["name"]);
-    return {{"allowed", allowed},
-            {"keep", keep},
-            {"without", without},
-            {"error", error},
-            {"ns_per_step", run.ns},
-            {"instructions_per_step", number_or_null(run.instructions)},
-            {"options", without.empty() ? std::string() : "--without " + join(without, ",")}};
+  std::uint32_t kept = on;
+  std::vector<std::string> without;
+  double error = 0;
+  for (const auto& [magnitude, name] : candidates) {
+    const std::uint32_t fewer = kept & ~effect_bits(name);
+    const double far = without.empty() ? magnitude : largest_difference(robot, state, options, on, fewer);
+    if (far < allowed) kept = fewer, error = far, without.push_back(name);
   }
+  const Rollout run = without.empty() ? measured.all : roll_out(robot, state, options, kept);
+  json keep = json::array();
+  for (const json& e : measured.effects)
+    if (e["active"].get<bool>() && std::find(without.begin(), without.end(), e["name"]) == without.end()) keep.push_back(e["name"]);
+  return {{"allowed", allowed},
+          {"keep", keep},
+          {"without", without},
+          {"error", error},
+          {"ns_per_step", run.ns},
+          {"instructions_per_step", number_or_null(run.instructions)},
+          {"options", without.empty() ? std::string() : "--without " + join(without, ",")}};
 }
 
 std::string amount(const json& x, const char* unit) { return x.is_null() ? "unknown" : short_number(x.get<double>(), 3) + unit; }

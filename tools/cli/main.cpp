@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   cli::add_sim(app);
   cli::add_accuracy(app);
   cli::add_effects(app);
+  cli::add_compare(app);
   cli::add_convert(app);
   cli::add_bench(app);
   cli::add_stress(app);

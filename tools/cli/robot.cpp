@@ -70,6 +70,10 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   dynModel* model = nullptr;
   const dynStatus status = dyn_model_load(options.file.c_str(), &load, &model);
   check(status);
+  *this = Robot(model);
+}
+
+Robot::Robot(dynModel* model) {
   handle.reset(model);
   nq = dyn_model_nq(model);
   nv = dyn_model_nv(model);

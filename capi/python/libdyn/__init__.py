@@ -20,7 +20,7 @@ del _numpy
 from . import accuracy, batch, constraint, enums, ik, spatial
 from .actuator import Actuator, DcMotor, ForceLimit, Muscle
 from .batch import Batch, Rollout
-from .builder import Builder
+from .builder import Builder, Parameter
 from .collision import Distance, geometry_distance
 from .contact import (
     BroadPhase,
@@ -115,7 +115,7 @@ __all__ = [
     "Data", "DcMotor", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "ForceLimit", "FrameInfo",
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
-    "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError",
+    "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "Parameter", "ParseError", "PartError", "Placement", "QuaternionError",
     "RayHit", "Rays", "Recording", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
     "StateLayout", "StepReport", "StrictError", "Tendon", "TendonElement", "TendonPath", "Trajectory", "UnknownNameError",
     "UnsupportedError", "Viewer", "WORLD", "accuracy", "batch",

@@ -1,8 +1,10 @@
-"""Cost of accuracy on a scene: the sweep of the command `dyn accuracy`, as a dict, and its diagram by matplotlib.
+"""Cost of accuracy on a scene: the sweep of the command `dyn accuracy`, as a dict, and its diagram by matplotlib; and why two
+simulations differ, by `dyn compare`.
 
     result = dyn.accuracy.sweep("double_pendulum.urdf", base="fixed", q=[1.2, 0.4], target="1e-6m", budget="10s")
     result["points"], result["recommended"]
     dyn.accuracy.plot(result, "double_pendulum.svg")          # .png, .pdf: whatever matplotlib writes
+    dyn.accuracy.compare("before.xml", "after.xml", duration=2)["causes"][0]["name"]
 """
 
 from __future__ import annotations
@@ -39,9 +41,21 @@ def sweep(file: str | os.PathLike, base: str | None = None, **options: Any) -> d
     """Runs `dyn accuracy` on a robot or scene. Returns its JSON as a dict. Options are the command's own: q, v, tau, ctrl
     (numbers), configuration, duration, target="1e-6m", budget="30s", ground=True, without="limits", solver, reference, resume,
     csv, html and so on."""
+    return _answer("accuracy", [file], base, options)
+
+
+def compare(a: str | os.PathLike, b: str | os.PathLike, base: str | None = None, **options: Any) -> dict:
+    """Runs `dyn compare` on two robot files, a log and a robot file, or two logs. Returns its JSON as a dict: when the
+    divergence begins, both errors of integration, and the causes, that which explains most first. Options are the command's
+    own: duration, dt, dt_b, q, q_b, model, layout_a, svg and so on."""
+    return _answer("compare", [a, b], base, options)
+
+
+def _answer(subcommand: str, files: list[Any], base: str | None, options: dict[str, Any]) -> dict:
+    """The JSON of a subcommand of `dyn`."""
     if base not in (None, "fixed", "floating"):
         raise ArgumentError(f'base is {base!r}, but must be "fixed" or "floating".')
-    words = [command(), "accuracy", os.fspath(file), "--json", *([f"--{base}"] if base else [])]
+    words = [command(), subcommand, *map(os.fspath, files), "--json", *([f"--{base}"] if base else [])]
     for key, x in options.items():
         words += _words(key, x)
     done = subprocess.run(words, capture_output=True, text=True)

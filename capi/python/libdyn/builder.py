@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from ctypes import byref, c_char_p, c_void_p
-from typing import TYPE_CHECKING, Any
+from ctypes import byref, c_char_p, c_double, c_void_p
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from . import abi
 from .actuator import Actuator
 from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
-from .choices import member, text, whole
+from .choices import member, string, text, whole
 from .constraint import structure
-from .enums import FrameType, ShapeRole, ShapeType
+from .enums import FrameType, ParameterGroup, ShapeRole, ShapeType
 from .errors import ArgumentError
 from .joint_spec import VALUES, joint_spec
 from .library import check, lib
@@ -29,8 +29,23 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .abi import JointValues
+    from .arrays import Numbers
     from .enums import FrameTypeLike, JointTypeLike, ShapeRoleLike, ShapeTypeLike
 
+
+class Parameter(NamedTuple):
+    """A quantity of one object in a builder."""
+
+    index: int
+    """In the builder's list."""
+    group: ParameterGroup
+    object: str
+    """"joint", "link", "shape", "actuator" ..; "model": of the whole."""
+    name: str
+    """Of the object; of a shape without a name "LINK, shape K"."""
+    quantity: str
+    """"damping"; a "placement" is x, y, z and a rotation vector, in the carrying joint."""
+    values: Numbers
 
 
 class Builder:
@@ -289,6 +304,24 @@ class Builder:
     def remove_subtree(self, joint: str) -> Builder:
         """Takes away a joint and what it carries."""
         check(lib.dyn_builder_remove_subtree(self._b, text(joint, "joint")))
+        return self
+
+    def parameters(self) -> list[Parameter]:
+        """The numbers of joints, links, frames, collision shapes, actuators, tendons and constraints, one quantity of an object
+        each."""
+        out, x = [], abi.Parameter()
+        for k in range(lib.dyn_builder_parameter_count(self._b)):
+            check(lib.dyn_builder_parameter(self._b, k, byref(x)))
+            values = np.ctypeslib.as_array((c_double * x.count).from_address(x.values)).copy()
+            names = [string(t) for t in (x.object, x.name, x.quantity)]
+            out.append(Parameter(k, ParameterGroup(x.group), names[0], names[1], names[2], values))
+        return out
+
+    def set_parameter(self, parameter: Parameter | int, values: ArrayLike) -> Builder:
+        """Replaces the numbers of a quantity: one of parameters(), or its index there."""
+        a = np.atleast_1d(numbers(values, "values")).reshape(-1)
+        index = parameter.index if isinstance(parameter, Parameter) else whole(parameter, "parameter")
+        check(lib.dyn_builder_set_parameter(self._b, index, address(a), a.size))
         return self
 
     def finish(self) -> Model:

@@ -148,3 +148,18 @@ def test_values_of_joints_are_those_of_the_library():
         assert name in dyn.Builder.add_joint.__doc__
     with pytest.raises(TypeError, match="there is no value 'dampin': choose from lower"):
         dyn.Builder().add_joint("j", "revolute", dampin=1)
+
+
+def test_numbers_are_listed_and_set(go2):
+    b = dyn.Builder.from_model(go2)
+    parameters = b.parameters()
+    for p in parameters:
+        b.set_parameter(p, p.values)
+    assert b.finish().image() == go2.image()
+    thigh = next(p for p in parameters if (p.name, p.quantity) == ("FL_thigh_joint", "damping"))
+    assert thigh.object == "joint" and thigh.group is dyn.ParameterGroup.DAMPING
+    assert b.set_parameter(thigh.index, 2.5).finish().damping[go2.joint("FL_thigh_joint").idx_v] == 2.5
+    with pytest.raises(dyn.Error, match="FL_thigh_joint.*damping is -1"):
+        b.set_parameter(thigh, -1)
+    with pytest.raises(dyn.SizeError, match="has 1 numbers"):
+        b.set_parameter(thigh, [1, 2])

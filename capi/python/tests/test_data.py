@@ -208,4 +208,4 @@ def test_an_error_names_the_parts_that_are_large():
 
 def test_simulations_of_a_quadruped_take_little(go2):
     ground = dyn.Builder.from_model(go2).add_shape("universe", "half_space", name="ground").finish()
-    assert ground.data_size("simulation") <= 405e3
+    assert ground.data_size("simulation") <= 400e3

@@ -22,6 +22,7 @@ void place(const Robot& robot, const Data& data, Sample& s) {
   s.places.resize(12 * static_cast<std::size_t>(robot.nframes));
   check(dyn_forward_kinematics(robot, data, s.q.data(), nullptr, nullptr));
   check(dyn_frame_placements(robot, data, s.places.data()));
+  check(dyn_com(robot, data, s.q.data(), nullptr, nullptr, s.com, nullptr, nullptr));
 }
 
 Sample look(const Robot& robot, const Data& data) {
@@ -68,12 +69,12 @@ JointRun run_of(const Robot& robot, const json& x) {
 
 json json_of(const Samples& samples) {
   json out = json::array();
-  for (const Sample& s : samples) out.push_back({s.q, s.energy, s.momentum});
+  for (const Sample& s : samples) out.push_back({s.q, s.energy, s.momentum, s.com});
   return out;
 }
 
 Samples samples_of(const Robot& robot, const json& x) {
-  const Data data(robot, DYN_PART_FRAMES);
+  const Data data(robot, DYN_PART_FRAMES | DYN_PART_COM);
   Samples out;
   for (const json& s : x) {
     Sample y;
@@ -81,6 +82,7 @@ Samples samples_of(const Robot& robot, const json& x) {
     if (y.q.size() != static_cast<std::size_t>(robot.nq)) fail("a sample has " + std::to_string(y.q.size()) + " numbers in q.");
     for (std::size_t k = 0; k < 3; ++k) y.momentum[k] = s.at(2).at(k);
     place(robot, data, y);
+    for (std::size_t k = 0; k < 3 && s.size() > 3; ++k) y.com[k] = s.at(3).at(k);  // of means: not that of q
     out.push_back(std::move(y));
   }
   return out;
@@ -88,7 +90,8 @@ Samples samples_of(const Robot& robot, const json& x) {
 
 JointRun run(const Scene& scene, const Setting& setting) {
   const Robot& robot = scene.robot;
-  const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL, scene.effects);
+  const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL | DYN_PART_COM,
+                  scene.effects);
   set_start(robot, data, scene.start);
   JointRun out;
   const double part = scene.duration / samples, call = part / setting.parts;
@@ -187,6 +190,17 @@ Error error_between(const Robot& robot, const Samples& a, const Samples& b) {
     e.energy = std::max(e.energy, std::abs(x.energy - y.energy));
     e.momentum = std::max(
         e.momentum, std::hypot(x.momentum[0] - y.momentum[0], x.momentum[1] - y.momentum[1], x.momentum[2] - y.momentum[2]));
+  }
+  return e;
+}
+
+Error statistics_between(const Samples& a, const Samples& b) {
+  Error e;
+  const auto far = [](const double* x, const double* y) { return std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]); };
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    e.m = std::max(e.m, far(a[k].com, b[k].com));
+    e.energy = std::max(e.energy, std::abs(a[k].energy - b[k].energy));
+    e.momentum = std::max(e.momentum, far(a[k].momentum, b[k].momentum));
   }
   return e;
 }

@@ -21,7 +21,7 @@ struct Setting {
 
 struct Sample {
   Vector q, places;  // of all frames, 12 numbers each
-  double energy = 0, momentum[3] = {};
+  double energy = 0, momentum[3] = {}, com[3] = {};
 };
 using Samples = std::vector<Sample>;
 // Without places, which q says. Numbers that are not finite are null there.
@@ -58,5 +58,7 @@ struct Error {
   double momentum = 0;    // kg m/s
 };
 Error error_between(const Robot& robot, const Samples& a, const Samples& b);
+// The same of the centre of mass instead of places: what is left of motion that amplifies the smallest error.
+Error statistics_between(const Samples& a, const Samples& b);
 
 }  // namespace cli::accuracy

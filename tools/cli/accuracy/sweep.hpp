@@ -28,7 +28,9 @@ struct Reference {
   Error uncertainty;       // of itself
   std::string confidence;  // in words
   bool smooth = true;      // nothing jumped
+  bool statistics = false;  // errors are those of the centre of mass, of energy and momentum, from means over perturbed starts
 };
+Error error_from(const Scene& scene, const Reference& reference, const Samples& samples);
 
 // Seconds that are left, for all of it.
 class Budget {
@@ -55,6 +57,10 @@ using Done = std::function<void(const Point&)>;
 std::vector<Point> integrator_sweep(const Scene& scene, const Reference& reference, const Setting& contact, const Budget& budget,
                                     const Known& known, const Done& done);
 // At one step; against the tightest of them.
+// Settings between and beside those of the sweep that may be cheaper for errors that within() accepts: finer ladders, and in
+// contact the solvers and their tolerances. They are appended. Returns the cheapest, timed again, or nullptr.
+const Point* refine_cheapest(const Scene& scene, const Reference& reference, const Budget& budget,
+                             const std::function<bool(const Error&)>& within, std::vector<Point>& points);
 std::vector<Point> solver_sweep(const Scene& scene, double dt, const Budget& budget, const Known& known, const Done& done);
 
 }  // namespace cli::accuracy
