@@ -55,8 +55,8 @@ Inputs<T> inputs_of(const ActuatorRecord& r, const Data<T>& d) {
 // The representative of x nearest to y among those a period apart.
 template <class T>
 T nearest(T x, T y, double period) {
-  using std::floor;
-  return period > 0 ? x - T(period) * floor((x - y) / T(period) + T(0.5)) : x;
+  using std::remainder;
+  return period > 0 ? y + remainder(x - y, T(period)) : x;
 }
 
 template <class T>
@@ -97,7 +97,10 @@ struct Driver {
     const T ratio = v / T(std::max(x.stribeck, 1e-15));
     return T(x.coulomb) + T(x.breakaway - x.coulomb) * exp(-ratio * ratio);
   }
-  T bristle_decay() const { return T(x.bristle_stiffness) * std::abs(v) / std::max(stribeck(), T(1e-15)); }
+  T bristle_decay() const {
+    using std::abs;
+    return T(x.bristle_stiffness) * abs(v) / std::max(stribeck(), T(1e-15));
+  }
   T bristle_rate() const { return v - bristle_decay() * w[slot.bristle]; }
   T current_rate(T V, T R) const {
     const T rate = ((V - T(x.constant) * v) / R - w[slot.current]) / T(x.time_constant);

@@ -53,7 +53,7 @@ class ImplicitActuators {
 
  private:
   void begin(const ActuatorRecord& r, Index k) {
-    const T w = r.act < 0 ? command(r, d) : r.spec.late ? d.act[r.act] : activation_after(r, d, d.act[r.act], h);
+    const T w = r.act < 0 ? command(r, d) : acts_late(r, d) ? d.act[r.act] : activation_after(r, d, d.act[r.act], h);
     d.saturated[k] = 0;
     d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
   }

@@ -49,6 +49,13 @@ void set_path_force(const Model& m, Data<T>& d, Index row, Index path, T h, Path
   d.path_forces[row] = x;
 }
 
+// Whether activations act as they are at the beginning of a step. Steps for an accuracy take those at their end: either is right
+// in the limit, and these get nearer with fewer steps.
+template <class T>
+bool acts_late(const ActuatorRecord& r, const Data<T>& d) {
+  return r.spec.late && !(d.step->closed_gap > 0);
+}
+
 // Force of an actuator on a path, with what its gear makes of it, at the beginning of a step. w: what drives it.
 template <class T>
 PathForce<T> path_force_of(const ActuatorRecord& r, const Data<T>& d, const T* w) {
@@ -69,11 +76,12 @@ PathForce<T> path_force_in_step(const ActuatorRecord& r, const Data<T>& d, T h) 
   if (r.act < 0) return path_force_of(r, d, driving(r, d, w[0]));
   const T* const now = d.act + r.act;
   activations_after(r, d, now, h, w);
-  if (!has_driver(r.spec)) return path_force_of(r, d, r.spec.late ? now : w);
+  if (!has_driver(r.spec)) return path_force_of(r, d, acts_late(r, d) ? now : w);
   // a limited rate acts at once; temperature and friction are those of the beginning
   const driver::Slots slot(r.spec);
   const bool motor = r.spec.type == DYN_ACTUATOR_TYPE_DC_MOTOR;
-  for (const int k : {slot.temperature, slot.bristle, motor || r.spec.late ? slot.integral : -1, r.spec.late ? slot.current : -1})
+  const bool late = acts_late(r, d);
+  for (const int k : {slot.temperature, slot.bristle, motor || late ? slot.integral : -1, late ? slot.current : -1})
     if (k >= 0) w[k] = now[k];
   return path_force_of(r, d, w);
 }

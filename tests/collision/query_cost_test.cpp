@@ -104,7 +104,11 @@ TEST(QueryCost, GapAlongADirectionIsALowerBound) {
         const auto gap = [&](const Vec& n) { return collision::gap_along(s.a.shape, s.A, s.b.shape, s.B, n); };
         EXPECT_LE(gap(g.direction()), r.distance + r.residual + 1e-9 * size);
         EXPECT_LE(gap(r.normal), r.distance + r.residual + 1e-9 * size);
-        if (r.distance > 0.01 * size) EXPECT_NEAR(gap(r.normal), r.distance, r.residual + 1e-6 * size);
+        // the normal's own error turns it away from the best direction: the loss is of second order in it, at the larger shape
+        const double loss = 1e-6 * std::max(size_of(s.a), size_of(s.b));
+        if (r.distance > 0.01 * size) {
+          EXPECT_NEAR(gap(r.normal), r.distance, r.residual + loss);
+        }
       }
 }
 

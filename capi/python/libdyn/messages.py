@@ -37,6 +37,7 @@ DIFFERENT = {
     "dyn_model_force_limit_info": "Model.force_limits",
     "dyn_model_state_size": "Data.save_state",
     "dyn_state_layout_sizes": "StateLayout.sizes", "dyn_state_layout_convert": "Model.to_peer", "dyn_field_info": "dyn.FIELDS",
+    "dyn_builder_parameter_count": "Builder.parameters", "dyn_builder_parameter": "Builder.parameters",
     "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS", "dyn_algorithm_run": "dyn.ALGORITHMS",
     "dyn_effect_type_info": "dyn.Effect", "dyn_sensor_size": "dyn.SensorType", "dyn_version": "dyn.__version__",
     "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status",

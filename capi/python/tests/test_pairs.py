@@ -201,12 +201,10 @@ def test_primitives_fitted_to_a_mesh(bounds):
 
 
 def test_small_things_do_not_refuse_a_model():
-    """A zero quaternion in a key, a servo on a ball joint, a sphere of radius 0 in a URDF, joints that move no mass."""
+    """A zero quaternion in a key, a sphere of radius 0 in a URDF, joints that move no mass."""
     model = dyn.load_string("""<mujoco><worldbody><body><freejoint/><geom size=".1"/></body><body><joint name="b" type="ball"/><geom size=".1"/></body></worldbody>
         <keyframe><key name="k" qpos="1 2 3 0 0 0 0 0 0 0 0"/></keyframe></mujoco>""")
     assert list(model.configuration("k")) == [1, 2, 3, 0, 0, 0, 1, 0, 0, 0, 1]
-    with pytest.warns(dyn.LoadWarning, match="ball"):
-        dyn.load_string("""<mujoco><worldbody><body><joint name="b" type="ball"/><geom size=".1"/></body></worldbody><actuator><position joint="b" kp="3" gear="0 1 0"/></actuator></mujoco>""")
     with pytest.warns(dyn.LoadWarning, match="radius 0"):
         assert len(dyn.load_string(chain(1, shape='<sphere radius="0"/>'), base="fixed").shapes) == 0
 
