@@ -2215,8 +2215,8 @@ typedef enum dynQuantity {
   DYN_QUANTITY_MAGNETOMETER = 27,      /* Frame, 3: dynSensor.field, its axes. */
   /* Frame, 3: force that the parent exerts on the link of the frame, its axes. It follows from the motion of
      all that the link carries, from the contacts of the last step, and from the wrenches of
-     dyn_data_apply_wrench: one on a link that is fixed to another counts as on that one. Connects and welds are
-     left out. */
+     dyn_data_apply_wrench: one on a link that is fixed to another counts as on that one. Connects and welds
+     are left out. */
   DYN_QUANTITY_FORCE = 28,
   DYN_QUANTITY_TORQUE = 29,            /* Frame, 3: moment of the same about the frame's origin. */
   /* Frame, 1: sum of the normal forces of contacts of its link whose line meets the zone, last step. */
