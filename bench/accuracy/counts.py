@@ -72,10 +72,10 @@ def cheapest(problem):
     return best
 
 
-def table(answers):
+def table(results):
     lines = ["Evaluations of forward dynamics for an error, and the setting: `dt` or `accuracy` of an integrator.", "",
              "| problem |" + "".join(f" error {level:g} m |" for level in LEVELS), "|---|" + "---|" * len(LEVELS)]
-    for problem, best in answers:
+    for problem, best in results:
         cells = (f"{best[level][0]}, {best[level][1]} {best[level][2]:.6g}" if level in best else "" for level in LEVELS)
         lines.append(f"| {problem.name} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
@@ -103,13 +103,13 @@ def main():
     parser.add_argument("--write", action="store_true", help="puts the table in its place (bench/pages.py)")
     options = parser.parse_args()
     command = os.environ.get("DYN_CLI", PROJECT / "build/release/bin/dyn")
-    answers = []
+    results = []
     with tempfile.TemporaryDirectory() as folder:
         for problem in problems.every(command, PROJECT / "models", Path(folder)):
             if not options.problems or problem.name in options.problems.split(","):
                 print(problem.name, file=sys.stderr, flush=True)
-                answers.append((problem, cheapest(problem)))
-    text = table(answers)
+                results.append((problem, cheapest(problem)))
+    text = table(results)
     print(text)
     if options.write:
         pages.write("accuracy_counts", text)
