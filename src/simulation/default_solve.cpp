@@ -28,11 +28,11 @@ bool Island::solve_finely(Index most, double fine, dynContactReport& report) {
   return report.residual <= tolerance;
 }
 
-// Of large islands. Sweeps remove what is wrong at single contacts, the smoothing method what is wrong with the whole.
-void Island::solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report) {
+// Sweeps remove what is wrong at single contacts, the smoothing method what is wrong with the whole.
+void Island::solve_by_segments(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report) {
   using namespace tuning::default_solve;
-  if (report.residual <= near_guess) {
-    if (solve_finely(near_steps, fine, report)) return;
+  if (!large() || report.residual <= near_guess) {
+    if (solve_finely(large() ? near_steps : small_steps, fine, report)) return;
   } else {
     sweeps.load();  // segments are numbered anew once ordered
     sweeps.run(far_sweeps, report), sweeps.write();
@@ -40,7 +40,7 @@ void Island::solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactRepo
   }
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
   if (unsolved()) Smoothing(*this).run(smoothing_steps, report);
-  if (unsolved() && rows <= tuning::island::dense_rows) newton(report, true);
+  if (unsolved() && large() && rows <= tuning::island::dense_rows) newton(report, true);
   if (report.residual <= tolerance) solve_finely(end_steps, fine, report);
 }
 
@@ -57,12 +57,7 @@ void Island::solve_to_default(dynContactReport& report) {
     report.residual = sweeps.residual();
   }
   const double fine = wanted(report.residual, tuning::island::fine);
-  const bool near = report.residual <= (equalities > 0 ? max_guess : near_guess);
-  if (report.residual > fine && (large() || near) && !w.time_is_up() && ordered()) {
-    if (large()) solve_large(fine, sweeps, report);
-    else solve_finely(small_steps, fine, report);
-    sweeps.load();
-  }
+  if (report.residual > fine && !w.time_is_up() && ordered()) solve_by_segments(fine, sweeps, report), sweeps.load();
   w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
   if (report.residual > tolerance && (report.newton_steps == 0 || (!large() && within_budget(report)))) {
     const Index left = std::max<Index>(1, allowance - report.iterations - report.newton_steps);

@@ -98,7 +98,7 @@ struct Island {
   // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);
-  void solve_large(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report);
+  void solve_by_segments(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report);
   bool solve_finely(Index most, double fine, dynContactReport& report);
   void solve_exactly(dynContactReport& report);
   bool relaxation_is_due() const;  // now and then

@@ -126,8 +126,8 @@ void Island::project_rhs_to_range() {
   inconsistency = most > 0 ? off / most : 0;
 }
 
-// Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. By default a short
-// try comes before them for the fine residual, which costs little or very much.
+// Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. The first try ends
+// at a residual of `enough` after a few iterations: finer ones cost little or very much.
 void Island::solve(dynContactReport& best) {
   if (!has_room_for_matrix()) return;
   w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
@@ -141,24 +141,19 @@ void Island::solve(dynContactReport& best) {
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
   const dynContactSolverType other =
       w.options.solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
-  const Index all = w.method_iterations(), few = std::min(all, tuning::island::few_iterations);
   const struct {
     dynContactSolverType solver;
-    bool warm, sweeps;
+    bool warm;
     double tolerance;
-    Index most;
-  } tries[] = {{w.options.solver, true, true, tolerance, enough > tolerance ? few : 0},
-               {w.options.solver, true, true, enough, all},
-               {w.options.solver, false, false, enough, all},
-               {other, false, false, enough, all}};
+  } tries[] = {{w.options.solver, true, tolerance}, {w.options.solver, false, enough}, {other, false, enough}};
   std::int32_t iterations = best.iterations, newton_steps = best.newton_steps;  // counts what was tried before
   for (const auto& t : tries) {
-    if (t.most == 0) continue;
     matrix();
     solver::Budget b;
     b.tolerance = t.tolerance,
-    b.max_iterations = std::min(t.most, std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
-    b.warm = t.warm, b.sweeps = t.sweeps;
+    b.max_iterations = std::min(w.method_iterations(), std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
+    b.enough = enough, b.few = tuning::island::few_iterations;
+    b.warm = b.sweeps = t.warm;
     b.brief = true, b.limit = &w.limit;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);

@@ -61,7 +61,7 @@ inline constexpr double correction_softness = 1e-6;
 inline constexpr double far_softness = 1e-2;
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr int relaxed_every = 64;        // steps of dt: the smallest impulses cost a Newton step
-inline constexpr Index few_iterations = 20;     // of the dense matrix's first try, where it may end at the default residual
+inline constexpr Index few_iterations = 20;     // of the dense matrix, after which a tolerated residual ends it
 inline constexpr int rounds = 3;                // of method_iterations for all methods together; once more for fixed corrections
 inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt; with an accuracy, at impacts
 inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default
@@ -89,7 +89,7 @@ namespace sweeps {
 inline constexpr double progress = 0.8;         // of the change, from check to check: more is no progress
 inline constexpr int depth = 5;                 // sweeps that Anderson's acceleration combines
 inline constexpr double growth = 2;             // of a sweep's change over the last: above it the combination starts anew
-inline constexpr Index small_sweeps = 50;       // where other methods follow
+inline constexpr Index small_sweeps = 10;       // where other methods follow
 inline constexpr int guess_sweeps = 4;          // over a nearly good guess: cheaper than a matrix
 inline constexpr Index first_sweeps = 5, max_small = 10;  // before Newton; small islands have a matrix after max_small
 inline constexpr int correction_sweeps = 20;    // bound for position corrections
@@ -98,10 +98,9 @@ inline constexpr double correction_change = 0.02;  // of the first sweep's chang
 
 // The solve by default (default_solve.cpp).
 namespace default_solve {
-// residual of the guess up to which Newton's method is tried first; with equalities, which have no guess, in small islands
-inline constexpr double near_guess = 0.02, max_guess = 1;
-inline constexpr Index small_steps = 16, near_steps = 4, end_steps = 4;  // of Newton's method; end: after the smoothing method
-inline constexpr Index far_sweeps = 10, smoothing_steps = 50;  // of large islands
+inline constexpr double near_guess = 0.02;      // residual of the guess up to which large islands try Newton's method first
+inline constexpr Index small_steps = 8, near_steps = 4, end_steps = 4;  // of Newton's method; end: after the smoothing method
+inline constexpr Index far_sweeps = 10, smoothing_steps = 50;
 inline constexpr Index small_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
 

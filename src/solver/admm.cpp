@@ -1,7 +1,5 @@
 #include "solver/admm.hpp"
 
-#include "solver/smoothing.hpp"
-
 namespace dyn::solver {
 
 namespace {
@@ -34,8 +32,7 @@ void admm(Workspace& w, Budget& b) {
   }
   // if all fail, the interior point method starts from smaller impulses, after as many more steps
   for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
-    if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor) ||
-        (factor == 1 && smoothing_newton(w, b)))
+    if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor))
       return;
 }
 

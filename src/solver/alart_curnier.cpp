@@ -10,14 +10,19 @@ using namespace tuning::alart_curnier;
 
 class DenseNewton {
  public:
-  DenseNewton(Workspace& w, Budget& b, bool damped_steps)
-      : max_damping(damped_steps ? tuning::alart_curnier::max_damping : 0), w(w), p(w.problem), b(b) {}
+  DenseNewton(Workspace& w, Budget& b, Index damped_steps)
+      : max_damping(damped_steps > 0 ? tuning::alart_curnier::max_damping : 0),
+        most(damped_steps > 0 ? damped_steps : max_steps),
+        w(w),
+        p(w.problem),
+        b(b) {}
   bool run(const double* y, const double* c);
 
   // of the operator
   static constexpr double least_compliance = tuning::proximal, short_damping = tuning::alart_curnier::short_damping,
                           first_damping = tuning::alart_curnier::first_damping;
   const double max_damping;
+  const Index most;  // steps
   template <class F>
   void for_each(F&& f) const {
     for (Index k = 0; k < p.blocks; ++k) f(p.block[k], w.state[k], k);
@@ -122,12 +127,12 @@ bool DenseNewton::run(const double* y, const double* c) {
     }
     return error.speed() < near * b.tolerance && keep() ? Progress::solved : Progress::going;
   };
-  return method.run(max_damping > 0 ? max_damped_steps : max_steps, may_step, accept) || keep();
+  return method.run(most, may_step, accept) || keep();
 }
 
 }  // namespace
 
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool damped_steps) {
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, Index damped_steps) {
   return DenseNewton(w, b, damped_steps).run(y, c);
 }
 

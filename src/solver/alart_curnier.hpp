@@ -6,8 +6,8 @@
 namespace dyn::solver {
 
 // Steps from y with c = G y + g while the error falls; the best iterate goes to w.y. Returns true when the tolerance is met.
-// damped_steps: for distant starts. If no step length helps, steps are damped; then the error need only fall below one of the
-// last twelve (nonmonotone: Grippo, Lampariello and Lucidi 1986).
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool damped_steps = false);
+// damped_steps > 0: at most so many, for distant starts. If no step length helps, steps are damped; then the error need only fall
+// below one of the last twelve (nonmonotone: Grippo, Lampariello and Lucidi 1986).
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, Index damped_steps = 0);
 
 }  // namespace dyn::solver

@@ -10,6 +10,8 @@ namespace dyn::solver {
 struct Budget {
   double tolerance = 0;  // of the residual (unit of Worst)
   Index max_iterations = 0;
+  double enough = 0;  // of the residual: with `few` iterations so much is
+  Index few = 0;
   double relaxation = 0;
   bool newton = true;
   bool warm = false;  // start from the caller's guess
@@ -22,7 +24,7 @@ struct Budget {
   double best = HUGE_VAL;  // residual of w.y
 
   bool spent() {
-    if (iterations + newton_steps >= max_iterations) {
+    if (iterations + newton_steps >= (best <= enough ? std::min(few, max_iterations) : max_iterations)) {
       status = DYN_CONTACT_STATUS_MAX_ITERATIONS;
       return true;
     }

@@ -1,7 +1,5 @@
 #include "solver/newton.hpp"
 
-#include "solver/smoothing.hpp"
-
 namespace dyn::solver {
 
 namespace {
@@ -32,7 +30,7 @@ void newton(Workspace& w, Budget& b) {
   }
   // if all fail, the interior point method starts from smaller impulses, and as many more steps follow
   for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
-    if (interior(w, b, factor) || (factor == 1 && smoothing_newton(w, b)) ||
+    if (interior(w, b, factor) ||
         augmented_lagrangian(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))))
       return;
 }

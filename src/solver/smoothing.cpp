@@ -69,8 +69,7 @@ Progress DenseSmoothing::accept() {
 
 bool DenseSmoothing::run() {
   if (p.n > max_rows) return false;
-  std::fill_n(w.x, p.n, 0.0);
-  std::copy_n(p.g, p.n, w.v);
+  std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   return method.run(max_steps, [&] { return !b.spent() && ++b.newton_steps; }, [&] { return accept(); });
 }
 

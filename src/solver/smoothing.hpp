@@ -5,7 +5,7 @@
 
 namespace dyn::solver {
 
-// Starts from zero impulses. Returns true when the tolerance is met.
+// Starts from the best iterate. Returns true when the tolerance is met.
 bool smoothing_newton(Workspace& w, Budget& b);
 
 }  // namespace dyn::solver

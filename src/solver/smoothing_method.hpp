@@ -131,17 +131,20 @@ void SmoothingMethod<Operator>::set_law(const Block& s, BlockState& state, LawMa
   }
 }
 
-// A whole step, or its half if the map's norm is then not below `most`. Returns false if there is none.
+// A whole step, or its half if the map's norm is then not below `most`. If that is not either, none but more damping, while that may
+// grow. Returns false if there is no step.
 template <class Operator>
 bool SmoothingMethod<Operator>::step(double most, double& size) {
   using namespace tuning::smoothing;
   G.for_each([&](const Block& s, BlockState& state, Index k) { by_rows(s, [&]<int rows>() { set_law<rows>(s, state, G.law(k)); }); });
   if (!G.factorize()) return false;
   G.solve(left, dy, dc);
+  const double used = damped, before = size;
   double t = 1;
   size = error(t);
   if (!(size <= most)) size = error(t /= 2), damped = std::min(damping, more_damping * damped);
   else damped = std::max(least_damping, less_damping * damped);
+  if (!(size <= most) && used < damping) return damped = std::min(damping, refused_damping * used), size = before, true;
   if (!std::isfinite(size)) return false;
   for (Index i = 0; i < n; ++i) y[i] += t * dy[i], c[i] += t * dc[i];
   return true;

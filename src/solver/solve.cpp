@@ -40,8 +40,8 @@ void Attempt::operator()(double restitution) {
   Problem& p = w.problem;
   for (Index i = 0; i < p.n; ++i) p.g[i] = w.free_g[i] + restitution * p.approach[i];
   p.speed = free_speed();
-  const double tolerance = b.tolerance;
-  b.tolerance *= p.speed, b.best = HUGE_VAL, b.status = DYN_CONTACT_STATUS_STALLED;
+  const double tolerance = b.tolerance, enough = b.enough;
+  b.tolerance *= p.speed, b.enough *= p.speed, b.best = HUGE_VAL, b.status = DYN_CONTACT_STATUS_STALLED;
   std::copy_n(w.y, p.n, w.x);
   times(p.G, w.x, p.g, w.v, p.n);
   if (p.speed == 0) {  // nothing moves
@@ -53,7 +53,7 @@ void Attempt::operator()(double restitution) {
     if (b.best == HUGE_VAL) std::copy_n(w.x, p.n, w.y), std::copy_n(w.v, p.n, w.c);  // too large to be the best: yet the start
     solver(w, b);
   }
-  b.tolerance = tolerance;
+  b.tolerance = tolerance, b.enough = enough;
   if (b.brief && !p.bounces)
     out.residual = b.best > 0 ? b.best / p.speed : 0;
   else

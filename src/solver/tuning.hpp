@@ -25,7 +25,7 @@ inline constexpr double immovable = 1e-24;        // of the largest diagonal: ro
 
 // Start of admm and newton (start.hpp).
 namespace start {
-inline constexpr double close_guess = 1e-3;    // residual over speed from which Newton is tried before any sweep
+inline constexpr Index guess_steps = 8, sweep_steps = 30;  // damped Newton steps from a guess, and from what sweeps leave
 inline constexpr double max_contraction = 0.7;  // sweeps go on while each reduces the error by this factor,
 inline constexpr double rows_a_sweep = 12;      // or by exp(-this / rows): a sweep costs 1/n of a factorization
 }  // namespace start
@@ -104,7 +104,7 @@ namespace alart_curnier {
 // Levenberg-Marquardt, of the unit diagonal: after a short step, after a failed one, the largest
 inline constexpr double short_damping = 1e-8, first_damping = 1e-3, max_damping = 1;
 inline constexpr double near = 1e3;            // tolerances: error at which the projected iterate may be a solution
-inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one attempt
+inline constexpr Index max_steps = 20;         // of one attempt without damping
 }  // namespace alart_curnier
 
 // Smoothing Newton method (smoothing_method.hpp): measured on heaps, dominoes and jams of 10 to 2,000 rows
@@ -112,14 +112,15 @@ namespace smoothing {
 inline constexpr double rho = 1;                // of the natural map, over the mean diagonal of a block
 // of the unit diagonal, against redundant contacts and steps that would be too long: at first and at most, at least,
 inline constexpr double damping = 1e-2, least_damping = 1e-5;
-inline constexpr double less_damping = 0.6, more_damping = 4;  // times so much after a whole step, after a half one
+// times so much after a whole step, after a half one, after one that is refused
+inline constexpr double less_damping = 0.6, more_damping = 4, refused_damping = 10;
 inline constexpr double open = 1e-6;            // slope of the projection below which a block is left out of a step
 inline constexpr double closeness = 0.3;        // of eps: error of the map, on average, at which eps falls,
-inline constexpr double reduction = 0.2, slow_reduction = 0.7;  // to this share of it, else to that,
+inline constexpr double reduction = 0.3, slow_reduction = 0.7;  // to this share of it, else to that,
 inline constexpr int steps_each = 6;            // after these Newton steps
 inline constexpr int memory = 4;                // errors, of which a whole step stays below the largest
 inline constexpr double least = 1e-150;         // eps whose square is not zero
-inline constexpr Index max_steps = 80, max_rows = 64;  // of a dense matrix: a step factorizes all rows, without symmetry
+inline constexpr Index max_steps = 40, max_rows = 240;  // of a dense matrix: a step factorizes all rows, without symmetry
 inline constexpr double newton_error = 1e-3, newton_reduction = 0.1;  // as of the interior point method
 }  // namespace smoothing
 
