@@ -1,5 +1,7 @@
 #include "solver/admm.hpp"
 
+#include "solver/smoothing.hpp"
+
 namespace dyn::solver {
 
 namespace {
@@ -32,7 +34,8 @@ void admm(Workspace& w, Budget& b) {
   }
   // if all fail, the interior point method starts from smaller impulses, after as many more steps
   for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
-    if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor))
+    if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor) ||
+        (factor == 1 && !b.is_rough() && smoothing_newton(w, b)))
       return;
 }
 

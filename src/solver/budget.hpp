@@ -10,7 +10,7 @@ namespace dyn::solver {
 struct Budget {
   double tolerance = 0;  // of the residual (unit of Worst)
   Index max_iterations = 0;
-  double enough = 0;  // of the residual: with `few` iterations so much is
+  double enough = -1;  // of the residual: after `few` iterations, so much ends the solve
   Index few = 0;
   double relaxation = 0;
   bool newton = true;
@@ -23,6 +23,7 @@ struct Budget {
   dynContactStatus status = DYN_CONTACT_STATUS_STALLED;
   double best = HUGE_VAL;  // residual of w.y
 
+  bool is_rough() const { return enough > tolerance; }
   bool spent() {
     if (iterations + newton_steps >= (best <= enough ? std::min(few, max_iterations) : max_iterations)) {
       status = DYN_CONTACT_STATUS_MAX_ITERATIONS;

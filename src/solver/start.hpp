@@ -9,27 +9,47 @@
 
 namespace dyn::solver {
 
-// Newton's method from a guess, which few steps lead to the solution or none; where it fails, the smoothing method from there.
-// Without a guess two Gauss-Seidel sweeps first, and more while they converge fast: larger factorizations justify more.
+// Returns whether all contacts of the best iterate stick. They should stay so: redundant normal forces may also be shared out
+// so that contacts slip, and sweeps may lead there (a box in a gripper).
+inline bool all_contacts_stick(const Workspace& w) {
+  bool stick = true;
+  w.problem.for_each([&](const Block& s) {
+    const double *y = w.y + s.first, *c = w.c + s.first, normal = s.mu * (y[0] - c[0]);
+    double square = 0;
+    for (Index i = 1; i < s.rows; ++i) square += (y[i] - c[i]) * (y[i] - c[i]);
+    stick &= !(s.is_cone() && normal > 0 && square > normal * normal);
+  });
+  return stick;
+}
+
+// Newton's method from a guess, after one sweep if it is not close. For a rough residual, few steps lead to the solution or none do,
+// and the smoothing method goes on from there. Without a guess two sweeps first, and more while they converge fast: larger factorizations justify more.
 // Returns true when the tolerance is met.
 inline bool start(Workspace& w, Budget& b) {
   using namespace tuning::start;
   const Problem& p = w.problem;
   if (!b.newton || !b.sweeps) return false;
-  if (b.warm && (alart_curnier(w, b, w.y, w.c, guess_steps) || smoothing_newton(w, b))) return true;
+  const auto sweep_once = [&] { sweep(Dense{p, w.v}, 1, w.x), ++b.iterations; };
+  const auto refine = [&](Index steps) {
+    times(p.G, w.x, p.g, w.v, p.n);  // without accumulated round-off
+    return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, steps);
+  };
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
+  if (b.warm) {
+    if (!(b.best < close_guess * p.speed || all_contacts_stick(w))) sweep_once();
+    if (refine(b.is_rough() ? guess_steps : sweep_steps) || (b.is_rough() && smoothing_newton(w, b))) return true;
+    std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
+  }
   const double fast = std::min(max_contraction, math::exp(-rows_a_sweep / p.n));
   double error = HUGE_VAL;
   bool going = true;
   for (Index k = 1; going && !b.spent(); ++k) {
-    sweep(Dense{p, w.v}, 1, w.x);
+    sweep_once();
     const double before = error;
     error = residual(p, w.x, w.v).residual;
-    ++b.iterations;
     going = error > b.tolerance && (k < 2 || error < fast * before);
   }
-  times(p.G, w.x, p.g, w.v, p.n);  // without accumulated round-off
-  return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, sweep_steps) || (!b.warm && smoothing_newton(w, b));
+  return refine(sweep_steps);
 }
 
 }  // namespace dyn::solver

@@ -25,6 +25,7 @@ inline constexpr double immovable = 1e-24;        // of the largest diagonal: ro
 
 // Start of admm and newton (start.hpp).
 namespace start {
+inline constexpr double close_guess = 1e-3;    // residual over speed from which Newton is tried before any sweep
 inline constexpr Index guess_steps = 8, sweep_steps = 30;  // damped Newton steps from a guess, and from what sweeps leave
 inline constexpr double max_contraction = 0.7;  // sweeps go on while each reduces the error by this factor,
 inline constexpr double rows_a_sweep = 12;      // or by exp(-this / rows): a sweep costs 1/n of a factorization

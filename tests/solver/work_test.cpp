@@ -83,8 +83,8 @@ struct Start {
   }
 };
 
-void newton_from_zero(Start& x) { solver::alart_curnier(x.w, x.b, x.w.x, x.w.v, false); }
-void damped_newton(Start& x) { solver::alart_curnier(x.w, x.b, x.w.x, x.w.v, true); }
+void newton_from_zero(Start& x) { solver::alart_curnier(x.w, x.b, x.w.x, x.w.v); }
+void damped_newton(Start& x) { solver::alart_curnier(x.w, x.b, x.w.x, x.w.v, solver::tuning::start::sweep_steps); }
 void interior_points(Start& x) { solver::interior(x.w, x.b, 1); }
 void admm_alone(Start& x) { x.b.newton = false, solver::admm(x.w, x.b); }
 void augmented_lagrangian(Start& x) { x.b.newton = false, solver::newton(x.w, x.b); }
