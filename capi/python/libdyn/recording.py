@@ -14,6 +14,7 @@ from .describe import coordinate_names
 from .enums import ActuatorType, FrameType, Part, Transmission
 from .errors import ArgumentError, UnsupportedError
 from .library import version
+from .picture import Camera, Renderer
 
 if TYPE_CHECKING:
     from .arrays import Numbers
@@ -47,7 +48,7 @@ class Recording:
     True
 
     Arrays have a row for each moment: t, q, v, tau, ctrl, actuator_force, energy; sensors is {name: rows}, contacts a list for
-    each. to_html writes a page, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
+    each. to_html writes a page, to_mp4 a video, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
     """
 
     def __init__(self, simulation: Simulation, every: int):
@@ -219,6 +220,28 @@ class Recording:
                 for topic, message in (("/moment", row), ("/tf", {"transforms": transforms})):
                     log.add_message(channel_id=channels[topic], log_time=ns, publish_time=ns, data=json.dumps(message).encode())
             log.finish()
+
+    def to_mp4(self, path: str | os.PathLike[str], width: int = 640, height: int = 480, *, camera: Camera | None = None,
+               fps: float = 30.0, speed: float = 1.0, **drawing: Any) -> None:
+        """Writes a video by ffmpeg, of the system or of the package imageio-ffmpeg. speed: 0.5 is slow motion; between moments
+        configurations are interpolated; drawing: more of dyn.Renderer."""
+        from .video import Video  # not before: most programs write none
+
+        if not len(self):
+            raise ArgumentError("the recording has no moments.")
+        if not 0 < speed < np.inf:
+            raise ArgumentError(f"speed is {speed}, but must be more than 0.")
+        renderer, t, q = Renderer(self.model, width, height, camera, **drawing), self.t, self.q
+        with Video(path, width, height, fps) as video:
+            for k in range(int((t[-1] - t[0]) * fps / speed + 1e-9) + 1):
+                video.add(renderer.render(self._between(t, q, t[0] + k * speed / fps)))
+
+    def _between(self, t: Numbers, q: Numbers, at: float) -> Numbers:
+        """q at a time, interpolated."""
+        k = int(np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 1))
+        if k == len(t) - 1 or at <= t[k]:
+            return q[k]
+        return self.model.interpolate(q[k], q[k + 1], (at - t[k]) / (t[k + 1] - t[k]))
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Writes a page that plays the recording and needs nothing else. Needs the command dyn."""
