@@ -105,7 +105,7 @@ from .sensor import Sensor
 from .simulation import ContactForce, ErrorLedger, StepReport
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo, FieldInfo
 from .tendon import Tendon, TendonElement, TendonPath
-from .variation import vary
+from .variation import vary, with_inertial_parameters
 from .viewing import view
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
@@ -125,6 +125,6 @@ __all__ = [
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
     "is_physically_consistent", "last_error", "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters",
     "log_cholesky_jacobian", "models", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia",
-    "pseudo_inertia_from_parameters", "spatial", "vary", "view", "write_png",
+    "pseudo_inertia_from_parameters", "spatial", "vary", "view", "with_inertial_parameters", "write_png",
 ]  # fmt: skip
 __all__ += enums.__all__

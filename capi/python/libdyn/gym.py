@@ -36,7 +36,9 @@ from .simulate import Simulation
 from .tasks import FARTHEST, Task, task_of
 
 if TYPE_CHECKING:
-    from .arrays import Numbers
+    from numpy.typing import NDArray
+
+    from .arrays import Integers, Numbers
     from .picture import Image
 
 MODES = ["human", "rgb_array"]
@@ -236,7 +238,7 @@ class TaskVectorEnv(VectorEnv):
         self._picture = (width, height, camera or self.task.camera)
         self._renderer: Renderer | None = None
 
-    def _begin(self, k: int) -> None:
+    def _begin(self, k: Any) -> None:
         self._variant[k] = _variant(self._random[k], len(self._singles))
         single = self._singles[self._variant[k]]
         q, v, self._goal[k] = self.task.begin(self._random[k])
@@ -257,7 +259,7 @@ class TaskVectorEnv(VectorEnv):
             self._begin(k)
         return self._observe(), {}
 
-    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers, dict]:
+    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, NDArray[np.bool_], NDArray[np.bool_], dict]:
         task, reward, over = self.task, np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         info: dict[str, Any] = {}
         begins, go = np.flatnonzero(self._ended), np.flatnonzero(~self._ended)
@@ -280,12 +282,12 @@ class TaskVectorEnv(VectorEnv):
                 reasons = np.full(self.num_envs, None, object)
                 for name, is_so in reversed(ends.items()):
                     reasons[go[is_so]] = name
-                info["ended"], info["_ended"] = reasons, np.not_equal(reasons, None)
+                info["ended"], info["_ended"] = reasons, np.array([x is not None for x in reasons])
         late = ~over & (self._age >= self.max_episode_steps)
         self._ended = over | late
         return self._observe(), reward, over, late, info
 
-    def _advance(self, go: Numbers, control: Numbers) -> Numbers:
+    def _advance(self, go: Integers, control: Numbers) -> NDArray[np.bool_]:
         """Steps environments, and says of which the steps could be made; the others stay."""
         done = np.zeros(len(go), bool)
         for variant, batch in enumerate(self._batches):

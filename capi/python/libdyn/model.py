@@ -26,8 +26,6 @@ from .sensor import ModelSensors
 from .tendon import ModelTendons
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from .arrays import Integers, Numbers
     from .enums import PartLike
 
@@ -149,10 +147,3 @@ class Model(
         pi = np.empty(10 * (self.njoints - 1))
         check(lib.dyn_model_inertial_parameters(self._m, address(pi)))
         return pi
-
-    def with_inertial_parameters(self, pi: ArrayLike) -> Model:
-        """The model with other bodies: pi as inertial_parameters() returns it. Of a joint whose ten numbers change, the first
-        link takes all, and its other links have no mass."""
-        from .variation import with_inertial_parameters  # which needs this module
-
-        return with_inertial_parameters(self, pi)

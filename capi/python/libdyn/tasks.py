@@ -16,8 +16,12 @@ from .picture import Camera
 from .variation import vary
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from .arrays import Numbers
     from .model import Model
+
+    Booleans = NDArray[np.bool_]
 
 FARTHEST = 100.0
 """Observations are clipped to this size: spaces are finite."""
@@ -65,7 +69,7 @@ class Task:
         """Terms (N,) that add up to the reward; before: q where the action began."""
         raise NotImplementedError
 
-    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Numbers]:
+    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Booleans]:
         """Reasons for an end (N,)."""
         return {}
 
@@ -140,14 +144,16 @@ class Walk(Task):
         return q, np.zeros(len(q) - 1), np.empty(0)
 
     def control(self, action: Numbers) -> Numbers:
-        return self.stance + self.robot.reach * np.clip(action, -1, 1)
+        found: Numbers = self.stance + self.robot.reach * np.clip(action, -1, 1)
+        return found
 
     def _height(self, q: Numbers) -> Numbers:
         """(N, 1), m: of the base above the ground."""
         if self._heights is None:
             return q[:, 2:3]
         cell = np.clip(np.rint(np.nan_to_num(q[:, :2]) / _CELL + (_CELLS - 1) / 2).astype(int), 0, _CELLS - 1)
-        return q[:, 2:3] - self._heights[cell[:, 1], cell[:, 0]][:, None]
+        above: Numbers = q[:, 2:3] - self._heights[cell[:, 1], cell[:, 0]][:, None]
+        return above
 
     @staticmethod
     def _down(q: Numbers) -> Numbers:
@@ -166,7 +172,7 @@ class Walk(Task):
         speed: Numbers = (q[:, 0] - before[:, 0]) / (self.dt * self.every)
         return speed
 
-    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Numbers]:
+    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Booleans]:
         return {"height": self._height(q)[:, 0] < self.robot.fallen, "tilt": self._down(q)[:, 2] > _TILTED}
 
     def info(self, before: Numbers, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Numbers]:
@@ -179,7 +185,8 @@ def _bumps() -> Numbers:
     heights = np.random.default_rng(1).uniform(0, _BUMP, (_CELLS, _CELLS))
     along = (np.arange(_CELLS) - (_CELLS - 1) / 2) * _CELL
     away = np.hypot(along[:, None], along[None, :])
-    return heights * np.clip(away - 0.5, 0, 1)
+    found: Numbers = heights * np.clip(away - 0.5, 0, 1)
+    return found
 
 
 def _boards(builder: Builder) -> None:
@@ -219,7 +226,7 @@ class CartPole(Task):
     def rewards(self, before: Numbers, q: Numbers, v: Numbers, action: Numbers, goal: Numbers) -> dict[str, Numbers]:
         return {"upright": np.ones(len(q))}
 
-    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Numbers]:
+    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Booleans]:
         return {"cart": np.abs(q[:, 0]) > 2.4, "pole": np.abs(q[:, 1]) > np.deg2rad(12)}
 
     def info(self, before: Numbers, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Numbers]:
@@ -332,7 +339,7 @@ class Lift(Task):
     def rewards(self, before: Numbers, q: Numbers, v: Numbers, action: Numbers, goal: Numbers) -> dict[str, Numbers]:
         return {"distance": -np.abs(self._away(q)), "height": 10 * np.clip(self._up(q), 0, 0.2)}
 
-    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Numbers]:
+    def ends(self, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Booleans]:
         return {"away": np.abs(q[:, self._cube : self._cube + 2]).max(axis=1) > 0.3}
 
     def info(self, before: Numbers, q: Numbers, v: Numbers, goal: Numbers) -> dict[str, Numbers]:

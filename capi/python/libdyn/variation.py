@@ -66,14 +66,15 @@ def vary(model: Model, random: np.random.Generator | int | None = None, *, com: 
     if not 0 <= com < np.inf:
         raise ArgumentError(f"com is {com!r}, but must be a distance, 0 or more.")
     rules = {(kind, quantity): name for name in ranges for kind, quantities in [QUANTITIES[name]] for quantity in quantities}
-    builder, factors = Builder.from_model(model), {}
+    factors: dict[tuple[str, str], float] = {}
+    builder = Builder.from_model(model)
     massive = {p.name for p in builder.parameters() if p.quantity == "mass" and p.values[0] > 0}
     for p in builder.parameters():
-        name = rules.get((p.object, p.quantity))
-        if name is not None:
-            key = name, p.name
+        rule = rules.get((p.object, p.quantity))
+        if rule is not None:
+            key = rule, p.name
             if key not in factors:
-                factors[key] = generator.uniform(*ranges[name])
+                factors[key] = generator.uniform(*ranges[rule])
             if p.values.any():
                 builder.set_parameter(p, p.values * factors[key])
         elif com and p.object == "link" and p.quantity == "com" and p.name in massive:
@@ -82,7 +83,8 @@ def vary(model: Model, random: np.random.Generator | int | None = None, *, com: 
 
 
 def with_inertial_parameters(model: Model, pi: ArrayLike) -> Model:
-    """See Model.with_inertial_parameters."""
+    """The model with other bodies: pi as Model.inertial_parameters() returns it. Of a joint whose ten numbers change, the first
+    link takes all, and its other links have no mass."""
     bodies = np.asarray(pi, float)
     if bodies.size != 10 * (model.njoints - 1):
         raise ArgumentError(f"pi has {bodies.size} numbers, but model {model.name!r} has {10 * (model.njoints - 1)}: ten a joint.")

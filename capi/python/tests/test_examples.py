@@ -25,6 +25,7 @@ RUNS = {
     "gravity_compensation": ([], "bit for bit"),
     "identification": ([], "torques determine"),
     "inverse_kinematics": (["100"], "dyn's ik met"),
+    "learn": (["cart_pole", "--actions", "60000", "--envs", "32", "--goal", "100"], "mean return"),
     "operational_space": ([], "mrad off"),
     "quadruped_project": ([], "nq 19, nv 18, 14 joints"),
     "quadruped_stands": (["5"], "pushed from the left"),

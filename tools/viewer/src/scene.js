@@ -64,6 +64,18 @@ export class Scene {
     this.redraw();
   }
 
+  // All of the robot, from where the camera is.
+  fit() {
+    const box = this.robot.box(), centre = box.getCenter(new THREE.Vector3());
+    const distance =
+      (0.62 * Math.max(box.getSize(new THREE.Vector3()).length(), 0.05)) / Math.tan((this.camera.fov * Math.PI) / 360);
+    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).addScaledVector(away, distance);
+    this.controls.update();
+    this.redraw();
+  }
+
   // Light, and with `follow` the camera, go with the robot.
   track(point) {
     if (this.follow && this.last) {

@@ -1,0 +1,54 @@
+"""A simulation of the Python package in a browser: sliders of its controls, single steps."""
+
+import os
+import sys
+import threading
+
+import pytest
+from conftest import MODELS, ROOT, dyn
+
+sys.path.insert(0, str(ROOT / "capi" / "python"))
+
+
+@pytest.fixture
+def viewer(bundle, monkeypatch):
+    monkeypatch.setenv("DYN_CLI", os.fspath(dyn.command))
+    libdyn = pytest.importorskip("libdyn", reason="the package libdyn finds no library")
+    simulation = libdyn.Simulation(MODELS / "scenes/go2_stands.xml", "standing")
+    with simulation.view(open=False) as viewer:
+        thread = threading.Thread(target=viewer.run)
+        thread.start()
+        yield viewer
+    thread.join(20)
+    assert not thread.is_alive()
+
+
+def test_sliders_hold_controls(page, viewer):
+    page.open(viewer.address)
+    page.page.wait_for_function("dynView.live.state?.time > 0.1")
+    model = viewer.simulation.model
+    names = page("Array.from(document.querySelectorAll('[data-control]'), (s) => [s.dataset.control, Number(s.min), Number(s.max)])")
+    assert [name for name, _, _ in names] == list(model.actuator_names)
+    k = model.actuator("FL_thigh").idx_u
+    page(f"(() => {{ const s = document.querySelectorAll('[data-control]')[{k}]; s.value = 1.2; s.dispatchEvent(new Event('input')); }})()")
+    q = model.joint("FL_thigh_joint").idx_q
+    page.page.wait_for_function(f"dynView.live.state.q[{q}] > 1.0")
+    assert viewer.held == {k: pytest.approx(1.2, abs=0.01)}
+    page.page.wait_for_function("document.querySelectorAll('.joint.held').length === 1")
+    page.page.click("#release")
+    page.page.wait_for_function("document.querySelectorAll('.joint.held').length === 0")
+    assert viewer.held == {} and page.complaints == []
+
+
+def test_single_steps(page, viewer):
+    page.open(viewer.address)
+    page.page.wait_for_function("dynView.live.state?.time > 0.05")
+    page.page.click("#pause")
+    page.page.wait_for_function("dynView.live.state.paused")
+    page.page.wait_for_timeout(100)
+    before = viewer.simulation.time
+    for _ in range(3):
+        page.page.click("#step")
+    page.page.wait_for_function(f"dynView.live.state.time > {before + 2.5 * viewer.simulation.dt}")
+    page.page.wait_for_timeout(100)
+    assert viewer.simulation.time == pytest.approx(before + 3 * viewer.simulation.dt, abs=1e-12)
