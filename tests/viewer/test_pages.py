@@ -69,7 +69,8 @@ def test_dark_mode(browser, fall):
     context.close()
 
 
-def test_fit_brings_the_robot_back(page, fall):
+def test_buttons_and_fields(page, fall):
+    """Fit brings back a robot that was lost; a picture is saved; curves are searched; whatever is moved has a name."""
     page.open(f"file://{fall[0]}")
     page("dynView.player.play(false), dynView.player.seek(0)")
     page("(() => { const c = dynView.scene.controls; c.target.set(30, 0, 0); c.update(); })()")
@@ -77,29 +78,17 @@ def test_fit_brings_the_robot_back(page, fall):
     page("dynView.robot.root.visible = true")
     page.page.click("#fit")
     assert page.changed("dynView.robot.root.visible = false") > 0.02
-
-
-def test_a_picture_is_saved(page, fall):
-    page.open(f"file://{fall[0]}")
     with page.page.expect_download() as saved:
         page.page.click("#save-picture")
     data = open(saved.value.path(), "rb").read()
     assert saved.value.suggested_filename.endswith(".png") and data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) > 5000
-
-
-def test_curves_are_searched(page, fall):
-    page.open(f"file://{fall[0]}")
-    field = page.page.locator("input[type=search]").first
-    field.fill("FL_")
+    page.page.locator("input[type=search]").first.fill("FL_")
     names = page("(() => { const f = document.querySelector('input[type=search]'); return Array.from(f.parentElement."
                  "querySelectorAll('.key > span'), (s) => [s.textContent, s.hidden]).slice(1); })()")
     assert len(names) > 12 and all(hidden == ("FL_" not in name) for name, hidden in names)
-
-
-def test_what_moves_a_page_has_a_name(page, fall):
-    page.open(f"file://{fall[0]}")
     assert page("Array.from(document.querySelectorAll('input, select, canvas, button'), (e) => e.getAttribute('aria-label') || "
                 "e.closest('label')?.textContent.trim() || e.textContent.trim()).filter((name) => !name).length") == 0
+    assert page.complaints == []
 
 
 def test_robot_is_visible(page, fall):

@@ -48,6 +48,7 @@ from .contact_solver import (
 from .convert import State, StateLayout
 from .data import Data
 from .describe import DisabledPair, FrameInfo, JointInfo, Pair, ReportEntry, ShapeInfo
+from .descriptions import load_description
 from .enums import *
 from .enums import Reference
 from .errors import (
@@ -123,7 +124,7 @@ __all__ = [
     "UnsupportedError", "Viewer", "WORLD", "accuracy", "batch",
     "body_regressor", "build_info", "constraint", "contact_compliance", "contact_compliance_hertz", "contact_problem_qp",
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
-    "is_physically_consistent", "last_error", "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters",
+    "is_physically_consistent", "last_error", "library_path", "load", "load_description", "load_mesh", "load_string", "log_cholesky_from_parameters",
     "log_cholesky_jacobian", "models", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia",
     "pseudo_inertia_from_parameters", "spatial", "vary", "view", "with_inertial_parameters", "write_png",
 ]  # fmt: skip

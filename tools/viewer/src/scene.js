@@ -45,7 +45,8 @@ export class Scene {
 
   #ground(s) {
     const cell = 10 ** Math.round(Math.log10(s / 4));
-    this.grid = new THREE.GridHelper(cell * 100, 100, 0x9aa3ae, 0xc8ced6).rotateX(Math.PI / 2);
+    const lines = window.matchMedia("(prefers-color-scheme: dark)").matches ? [0x4a5563, 0x343d49] : [0x9aa3ae, 0xc8ced6];
+    this.grid = new THREE.GridHelper(cell * 100, 100, ...lines).rotateX(Math.PI / 2);
     this.grid.material.transparent = true;
     this.grid.material.opacity = 0.7;
     const shade = new THREE.Mesh(new THREE.PlaneGeometry(cell * 100, cell * 100), new THREE.ShadowMaterial({ opacity: 0.18 }));
