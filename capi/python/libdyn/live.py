@@ -19,6 +19,7 @@ import numpy as np
 
 from . import page, sliders
 from .errors import ArgumentError, Error
+from .tendon_lines import TendonLines
 
 if TYPE_CHECKING:
     from .server import Handler
@@ -53,6 +54,7 @@ class Viewer:
         """Controls that the page's sliders hold, by index."""
         self._granted = False  # a single step of the pause
         self._poses = page.Poses(simulation.model)
+        self._tendons = TendonLines(simulation.model) if simulation.model.ntendons else None
         self._pages: list[Handler] = []
         self._commands: deque[dict[str, Any]] = deque()
         self._lock = threading.Lock()
@@ -174,6 +176,8 @@ class Viewer:
         ]  # fmt: skip
         for c in contacts:
             parts += [c.contact.position, c.force_on_b, [c.contact.distance, c.contact.shape_a, c.contact.shape_b]]
+        if self._tendons is not None:
+            parts.append(self._tendons(sim.q, d.field("act")).ravel())
         return np.concatenate([np.asarray(x, np.float64) for x in parts]).astype("<f4").tobytes()
 
     def sync(self) -> None:

@@ -15,7 +15,8 @@ from .enums import JointType, Part, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError
 from .placement import Placement
 from .raster import raster
-from .triangles import surfaces
+from .tendon_lines import TendonLines
+from .triangles import surfaces, tubes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -84,6 +85,7 @@ class Renderer:
             for name, shape in (("corners", (0, 3, 3)), ("normals", (0, 3, 3)), ("colours", (0, 3))))
         self._moves = np.array([f.joint != 0 for f in model.frames])[self._frame]
         self._floors = [(s.frame, Placement(*s.placement)) for s in model.shapes if s.type == ShapeType.HALF_SPACE]
+        self._tendons = TendonLines(model) if model.ntendons else None
         self._set_camera(camera or Camera())
 
     def __repr__(self) -> str:
@@ -124,9 +126,9 @@ class Renderer:
         self._distance = camera.distance or 0.62 * self._size / np.tan(np.deg2rad(camera.fov) / 2)
         self._from = None if self._follow is None else frames.translation[self._follow].copy()
 
-    def render(self, q: ArrayLike) -> Image:
+    def render(self, q: ArrayLike, act: ArrayLike | None = None) -> Image:
         """A picture of a configuration: (height, width, 3), red, green, blue, 0 to 255. The first one places a camera that was
-        not told where to look."""
+        not told where to look. act: activations, which colour the tendons of muscles; default 0."""
         self._data.forward_kinematics(q)
         frames = self._data.frame_placements()
         R = frames.rotation[self._frame]
@@ -134,6 +136,10 @@ class Renderer:
         normals = self._normals @ np.swapaxes(R, 1, 2)
         if self._target is None:
             self._place_camera(corners, frames)
+        colours = self._colours
+        if self._tendons is not None:
+            lines = tubes(self._tendons(q, act), 0.006 * self._size)
+            corners, normals, colours = (np.concatenate(x) for x in zip((corners, normals, colours), lines))
         target = self._target
         if self._from is not None:
             target = target + frames.translation[self._follow] - self._from
@@ -152,7 +158,7 @@ class Renderer:
         back = np.einsum("ij,ij->i", normal, point - view.eye) > 0  # seen from inside, or a file's wrong order
         normal = np.where(back[:, None], -normal, normal)
         lit = np.maximum(-(normal @ _SUN), 0) * (1.0 if sun is None else sun(point))
-        colour = self._colours[triangle] * (0.50 + 0.14 * normal[:, 2] + 0.58 * lit)[:, None]
+        colour = colours[triangle] * (0.50 + 0.14 * normal[:, 2] + 0.58 * lit)[:, None]
         row, column = np.divmod(pixel, fine * self.width)
         coarse = row // fine * self.width + column // fine
         covered = np.bincount(coarse, minlength=len(picture))

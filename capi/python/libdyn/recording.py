@@ -11,10 +11,11 @@ import numpy as np
 
 from . import page
 from .describe import coordinate_names
-from .enums import ActuatorType, FrameType, Part, Transmission
+from .enums import FrameType, Part
 from .errors import ArgumentError, UnsupportedError
 from .library import version
 from .picture import Camera, Renderer
+from .tendon_lines import TendonLines
 
 if TYPE_CHECKING:
     from .arrays import Numbers
@@ -256,17 +257,7 @@ class Recording:
 
     def tendon_pieces(self) -> list[Numbers]:
         """Straight pieces of the paths of tendons at each moment, (n, 7): both ends, and the activation of a muscle, else -1."""
-        m = self.model
-        muscles = {a.tendon: a.idx_act for a in map(m.actuator, range(m.nactuators))
-                   if a.type == ActuatorType.MUSCLE and a.transmission == Transmission.TENDON}
-        data, out = m.data(Part.ALL), []
-        for moment in self._moments if m.ntendons else ():
-            data.tendons(moment.q)
-            pieces = []
-            for t in range(m.ntendons):
-                path = data.tendon_path(t)
-                goes_on = np.flatnonzero(path.begins[1:] == 0) + 1
-                last = np.full(len(goes_on), moment.act[muscles[t]] if t in muscles else -1.0)
-                pieces.append(np.column_stack([path.points[goes_on - 1], path.points[goes_on], last]))
-            out.append(np.concatenate(pieces))
-        return out
+        if not self.model.ntendons:
+            return []
+        lines = TendonLines(self.model)
+        return [lines(moment.q, moment.act) for moment in self._moments]

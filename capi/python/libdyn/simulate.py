@@ -334,7 +334,7 @@ class Simulation:
         kind = width, height, camera, drawing
         if self._renderer is None or self._renderer[0] is not self.model or self._renderer[1] != kind:
             self._renderer = self.model, kind, Renderer(self.model, width, height, camera, **drawing)
-        return self._renderer[2].render(self.q)
+        return self._renderer[2].render(self.q, self.data.field("act"))
 
     def view(
         self, controller: Controller | None = None, *, every: int = 1, returns: str | None = None, open: bool = True,

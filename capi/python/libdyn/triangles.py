@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 PALETTE = np.array([[0x8F, 0xA3, 0xB8], [0x5B, 0x7F, 0xA6], [0xB0, 0xBA, 0xC6], [0x6D, 0x8F, 0x8A], [0x9A, 0x8F, 0xB0],
                     [0x7D, 0x93, 0xA8]]) / 255  # of joints, as in the viewer
+_CORD, _SLACK, _PULLS = (np.array(x) / 255 for x in ([0x7A, 0x52, 0x30], [0x3B, 0x5B, 0xC0], [0xD1, 0x49, 0x5B]))
 _WORLD = np.array([0.72, 0.72, 0.71])
 _MOST = 20_000  # triangles of a mesh
 _CREASE = 0.8  # cosine between a face and a vertex normal below which the face keeps its own
@@ -131,6 +132,26 @@ def _geometry(model: Model, shape: ShapeInfo) -> tuple[Numbers, Numbers, Numbers
         n = np.array([y, x]) / np.hypot(x, y)
         return (*_revolved(np.array([[0, -y / 2, x, -y / 2, 0, -1, 0, -1], [x, -y / 2, 0, y / 2, *n, *n]])), None)
     return _of_mesh(load_mesh(shape.mesh, scale=shape.size) if kind == ShapeType.MESH else model.shape_mesh(shape.id))
+
+
+def tubes(pieces: Numbers, radius: float) -> Surface:
+    """Tendons: six sides about each piece (n, 7), in world axes. Of muscles the colour goes from blue to red."""
+    a, b, act = pieces[:, :3], pieces[:, 3:6], pieces[:, 6]
+    along = b - a
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    a, b, act, along = (x[length[:, 0] > 0] for x in (a, b, act, along / np.where(length > 0, length, 1)))
+    side = np.cross(along, np.eye(3)[np.argmin(np.abs(along), axis=1)])
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    other, corners, normals = np.cross(along, side), [], []
+    angle = np.linspace(0, 2 * np.pi, 7)
+    for u, v in zip(angle[:-1], angle[1:]):
+        n, m = (np.cos(x) * side + np.sin(x) * other for x in (u, v))
+        corners += [np.stack(x, axis=1) for x in ((a + radius * n, a + radius * m, b + radius * m),
+                                                  (a + radius * n, b + radius * m, b + radius * n))]
+        normals += [np.stack(x, axis=1) for x in ((n, m, m), (n, m, n))]
+    pulls = np.clip(act, 0, 1)[:, None]
+    colours = np.where(act[:, None] < 0, _CORD, _SLACK + pulls * (_PULLS - _SLACK))
+    return Surface(np.concatenate(corners), np.concatenate(normals), np.tile(colours, (12, 1)))
 
 
 def drawn(model: Model, role: ShapeRole) -> list[ShapeInfo]:

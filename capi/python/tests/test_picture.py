@@ -162,6 +162,20 @@ def test_a_mesh_of_many_triangles_is_thinned(tmp_path):
     assert seen == pytest.approx(whole, rel=0.02)
 
 
+def test_tendons_show_how_muscles_pull():
+    """From blue to red, along the path."""
+    m = dyn.load_string("""<mujoco><worldbody><site name="a" pos="0 -1 0"/><body><joint axis="1 0 0" name="j"/>
+      <geom type="box" size=".1 1 .2" pos="0 0 -1" rgba=".5 .5 .5 1"/><site name="b" pos="0 1 0"/></body></worldbody>
+      <tendon><spatial name="t"><site site="a"/><site site="b"/></spatial></tendon>
+      <actuator><muscle tendon="t" lengthrange="1 3" force="1"/></actuator></mujoco>""")
+    renderer = dyn.Renderer(m, 200, 200, FRONT)
+    for act, k in ((None, 2), ([0.0], 2), ([1.0], 0)):
+        picture = renderer.render([0.0], act).astype(int)
+        row = of(picture, k)[99:101].any(0)
+        f = 100 / np.tan(np.deg2rad(20)) / 4
+        assert row.sum() == pytest.approx(2 * f, abs=6) and not of(picture, 2 - k).any()
+
+
 def test_no_shapes():
     m = dyn.Builder("bare").add_joint("j", "revolute").add_body("x", "j", 1.0, inertia=np.eye(3)).finish()
     assert shot(m, dyn.Camera()).shape == (200, 200, 3)
