@@ -1,7 +1,7 @@
 """Pictures of the environments of libdyn.gym, side by side, and the curve of a training.
 
     python3 bench/tasks_picture.py --png bench/tasks.png                                 # needs numpy alone
-    python3 bench/tasks_picture.py --curve go2.csv --svg bench/learning.svg              # of capi/python/examples/learn.py; matplotlib
+    python3 bench/tasks_picture.py --curve go2.csv --svg bench/learning.svg   # of examples/learn.py; matplotlib
 """
 
 import argparse

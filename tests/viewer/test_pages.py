@@ -84,8 +84,9 @@ def test_buttons_and_fields(page, fall):
     names = page("(() => { const f = document.querySelector('input[type=search]'); return Array.from(f.parentElement."
                  "querySelectorAll('.key > span'), (s) => [s.textContent, s.hidden]).slice(1); })()")
     assert len(names) > 12 and all(hidden == ("FL_" not in name) for name, hidden in names)
-    assert page("Array.from(document.querySelectorAll('input:not(.dygraph-roller), select, #canvas, button'), (e) => e.getAttribute('aria-label') || "
-                "e.closest('label')?.textContent.trim() || e.textContent.trim()).filter((name) => !name).length") == 0
+    assert page("Array.from(document.querySelectorAll('input:not(.dygraph-roller), select, #canvas, button'), (e) => "
+                "e.getAttribute('aria-label') || e.closest('label')?.textContent.trim() || e.textContent.trim())"
+                ".filter((name) => !name).length") == 0
     assert page.complaints == []
 
 

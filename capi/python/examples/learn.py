@@ -1,9 +1,9 @@
 """Learns to control a robot by proximal policy optimisation (PPO), in numpy.
 
     python learn.py                                   # the cart-pole, in about ten seconds
-    python learn.py go2 --actions 5e6 --out go2       # a quadruped learns to walk; go2.npz, go2.csv, go2.mp4
+    python learn.py go2 --actions 4e6 --out go2       # a quadruped learns to walk; go2.npz, go2.csv, go2.mp4
 
-Robots are libdyn.gym's: all of a batch take an action in one call. The policy is a normal distribution about a network of two
+Ctrl-C ends it early. Robots are libdyn.gym's: all of a batch take an action in one call. The policy is a normal distribution about a network of two
 layers of tanh; a second network estimates the value of an observation. Schulman et al. 2017; advantages as in Schulman et al.
 2016. Observations are normalised by their running mean and deviation, rewards by the deviation of the return.
 """
@@ -143,18 +143,21 @@ class Learner:
 
 
 def train(robot, goal, actions, envs, steps, seed, hidden, rate, curve, **options):
-    """Until the mean return is the goal, or so many actions; returns the learner, and the mean return of the last 100 episodes."""
+    """Until the mean return of 100 episodes is the goal, or so many actions; returns the learner, and that mean."""
     learner = Learner(TaskVectorEnv(robot, envs, **options), seed, hidden)
     begin, done, mean, told = time.monotonic(), 0, -np.inf, -np.inf
-    while done < actions and mean < goal:
-        learner.learn(*learner.collect(steps), rate * max(1 - done / actions, 0.05))
-        done += envs * steps
-        mean = float(np.mean(learner.episodes[-100:])) if len(learner.episodes) >= 20 else -np.inf
-        seconds = time.monotonic() - begin
-        curve.append((done, seconds, mean))
-        if seconds > told + 2:
-            told = seconds
-            print(f"{done:9d} actions, {seconds:6.1f} s: mean return of an episode {mean:.1f}", flush=True)
+    try:
+        while done < actions and mean < goal:
+            learner.learn(*learner.collect(steps), rate * max(1 - done / actions, 0.05))
+            done += envs * steps
+            mean = float(np.mean(learner.episodes[-100:])) if len(learner.episodes) >= 20 else -np.inf
+            seconds = time.monotonic() - begin
+            curve.append((done, seconds, mean))
+            if seconds > told + 2:
+                told = seconds
+                print(f"{done:9d} actions, {seconds:6.1f} s: mean return of an episode {mean:.1f}", flush=True)
+    except KeyboardInterrupt:
+        print("ended by a key: the policy is as it was learned so far")
     return learner, mean
 
 

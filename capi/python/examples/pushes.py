@@ -2,8 +2,8 @@
 
     python pushes.py
 
-Each begins standing, with another speed of the trunk in another direction, as after a kick. The servos hold the stance. Half of the
-robots are ones whose masses and friction differ from those of the file.
+Each begins standing, with another speed of the trunk in another direction, as after a kick. The servos hold the stance. Half of
+the robots have masses and friction that differ from those of the file.
 """
 
 import sys
@@ -24,7 +24,8 @@ def survivors(model, speed, angle):
     v[:, 0], v[:, 1] = speed * np.cos(angle), speed * np.sin(angle)
     records = round(SECONDS / 0.02)
     control = np.tile(begin.ctrl, (records, 1))
-    r = dyn.batch.rollout(model, begin.q, v, control=control, every=round(0.02 / begin.dt), dt=begin.dt, sensors={"com": "com"})
+    every = round(0.02 / begin.dt)
+    r = dyn.batch.rollout(model, begin.q, v, control=control, every=every, dt=begin.dt, sensors={"com": "com"})
     return r.sensors["com"][:, -1, 2] > 0.2
 
 

@@ -2,7 +2,8 @@
 
     python self_collision.py
 
-Signed distances are exact, so the least of a configuration is how much room it leaves. The fingers are to meet: that pair is left out.
+Signed distances are exact, so the least of a configuration is how much room it leaves. The fingers are to meet: that pair is
+left out.
 """
 
 import sys

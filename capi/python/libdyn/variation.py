@@ -37,7 +37,8 @@ QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
 def _range(name: str, spread: Any) -> tuple[float, float]:
     low, high = (1 - spread, 1 + spread) if np.ndim(spread) == 0 else spread
     if not 0 <= low <= high < np.inf:
-        raise ArgumentError(f"{name} is {spread!r}, but must be a number from 0 to 1 or two factors (low, high), 0 <= low <= high.")
+        raise ArgumentError(f"{name} is {spread!r}, but must be a number from 0 to 1, or two factors (low, high), 0 <= low <= "
+                            "high.")
     return float(low), float(high)
 
 
@@ -85,9 +86,9 @@ def vary(model: Model, random: np.random.Generator | int | None = None, *, com: 
 def with_inertial_parameters(model: Model, pi: ArrayLike) -> Model:
     """The model with other bodies: pi as Model.inertial_parameters() returns it. Of a joint whose ten numbers change, the first
     link takes all, and its other links have no mass."""
-    bodies = np.asarray(pi, float)
-    if bodies.size != 10 * (model.njoints - 1):
-        raise ArgumentError(f"pi has {bodies.size} numbers, but model {model.name!r} has {10 * (model.njoints - 1)}: ten a joint.")
+    bodies, size = np.asarray(pi, float), 10 * (model.njoints - 1)
+    if bodies.size != size:
+        raise ArgumentError(f"pi has {bodies.size} numbers, but model {model.name!r} has {size}: ten a joint.")
     bodies = bodies.reshape(-1, 10)
     builder = Builder.from_model(model)
     found: dict[str, dict[str, Parameter]] = {}

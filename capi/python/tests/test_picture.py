@@ -97,8 +97,8 @@ def test_what_is_nearer_hides_what_is_behind(order):
 def test_shapes_and_their_colours():
     """Each type is as wide as its size says."""
     f = 100 / np.tan(np.deg2rad(20)) / 4
-    sizes = {"box": ((0.2, 0.6, 0.6), 0.6), "cylinder": ((0.3, 0.6), 0.6), "capsule": ((0.3, 0.2), 0.8), "cone": ((0.3, 0.6), 0.6),
-             "ellipsoid": ((0.2, 0.3, 0.4), 0.8)}
+    sizes = {"box": ((0.2, 0.6, 0.6), 0.6), "cylinder": ((0.3, 0.6), 0.6), "capsule": ((0.3, 0.2), 0.8),
+             "cone": ((0.3, 0.6), 0.6), "ellipsoid": ((0.2, 0.3, 0.4), 0.8)}
     for type, (size, high) in sizes.items():
         rows, columns = np.nonzero(of(shot(balls((0, 0, 0), type=type, size=size)), 0))
         assert columns.max() - columns.min() + 1 == pytest.approx(0.6 * f, rel=0.12), type
@@ -234,8 +234,8 @@ def test_a_video(encoder, tmp_path):
         sim.run(0.5)
     for speed, frames in ((1.0, 11), (0.5, 21)):
         recording.to_mp4(tmp_path / "b.mp4", 65, 64, camera=FRONT, fps=20, smooth=False, speed=speed)
-        raw = subprocess.run([encoder, "-loglevel", "error", "-i", tmp_path / "b.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"],
-                             capture_output=True, check=True).stdout
+        words = [encoder, "-loglevel", "error", "-i", tmp_path / "b.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+        raw = subprocess.run(words, capture_output=True, check=True).stdout
         seen = np.frombuffer(raw, np.uint8).reshape(-1, 64, 66, 3).astype(int)
         assert len(seen) == frames
         rows = [np.nonzero(of(x, 0))[0].mean() for x in seen[: 8 * frames // 10]]  # while all of it is in the picture

@@ -3,7 +3,7 @@ import { make } from "./dom.js";
 
 const NARROW = 640; // px: on a phone the box is folded
 
-export function addTools(place, { robot, scene, overlays }) {
+export function addTools(place, { robot, scene, overlays, follow }) {
   const element = make("details", { open: window.innerWidth > NARROW }, make("summary", {}, "view"));
   place.append(element);
   const toggle = (id, label, on, set) => {
@@ -22,7 +22,7 @@ export function addTools(place, { robot, scene, overlays }) {
   toggle("inertia", "inertia ellipsoids", false, (on) => overlays.show("inertia", on));
   toggle("contacts", "contacts and forces", true, (on) => overlays.show("contacts", on));
   if (overlays.groups.tendons.length) toggle("tendons", "tendons", true, (on) => overlays.show("tendons", on));
-  toggle("follow", "camera follows", false, (on) => (scene.follow = on));
+  toggle("follow", "camera follows", follow, (on) => (scene.follow = on));
   const row = (...buttons) => make("div", { className: "row" }, ...buttons);
   element.append(
     row(...["oblique", "front", "side", "top"].map(
