@@ -3,9 +3,9 @@
     python learn.py                                   # the cart-pole, in about ten seconds
     python learn.py go2 --actions 4e6 --out go2       # a quadruped learns to walk; go2.npz, go2.csv, go2.mp4
 
-Ctrl-C ends it early. Robots are libdyn.gym's: all of a batch take an action in one call. The policy is a normal distribution about a network of two
-layers of tanh; a second network estimates the value of an observation. Schulman et al. 2017; advantages as in Schulman et al.
-2016. Observations are normalised by their running mean and deviation, rewards by the deviation of the return.
+Ctrl-C ends it early. Robots are libdyn.gym's: all of a batch take an action in one call. The policy is a normal distribution about
+a network of two layers of tanh; a second network estimates the value of an observation. Schulman et al. 2017; advantages as in
+Schulman et al. 2016. Observations are normalised by their running mean and deviation, rewards by the deviation of the return.
 """
 
 import argparse
