@@ -7,7 +7,7 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import BUILT, MODELS, dyn
+from conftest import BUILT, MODELS, Page, dyn
 
 GO2 = (MODELS / "robots/go2.urdf", "--floating", "--ground")
 
@@ -26,6 +26,68 @@ def test_opens_offline_without_complaints(page, fall):
     page.page.wait_for_timeout(300)
     assert page.complaints == []
     assert page.requests == []
+
+
+def test_nothing_from_outside_is_allowed(browser, fall):
+    """By the page's own policy: it draws under it, and neither a request nor an image of another origin is made."""
+    context = browser.new_context()
+    tab = context.new_page()
+    tab.goto(f"file://{fall[0]}")
+    while not tab.evaluate("window.dynView && window.dynView.scene.drawn > 0"):
+        tab.wait_for_timeout(50)
+    violations = [tab.evaluate("new Promise((done) => (document.addEventListener('securitypolicyviolation', (event) => "
+                               f"done(event.effectiveDirective), {{once: true}}), {act}))")
+                  for act in ("fetch('http://127.0.0.1:9/x').catch(() => 0)", "new Image().src = 'http://127.0.0.1:9/y.png'")]
+    context.close()
+    assert violations == ["connect-src", "img-src"]
+
+
+def test_a_phone_shows_the_robot(browser, fall):
+    """The box of switches is folded, and the page is no wider than the screen."""
+    context = browser.new_context(viewport={"width": 390, "height": 800}, has_touch=True, bypass_csp=True)
+    page = Page(context.new_page()).open(f"file://{fall[0]}")
+    box, view = (page(f"(() => {{ const b = document.{where}.getBoundingClientRect(); return [b.width, b.height]; }})()")
+                 for where in ("getElementById('tools')", "getElementById('view')"))
+    assert box[0] * box[1] < 0.05 * view[0] * view[1]
+    assert page("document.documentElement.scrollWidth") <= 390
+    page.page.click("#tools summary")
+    assert page.page.is_visible("#show-com")
+    context.close()
+
+
+def test_dark_mode(browser, fall):
+    """Paper and ink change places; the robot stays visible."""
+    context = browser.new_context(color_scheme="dark", viewport={"width": 800, "height": 500}, bypass_csp=True)
+    page = Page(context.new_page()).open(f"file://{fall[0]}")
+    tones = page("['color', 'background-color'].map((x) => getComputedStyle(document.body)[x].match(/[0-9]+/g).slice(0, 3)"
+                 ".reduce((sum, y) => sum + Number(y), 0))")
+    assert tones[0] > 600 > 150 > tones[1]
+    page("dynView.player.play(false)")
+    assert page.changed("dynView.robot.root.visible = false") > 0.02
+    context.close()
+
+
+def test_buttons_and_fields(page, fall):
+    """Fit brings back a robot that was lost; a picture is saved; curves are searched; whatever is moved has a name."""
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0)")
+    page("(() => { const c = dynView.scene.controls; c.target.set(30, 0, 0); c.update(); })()")
+    assert page.changed("dynView.robot.root.visible = false") == 0
+    page("dynView.robot.root.visible = true")
+    page.page.click("#fit")
+    assert page.changed("dynView.robot.root.visible = false") > 0.02
+    with page.page.expect_download() as saved:
+        page.page.click("#save-picture")
+    data = open(saved.value.path(), "rb").read()
+    assert saved.value.suggested_filename.endswith(".png") and data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) > 5000
+    page.page.locator("input[type=search]").first.fill("FL_")
+    names = page("(() => { const f = document.querySelector('input[type=search]'); return Array.from(f.parentElement."
+                 "querySelectorAll('.key > span'), (s) => [s.textContent, s.hidden]).slice(1); })()")
+    assert len(names) > 12 and all(hidden == ("FL_" not in name) for name, hidden in names)
+    assert page("Array.from(document.querySelectorAll('input:not(.dygraph-roller), select, #canvas, button'), (e) => "
+                "e.getAttribute('aria-label') || e.closest('label')?.textContent.trim() || e.textContent.trim())"
+                ".filter((name) => !name).length") == 0
+    assert page.complaints == []
 
 
 def test_robot_is_visible(page, fall):

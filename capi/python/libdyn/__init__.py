@@ -48,6 +48,7 @@ from .contact_solver import (
 from .convert import State, StateLayout
 from .data import Data
 from .describe import DisabledPair, FrameInfo, JointInfo, Pair, ReportEntry, ShapeInfo
+from .descriptions import load_description
 from .enums import *
 from .enums import Reference
 from .errors import (
@@ -97,6 +98,7 @@ from .loading import load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import Model
+from .picture import Camera, Renderer, write_png
 from .placement import Placement
 from .recording import Recording
 from .simulate import Simulation, Trajectory
@@ -104,25 +106,26 @@ from .sensor import Sensor
 from .simulation import ContactForce, ErrorLedger, StepReport
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo, FieldInfo
 from .tendon import Tendon, TendonElement, TendonPath
+from .variation import vary, with_inertial_parameters
 from .viewing import view
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
 __all__ = [
     "ALGORITHMS", "Actuator", "AlgorithmInfo", "ArgumentError", "BaseChoiceError", "Batch", "BroadPhase", "Builder", "BusyError",
-    "CancelledError", "Centroidal", "ClosestPoint", "ConeQp", "Contact", "ContactForce", "ContactReport", "ContactSolution",
+    "Camera", "CancelledError", "Centroidal", "ClosestPoint", "ConeQp", "Contact", "ContactForce", "ContactReport", "ContactSolution",
     "ContactSolver", "ContactWarning",
     "Data", "DcMotor", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "ForceLimit", "FrameInfo",
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
     "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "Parameter", "ParseError", "PartError", "Placement", "QuaternionError",
-    "RayHit", "Rays", "Recording", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
+    "RayHit", "Rays", "Recording", "Renderer", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
     "StateLayout", "StepReport", "StrictError", "Tendon", "TendonElement", "TendonPath", "Trajectory", "UnknownNameError",
     "UnsupportedError", "Viewer", "WORLD", "accuracy", "batch",
     "body_regressor", "build_info", "constraint", "contact_compliance", "contact_compliance_hertz", "contact_problem_qp",
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
-    "is_physically_consistent", "last_error", "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters",
+    "is_physically_consistent", "last_error", "library_path", "load", "load_description", "load_mesh", "load_string", "log_cholesky_from_parameters",
     "log_cholesky_jacobian", "models", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia",
-    "pseudo_inertia_from_parameters", "spatial", "view",
+    "pseudo_inertia_from_parameters", "spatial", "vary", "view", "with_inertial_parameters", "write_png",
 ]  # fmt: skip
 __all__ += enums.__all__

@@ -1,142 +1,169 @@
-"""Gymnasium environments (package gymnasium): a quadruped and a humanoid that are to walk along x on a floor, and files.
+"""Gymnasium environments (package gymnasium): robots that are to walk, reach, lift or balance, and models of files.
 
     import gymnasium                                       # after `import libdyn.gym` "dyn/Go2-v0" alone is an id
-    env = gymnasium.make("libdyn.gym:dyn/Go2-v0")          # or dyn/Humanoid-v0, dyn/Model-v0
+    env = gymnasium.make("libdyn.gym:dyn/Go2-v0")          # or dyn/Humanoid-v0, CartPole-v0, Reach-v0, Lift-v0, Model-v0
+    env = gymnasium.make("libdyn.gym:dyn/Go2-v0", render_mode="rgb_array", ground="rough", vary={"mass": 0.2})
     env = gymnasium.make("libdyn.gym:dyn/Model-v0", model="scene.xml", key="home", frame_skip=5)
-    envs = libdyn.gym.WalkVectorEnv("go2", 1024, threads=8)   # or gymnasium.make_vec("libdyn.gym:dyn/Go2-v0", 1024,
+    envs = libdyn.gym.TaskVectorEnv("go2", 1024, threads=8)   # or gymnasium.make_vec("libdyn.gym:dyn/Go2-v0", 1024,
     vectorization_mode="vector_entry_point")
 
     recording = env.unwrapped.simulation.record()          # until the next reset; then recording.to_html("go2.html")
 
-An action is what each servo's target is away from the stance, -1 to 1; an observation is the base's height, gravity's direction
-in its axes, the joints' positions less the stance, v, and the last action. Environment k of a vector environment with seed s is
-bit for bit the single one with seed s + k.
+Of a robot that walks an action is what each servo's target is away from the stance, -1 to 1; an observation is the base's height,
+gravity's direction in its axes, the joints' positions less the stance, v, and the last action. libdyn.tasks has the rules of
+all. Environment k of a vector environment with seed s is bit for bit the single one with seed s + k.
+
+vary draws models: {"mass": 0.2, "contact_friction": (0.5, 1.2)} of libdyn.vary. There are `variants` of them, made once; each
+episode has one. render_mode "rgb_array": render() returns a picture; "human": a page in a browser shows each step.
 """
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+from typing import TYPE_CHECKING, Any, Callable
 
 import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from .builder import Builder
-from .files import models
 from .loading import load
+from .live import Viewer
 from .model import Model
+from .picture import Camera, Renderer
 from .simulate import Simulation
+from .tasks import FARTHEST, Task, task_of
 
 if TYPE_CHECKING:
-    from .arrays import Numbers
+    from numpy.typing import NDArray
 
-DT, EVERY = 2e-3, 10  # s; steps of an action
-_LEGS = ("FL", "FR", "RL", "RR")
+    from .arrays import Integers, Numbers
+    from .picture import Image
 
-
-class Robot(NamedTuple):
-    """A robot that walks."""
-
-    height: float
-    """m, of the base where it begins."""
-    fallen: float
-    """m: it has fallen where the base is lower."""
-    stance: dict[str, float]
-    """Joints that are not at zero, rad."""
-    reach: float
-    """rad, of an action of 1."""
-    gains: tuple[float, float]
-    """kp, kv of the servos, N m/rad, N m s/rad."""
+MODES = ["human", "rgb_array"]
 
 
-ROBOTS = {
-    "go2": Robot(0.27, 0.15, {f"{leg}_{name}_joint": x for leg in _LEGS for name, x in (("thigh", 0.9), ("calf", -1.8))}, 0.4,
-                 (60, 3)),
-    "humanoid": Robot(0.92, 0.6, {}, 0.4, (500, 25)),
-}
+class _Drawn(gymnasium.Env):
+    """What pictures and pages of an environment need. It has `simulation`."""
+
+    metadata = {"render_modes": MODES, "render_fps": 50}
+    simulation: Simulation
+
+    def _draws(self, render_mode: str | None, width: int, height: int, camera: Camera | None, period: float) -> None:
+        if render_mode is not None and render_mode not in MODES:
+            raise ValueError(f"render_mode is {render_mode!r}, but must be None or one of {', '.join(MODES)}.")
+        self.render_mode, self._size, self._camera, self._period = render_mode, (width, height), camera, period
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / period))}
+        self._renderer: Renderer | None = None
+        self._viewer: Viewer | None = None
+        self._due = 0.0
+
+    def render(self) -> Image | None:
+        """A picture (height, width, 3) with render_mode "rgb_array"."""
+        if self.render_mode != "rgb_array":
+            return None
+        if self._renderer is None:
+            self._renderer = Renderer(self.simulation.model, *self._size, self._camera)
+        return self._renderer.render(self.simulation.q)
+
+    def _show(self) -> None:
+        """In a browser, not faster than real time."""
+        if self.render_mode != "human":
+            return
+        if self._viewer is None:
+            self._viewer = Viewer(self.simulation)
+        self._viewer.simulation = self.simulation
+        self._viewer.sync()
+        self._due = max(self._due + self._period, time.monotonic())
+        time.sleep(max(0.0, self._due - time.monotonic()))
+
+    def close(self) -> None:
+        if self._viewer is not None:
+            self._viewer.close()
+            self._viewer = None
 
 
-class Task:
-    """The rules, for N robots at once: a row each."""
-
-    def __init__(self, name: str):
-        if name not in ROBOTS:
-            raise ValueError(f"robot is {name!r}, but must be one of {', '.join(ROBOTS)}.")
-        self.robot = ROBOTS[name]
-        bare = load(models / "robots" / f"{name}.urdf", base="floating")
-        builder = Builder.from_model(bare).add_shape("universe", "half_space", name="floor")
-        driven = [j for j in bare.joints[2:] if j.nv == 1 and j.mimic_leader < 0]
-        for j in driven:
-            builder.add_actuator(j.name, j.name, type="position", kp=self.robot.gains[0], kv=self.robot.gains[1])
-        self.model: Model = builder.finish()
-        self.q = self.model.normalize(self.robot.stance)
-        self.q[2] = self.robot.height
-        self.joints = np.array([j.idx_q for j in driven])
-        self.stance = self.q[self.joints]
-        n = 4 + 2 * len(self.joints) + self.model.nv
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.joints),), np.float64)
-        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (n,), np.float64)
-
-    def begin(self, random: np.random.Generator) -> Numbers:
-        """q of one robot, near the stance."""
-        q = self.q.copy()
-        q[self.joints] += random.uniform(-0.05, 0.05, len(self.joints))
-        return q
-
-    def control(self, action: Numbers) -> Numbers:
-        return self.stance + self.robot.reach * np.clip(action, -1, 1)
-
-    def observe(self, q: Numbers, v: Numbers, action: Numbers) -> Numbers:
-        x, y, z, w = q[:, 3:7].T
-        down = np.stack([2 * (y * w - x * z), -2 * (y * z + x * w), 2 * (x * x + y * y) - 1], axis=1)
-        return np.concatenate([q[:, 2:3], down, q[:, self.joints] - self.stance, v, action], axis=1)
-
-    def reward(self, before: Numbers, q: Numbers, action: Numbers) -> Numbers:
-        """Speed along x, m/s, and 1 for being there, less what actions cost."""
-        return (q[:, 0] - before[:, 0]) / (DT * EVERY) + 1.0 - 0.05 * np.square(action).mean(axis=1)
-
-    def fallen(self, q: Numbers) -> Numbers:
-        return q[:, 2] < self.robot.fallen
+def _box(low: Any, high: Any) -> gymnasium.spaces.Box:
+    return gymnasium.spaces.Box(low, high, dtype=np.float64)
 
 
-class WalkEnv(gymnasium.Env):
-    """One robot."""
+def _spaces(task: Task) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+    """Of actions and observations."""
+    actions, observations = np.ones(task.actions), np.full(task.observations, FARTHEST)
+    return _box(-actions, actions), _box(-observations, observations)
 
-    metadata = {"render_modes": []}
 
-    def __init__(self, robot: str = "go2", render_mode: None = None):
-        if render_mode is not None:
-            raise ValueError(f"render_mode is {render_mode!r}, but these environments draw nothing: see dyn.meshcat.")
-        self.render_mode = None
-        self.task = Task(robot)
-        self.action_space, self.observation_space = self.task.action_space, self.task.observation_space
-        self.simulation = Simulation(self.task.model, dt=DT)
+class TaskEnv(_Drawn):
+    """One robot with a task: "go2", "humanoid", "cart_pole", "reach", "lift".
+
+    ground         of those that walk: "flat", "rough", "obstacles"
+    vary, variants see libdyn.gym
+    width, height, camera  of pictures: see libdyn.Renderer
+
+    info has what the task measures (of a robot that walks x, y, speed, tilt), the terms of the reward as reward_<name>, and
+    `ended` with the reason for an end.
+    """
+
+    def __init__(self, task: str, render_mode: str | None = None, *, width: int = 480, height: int = 360,
+                 camera: Camera | None = None, **options: Any):
+        self.task = task_of(task, **options)
+        self.action_space, self.observation_space = _spaces(self.task)
+        self._simulations = [Simulation(m, dt=self.task.dt) for m in self.task.models]
+        self.simulation = self._simulations[0]
+        self._goal = np.empty(0)
+        self._draws(render_mode, width, height, camera or self.task.camera, self.task.dt * self.task.every)
 
     def _observe(self, action: Numbers) -> Numbers:
-        return self.task.observe(self.simulation.q[None], self.simulation.v[None], action[None])[0]
+        return self.task.observe(self.simulation.q[None], self.simulation.v[None], action[None], self._goal[None])[0]
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
         super().reset(seed=seed)
-        self.simulation.reset(self.task.begin(self.np_random))
-        return self._observe(np.zeros(len(self.task.joints))), {}
+        self.simulation = self._simulations[_variant(self.np_random, len(self._simulations))]
+        q, v, self._goal = self.task.begin(self.np_random)
+        self.simulation.reset(q, v)
+        self._show()
+        return self._observe(np.zeros(self.task.actions)), {}
 
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict]:
-        sim, action = self.simulation, np.asarray(action, float)
+        task, sim, action = self.task, self.simulation, np.asarray(action, float)
         before = sim.q[None].copy()
-        sim.step(EVERY, self.task.control(action))
-        reward = self.task.reward(before, sim.q[None], action[None])[0]
-        return self._observe(action), float(reward), bool(self.task.fallen(sim.q[None])[0]), False, {}
+        sim.step(task.every, task.control(action[None])[0])
+        q, v, a, goal = sim.q[None], sim.v[None], action[None], self._goal[None]
+        terms = task.rewards(before, q, v, a, goal)
+        ends = [name for name, is_so in task.ends(q, v, goal).items() if is_so[0]]
+        info: dict[str, Any] = {name: float(x[0]) for name, x in task.info(before, q, v, goal).items()}
+        info |= {f"reward_{name}": float(x[0]) for name, x in terms.items()}
+        if ends:
+            info["ended"] = ends[0]
+        self._show()
+        return self._observe(action), float(sum(x[0] for x in terms.values())), bool(ends), False, info
 
 
-class ModelEnv(gymnasium.Env):
+class WalkEnv(TaskEnv):
+    """One robot that walks: "go2" or "humanoid"."""
+
+    def __init__(self, robot: str = "go2", render_mode: str | None = None, **options: Any):
+        super().__init__(_walks(robot), render_mode, **options)
+
+
+def _walks(robot: str) -> str:
+    from .tasks import ROBOTS
+
+    if robot not in ROBOTS:
+        raise ValueError(f"robot is {robot!r}, but must be one of {', '.join(ROBOTS)}.")
+    return robot
+
+
+def _variant(random: np.random.Generator, n: int) -> int:
+    return int(random.integers(n)) if n > 1 else 0
+
+
+class ModelEnv(_Drawn):
     """A model as its file states it: its initial state or a key's, timestep, integrator, effects, controls and their ranges.
 
     An action is the controls, an observation q and v. frame_skip: steps of an action. reward, ended: of the environment.
     """
-
-    metadata = {"render_modes": []}
 
     def __init__(
         self,
@@ -145,18 +172,23 @@ class ModelEnv(gymnasium.Env):
         frame_skip: int = 1,
         reward: Callable[[ModelEnv], float] = lambda env: 0.0,
         ended: Callable[[ModelEnv], bool] = lambda env: False,
-        render_mode: None = None,
+        render_mode: str | None = None,
+        *,
+        width: int = 480,
+        height: int = 360,
+        camera: Camera | None = None,
     ):
         if frame_skip < 1:
             raise ValueError(f"frame_skip is {frame_skip}, but must be at least 1.")
-        self.render_mode, self.reward, self.ended = None, reward, ended
+        self.reward, self.ended = reward, ended
         self.model = model if isinstance(model, Model) else load(model)
         self.simulation, self.frame_skip = Simulation(self.model, key), frame_skip
         self.dt: float = self.simulation.dt * frame_skip
+        self._draws(render_mode, width, height, camera, self.dt)
         low, high = np.full((2, self.model.nu), np.inf) * [[-1], [1]]
         for a in map(self.model.actuator, range(self.model.nactuators)):
             low[a.idx_u], high[a.idx_u] = a.control_range
-        self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self.action_space = _box(low, high)
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (self.model.nq + self.model.nv,), np.float64)
 
     def _observe(self) -> Numbers:
@@ -165,41 +197,57 @@ class ModelEnv(gymnasium.Env):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
         super().reset(seed=seed)
         self.simulation.reset()
+        self._show()
         return self._observe(), {}
 
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict]:
         self.simulation.step(self.frame_skip, action)
+        self._show()
         return self._observe(), float(self.reward(self)), bool(self.ended(self)), False, {}
 
 
-class WalkVectorEnv(VectorEnv):
-    """N robots, stepped by one call of the batch. An environment that ended is reset by the next step."""
+class TaskVectorEnv(VectorEnv):
+    """N robots with a task, stepped by one call of the batch a variant. An environment that ended is reset by the next step.
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    max_episode_steps  None: as the task says
+    Others as of TaskEnv. render() returns a picture for each environment.
+    """
 
-    def __init__(self, robot: str = "go2", num_envs: int = 1, threads: int | None = None, max_episode_steps: int = 1000,
-                 render_mode: None = None):
-        self.render_mode = render_mode
-        self.num_envs, self.task, self.max_episode_steps = num_envs, Task(robot), max_episode_steps
-        task = self.task
-        self.single_action_space, self.single_observation_space = task.action_space, task.observation_space
-        self.action_space = batch_space(task.action_space, num_envs)
-        self.observation_space = batch_space(task.observation_space, num_envs)
-        self.batch = task.model.batch(threads)
-        self._single = Simulation(task.model, dt=DT)
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50, "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(self, task: str, num_envs: int = 1, threads: int | None = None, max_episode_steps: int | None = None,
+                 render_mode: str | None = None, *, width: int = 480, height: int = 360, camera: Camera | None = None,
+                 **options: Any):
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f'render_mode is {render_mode!r}, but must be None or "rgb_array".')
+        self.render_mode, self.num_envs, self.task = render_mode, num_envs, task_of(task, **options)
+        self.max_episode_steps = self.task.max_episode_steps if max_episode_steps is None else max_episode_steps
+        self.single_action_space, self.single_observation_space = _spaces(self.task)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        m = self.task.model
+        self._batches = [model.batch(threads) for model in self.task.models]
+        self._singles = [Simulation(model, dt=self.task.dt) for model in self.task.models]
         self._random: list[np.random.Generator] = [np.random.default_rng() for _ in range(num_envs)]
-        self._states = np.tile(np.frombuffer(self._single.data.save_state(), np.uint8), (num_envs, 1))
-        self._q, self._v = np.tile(task.q, (num_envs, 1)), np.zeros((num_envs, task.model.nv))
-        self._action = np.zeros((num_envs, len(task.joints)))
+        self._states = np.tile(np.frombuffer(self._singles[0].data.save_state(), np.uint8), (num_envs, 1))
+        self._q, self._v = np.tile(self.task.q, (num_envs, 1)), np.zeros((num_envs, m.nv))
+        goal = self.task.begin(np.random.default_rng(0))[2]
+        self._goal, self._variant = np.tile(goal, (num_envs, 1)), np.zeros(num_envs, int)
+        self._action = np.zeros((num_envs, self.task.actions))
         self._age, self._ended = np.zeros(num_envs, int), np.zeros(num_envs, bool)
+        self._picture = (width, height, camera or self.task.camera)
+        self._renderer: Renderer | None = None
 
-    def _begin(self, k: int) -> None:
-        self._single.reset(self.task.begin(self._random[k]))
-        self._states[k] = np.frombuffer(self._single.data.save_state(), np.uint8)
-        self._q[k], self._v[k], self._action[k], self._age[k], self._ended[k] = self._single.q, 0, 0, 0, False
+    def _begin(self, k: Any) -> None:
+        self._variant[k] = _variant(self._random[k], len(self._singles))
+        single = self._singles[self._variant[k]]
+        q, v, self._goal[k] = self.task.begin(self._random[k])
+        single.reset(q, v)
+        self._states[k] = np.frombuffer(single.data.save_state(), np.uint8)
+        self._q[k], self._v[k], self._action[k], self._age[k], self._ended[k] = single.q, single.v, 0, 0, False
 
     def _observe(self) -> Numbers:
-        return self.task.observe(self._q, self._v, self._action)
+        return self.task.observe(self._q, self._v, self._action, self._goal)
 
     def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
         seeds = ([None if seed is None else seed + k for k in range(self.num_envs)] if seed is None
@@ -211,33 +259,71 @@ class WalkVectorEnv(VectorEnv):
             self._begin(k)
         return self._observe(), {}
 
-    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers, dict]:
-        task, reward, fallen = self.task, np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, NDArray[np.bool_], NDArray[np.bool_], dict]:
+        task, reward, over = self.task, np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+        info: dict[str, Any] = {}
         begins, go = np.flatnonzero(self._ended), np.flatnonzero(~self._ended)
         for k in begins:
             self._begin(k)
         if len(go):
             action, before = np.asarray(actions, float)[go], self._q[go]
-            r = self.batch.rollout(
-                states=self._states[go], control=task.control(action)[:, None], every=EVERY, dt=DT, keep_states=True, strict=False
-            )
-            good = go[r.status == 0]
-            done = r.status == 0
-            self._q[good], self._v[good], self._states[good] = r.q[done, 0], r.v[done, 0], r.states[done]
+            done = self._advance(go, task.control(action))
             self._action[go] = action
             self._age[go] += 1
-            reward[go] = task.reward(before, self._q[go], action)
-            fallen[go] = task.fallen(self._q[go]) | ~done
-        late = ~fallen & (self._age >= self.max_episode_steps)
-        self._ended = fallen | late
-        return self._observe(), reward, fallen, late, {}
+            q, v, goal = self._q[go], self._v[go], self._goal[go]
+            terms, ends = task.rewards(before, q, v, action, goal), task.ends(q, v, goal)
+            reward[go] = sum(terms.values())
+            over[go] = np.logical_or.reduce([*ends.values(), ~done])
+            found = {**task.info(before, q, v, goal), **{f"reward_{name}": x for name, x in terms.items()}}
+            for name, x in found.items():
+                info[name], info[f"_{name}"] = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+                info[name][go], info[f"_{name}"][go] = x, True
+            if over.any():
+                reasons = np.full(self.num_envs, None, object)
+                for name, is_so in reversed(ends.items()):
+                    reasons[go[is_so]] = name
+                info["ended"], info["_ended"] = reasons, np.array([x is not None for x in reasons])
+        late = ~over & (self._age >= self.max_episode_steps)
+        self._ended = over | late
+        return self._observe(), reward, over, late, info
+
+    def _advance(self, go: Integers, control: Numbers) -> NDArray[np.bool_]:
+        """Steps environments, and says of which the steps could be made; the others stay."""
+        done = np.zeros(len(go), bool)
+        for variant, batch in enumerate(self._batches):
+            mine = np.flatnonzero(self._variant[go] == variant)
+            if not len(mine):
+                continue
+            r = batch.rollout(states=self._states[go[mine]], control=control[mine][:, None], every=self.task.every,
+                              dt=self.task.dt, keep_states=True, strict=False)
+            well = r.status == 0
+            good = go[mine[well]]
+            self._q[good], self._v[good], self._states[good] = r.q[well, 0], r.v[well, 0], r.states[well]
+            done[mine] = well
+        return done
+
+    def render(self) -> tuple[Image, ...] | None:
+        if self.render_mode != "rgb_array":
+            return None
+        if self._renderer is None:
+            self._renderer = Renderer(self.task.model, *self._picture)
+        return tuple(map(self._renderer.render, self._q))
 
 
-for _name, _id in (("go2", "dyn/Go2-v0"), ("humanoid", "dyn/Humanoid-v0")):
+class WalkVectorEnv(TaskVectorEnv):
+    """N robots that walk: "go2" or "humanoid"."""
+
+    def __init__(self, robot: str = "go2", num_envs: int = 1, threads: int | None = None, max_episode_steps: int = 1000,
+                 render_mode: str | None = None, **options: Any):
+        super().__init__(_walks(robot), num_envs, threads, max_episode_steps, render_mode, **options)
+
+
+for _id, _name in (("dyn/Go2-v0", "go2"), ("dyn/Humanoid-v0", "humanoid"), ("dyn/CartPole-v0", "cart_pole"),
+                   ("dyn/Reach-v0", "reach"), ("dyn/Lift-v0", "lift")):
     if _id not in gymnasium.registry:
         gymnasium.register(
-            _id, "libdyn.gym:WalkEnv", vector_entry_point="libdyn.gym:WalkVectorEnv", max_episode_steps=1000,
-            kwargs={"robot": _name}
+            _id, "libdyn.gym:TaskEnv", vector_entry_point="libdyn.gym:TaskVectorEnv",
+            max_episode_steps={"cart_pole": 500, "reach": 150, "lift": 150}.get(_name, 1000), kwargs={"task": _name}
         )
 if "dyn/Model-v0" not in gymnasium.registry:
     gymnasium.register("dyn/Model-v0", "libdyn.gym:ModelEnv")

@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import page
+from . import page, sliders
 from .errors import ArgumentError, Error
+from .tendon_lines import TendonLines
 
 if TYPE_CHECKING:
     from .server import Handler
@@ -39,8 +40,9 @@ class Viewer:
                 sim.step(tau=...)
                 viewer.sync()
 
-    The page pauses, resets and changes the speed. The mouse pulls links while Shift is held. What it asks for is done in the
-    thread that calls run or sync.
+    The page pauses, makes single steps, resets and changes the speed. The mouse pulls links while Shift is held. Sliders hold
+    controls of actuators (torques, of a model without them) over what the controller or the loop says, until they are released.
+    What the page asks for is done in the thread that calls run or sync.
     """
 
     def __init__(self, simulation: Simulation, controller: Controller | None = None, *, every: int = 1,
@@ -48,17 +50,22 @@ class Viewer:
         self.simulation, self.controller, self.every, self.returns = simulation, controller, every, returns
         self.word = secrets.token_hex(16)
         self.paused, self.speed = False, 1.0
+        self.held: dict[int, float] = {}
+        """Controls that the page's sliders hold, by index."""
+        self._granted = False  # a single step of the pause
         self._poses = page.Poses(simulation.model)
+        self._tendons = TendonLines(simulation.model) if simulation.model.ntendons else None
         self._pages: list[Handler] = []
         self._commands: deque[dict[str, Any]] = deque()
         self._lock = threading.Lock()
-        self._sent, self._rate, self._step_s = -1.0, 0.0, 0.0
+        self._sent, self._told, self._rate, self._step_s = -1.0, -1.0, 0.0, 0.0
         self._before = self._wall = 0.0  # of the pace: simulated and wall time where it was set
         self._gone_since: float | None = None
         self._closed = False
         still = page.still(simulation.model, simulation.q)
         head, numbers = page.read(still)
-        head.update(kind="live", effects=[], dt=simulation.dt)
+        self._controls = sliders.of(simulation.model)
+        head.update(kind="live", effects=[], dt=simulation.dt, controls=self._controls.described)
         self.text = page.filled(still, head, base64.b64encode(numbers).decode())
         from .server import serve  # not before: it takes 20 ms
 
@@ -128,7 +135,19 @@ class Viewer:
         try:
             if what == "pause":
                 self.paused = bool(command["on"])
+            elif what == "step":
+                self.paused = self._granted = True
+            elif what == "control":
+                index, value = int(command["index"]), float(command["value"])
+                if not 0 <= index < len(self._controls) or not np.isfinite(value):
+                    raise ArgumentError(f"there is no control {index} with value {value}")
+                self.held[index] = value
+                self._controls.hold(sim, self.held)
+            elif what == "release":
+                self._controls.release(sim, self.held)
+                self.held = {}
             elif what == "reset":
+                self.held = {}
                 sim.reset()
             elif what == "speed":
                 self.speed = min(max(float(command["factor"]), 0.01), 100.0)
@@ -157,10 +176,13 @@ class Viewer:
         ]  # fmt: skip
         for c in contacts:
             parts += [c.contact.position, c.force_on_b, [c.contact.distance, c.contact.shape_a, c.contact.shape_b]]
+        if self._tendons is not None:
+            parts.append(self._tendons(sim.q, d.field("act")).ravel())
         return np.concatenate([np.asarray(x, np.float64) for x in parts]).astype("<f4").tobytes()
 
     def sync(self) -> None:
         """Does what the page asked for, and shows the state, at most 60 times a second. While the page pauses, it waits."""
+        self._granted = False
         while True:
             while self._commands:
                 self._obey(self._commands.popleft())
@@ -168,7 +190,13 @@ class Viewer:
             if self._pages and now - self._sent >= _FRAME:
                 self._sent = now
                 self._send(self._state(), 2)
-            if not self.paused or not self.is_running():
+                if len(self._controls) and now - self._told >= 0.1:
+                    self._told = now
+                    said = {"controls": self._controls.values(self.simulation), "held": list(self.held)}
+                    self._send(json.dumps(said).encode(), 1)
+            if self.held:
+                self._controls.hold(self.simulation, self.held)
+            if not self.paused or self._granted or not self.is_running():
                 return
             time.sleep(_FRAME)
 
@@ -185,6 +213,8 @@ class Viewer:
                 began = time.monotonic()
                 if self.controller is not None:
                     sim._give(self.controller(sim), self.returns)
+                    if self.held:
+                        self._controls.hold(sim, self.held)
                 sim.step(self.every)
                 self._step_s = (time.monotonic() - began) / self.every
                 self.sync()

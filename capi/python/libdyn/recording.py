@@ -11,9 +11,11 @@ import numpy as np
 
 from . import page
 from .describe import coordinate_names
-from .enums import ActuatorType, FrameType, Part, Transmission
+from .enums import FrameType, Part
 from .errors import ArgumentError, UnsupportedError
 from .library import version
+from .picture import Camera, Renderer
+from .tendon_lines import TendonLines
 
 if TYPE_CHECKING:
     from .arrays import Numbers
@@ -47,7 +49,7 @@ class Recording:
     True
 
     Arrays have a row for each moment: t, q, v, tau, ctrl, actuator_force, energy; sensors is {name: rows}, contacts a list for
-    each. to_html writes a page, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
+    each. to_html writes a page, to_mp4 a video, to_csv and to_parquet tables, to_mcap a log. A notebook shows the page.
     """
 
     def __init__(self, simulation: Simulation, every: int):
@@ -220,6 +222,28 @@ class Recording:
                     log.add_message(channel_id=channels[topic], log_time=ns, publish_time=ns, data=json.dumps(message).encode())
             log.finish()
 
+    def to_mp4(self, path: str | os.PathLike[str], width: int = 640, height: int = 480, *, camera: Camera | None = None,
+               fps: float = 30.0, speed: float = 1.0, **drawing: Any) -> None:
+        """Writes a video by ffmpeg, of the system or of the package imageio-ffmpeg. speed: 0.5 is slow motion; between moments
+        configurations are interpolated; drawing: more of dyn.Renderer."""
+        from .video import Video  # not before: most programs write none
+
+        if not len(self):
+            raise ArgumentError("the recording has no moments.")
+        if not 0 < speed < np.inf:
+            raise ArgumentError(f"speed is {speed}, but must be more than 0.")
+        renderer, t, q = Renderer(self.model, width, height, camera, **drawing), self.t, self.q
+        with Video(path, width, height, fps) as video:
+            for k in range(int((t[-1] - t[0]) * fps / speed + 1e-9) + 1):
+                video.add(renderer.render(self._between(t, q, t[0] + k * speed / fps)))
+
+    def _between(self, t: Numbers, q: Numbers, at: float) -> Numbers:
+        """q at a time, interpolated."""
+        k = int(np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 1))
+        if k == len(t) - 1 or at <= t[k]:
+            return q[k]
+        return self.model.interpolate(q[k], q[k + 1], (at - t[k]) / (t[k + 1] - t[k]))
+
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Writes a page that plays the recording and needs nothing else. Needs the command dyn."""
         text = self._page()
@@ -233,17 +257,7 @@ class Recording:
 
     def tendon_pieces(self) -> list[Numbers]:
         """Straight pieces of the paths of tendons at each moment, (n, 7): both ends, and the activation of a muscle, else -1."""
-        m = self.model
-        muscles = {a.tendon: a.idx_act for a in map(m.actuator, range(m.nactuators))
-                   if a.type == ActuatorType.MUSCLE and a.transmission == Transmission.TENDON}
-        data, out = m.data(Part.ALL), []
-        for moment in self._moments if m.ntendons else ():
-            data.tendons(moment.q)
-            pieces = []
-            for t in range(m.ntendons):
-                path = data.tendon_path(t)
-                goes_on = np.flatnonzero(path.begins[1:] == 0) + 1
-                last = np.full(len(goes_on), moment.act[muscles[t]] if t in muscles else -1.0)
-                pieces.append(np.column_stack([path.points[goes_on - 1], path.points[goes_on], last]))
-            out.append(np.concatenate(pieces))
-        return out
+        if not self.model.ntendons:
+            return []
+        lines = TendonLines(self.model)
+        return [lines(moment.q, moment.act) for moment in self._moments]

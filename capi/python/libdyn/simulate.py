@@ -17,6 +17,7 @@ from .errors import ArgumentError, SizeError, StaleError, UnknownNameError
 from .live import Viewer
 from .loading import load
 from .model import Model
+from .picture import Camera, Renderer
 from .recording import Recording
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from .arrays import Numbers
     from .data import Data
     from .enums import BaseLike, EffectLike, IntegratorLike
+    from .picture import Image
     from .simulation import ContactForce
 
 Controller = Callable[["Simulation"], Any]
@@ -136,6 +138,7 @@ class Simulation:
         self._measures_acceleration = any(s.order == 2 for s in model.sensors)
         self._acceleration: Numbers | None = None
         self._recordings: list[Recording] = []
+        self._renderer: tuple[Model, Any, Renderer] | None = None
 
     def __repr__(self) -> str:
         return f"<dyn.Simulation of {self.model.name!r}: t {self.time:g} s, dt {self.dt:g} s>"
@@ -147,7 +150,7 @@ class Simulation:
         return copy.deepcopy(self)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_recordings": []}
+        return {**self.__dict__, "_recordings": [], "_renderer": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -324,6 +327,14 @@ class Simulation:
         recording = Recording(self, max(1, round(1 / 60 / self.dt)) if every is None else whole(every, "every", 1))
         self._recordings = [*self._recordings, recording]
         return recording
+
+    def picture(self, width: int = 640, height: int = 480, camera: Camera | None = None, **drawing: Any) -> Image:
+        """A picture of what is, (height, width, 3): see dyn.Renderer, whose arguments drawing are. The first one places a camera
+        that was not told where to look; it stays for others of the same kind."""
+        kind = width, height, camera, drawing
+        if self._renderer is None or self._renderer[0] is not self.model or self._renderer[1] != kind:
+            self._renderer = self.model, kind, Renderer(self.model, width, height, camera, **drawing)
+        return self._renderer[2].render(self.q, self.data.field("act"))
 
     def view(
         self, controller: Controller | None = None, *, every: int = 1, returns: str | None = None, open: bool = True,

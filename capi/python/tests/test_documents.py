@@ -223,6 +223,8 @@ def test_program(name, program, folder, monkeypatch):
             pass
     if name.startswith("states"):
         pytest.importorskip("mujoco")
+    if "gym" in program:
+        pytest.importorskip("gymnasium")
     if ".plot(" in program:
         pytest.importorskip("matplotlib")
     exec(GIVEN.get(name, "").replace("$", str(folder)), names)

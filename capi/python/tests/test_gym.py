@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -11,16 +12,19 @@ gymnasium = pytest.importorskip("gymnasium", reason="package gymnasium is not in
 
 import libdyn as dyn  # noqa: E402
 import libdyn.gym  # noqa: E402
+import libdyn.tasks  # noqa: E402
 
 IDS = ("dyn/Go2-v0", "dyn/Humanoid-v0")
+OTHERS = ("dyn/CartPole-v0", "dyn/Reach-v0", "dyn/Lift-v0")
 
 
-@pytest.mark.parametrize("id", IDS)
-@pytest.mark.filterwarnings("error", "ignore:.*infinity")
+@pytest.mark.parametrize("id", [*IDS, *OTHERS])
+@pytest.mark.filterwarnings("error")
 def test_checker(id):
+    """Of the package: spaces, seeds, and pictures."""
     from gymnasium.utils.env_checker import check_env
 
-    check_env(gymnasium.make(id).unwrapped, skip_render_check=True)
+    check_env(gymnasium.make(id, render_mode="rgb_array", width=32, height=24).unwrapped, skip_render_check=id in IDS)
 
 
 @pytest.mark.parametrize("id", [*IDS, "dyn/Model-v0"])
@@ -58,7 +62,7 @@ def test_a_vector_environment_is_the_single_ones(id):
     n, steps = 3, 25
     actions = np.random.default_rng(1).uniform(-1, 1, (steps, n, *gymnasium.make(id).action_space.shape))
     envs = gymnasium.make_vec(id, n, vectorization_mode="vector_entry_point", threads=2)
-    assert isinstance(envs.unwrapped, dyn.gym.WalkVectorEnv)
+    assert isinstance(envs.unwrapped, dyn.gym.TaskVectorEnv)
     found = [envs.reset(seed=5)[0]]
     rewards, ends = [], []
     for a in actions:
@@ -76,6 +80,115 @@ def test_a_vector_environment_is_the_single_ones(id):
                 continue
             observation, reward, over, _, _ = env.step(actions[i, k])
             assert np.array_equal(observation, found[i + 1][k]) and reward == rewards[i][k] and over == ends[i][k], (k, i)
+
+
+@pytest.mark.parametrize("task, options", [
+    ("cart_pole", {}), ("reach", {}), ("lift", {}), ("go2", {"ground": "rough"}), ("go2", {"ground": "obstacles"}),
+    ("go2", {"vary": {"mass": 0.2, "contact_friction": (0.5, 1.2), "com": 0.02}, "variants": 3}),
+])  # fmt: skip
+def test_tasks(task, options):
+    """Vectors are the single ones, bit for bit; observations are in their finite space; the terms of the reward add up."""
+    n, steps = 3, 8
+    envs = dyn.gym.TaskVectorEnv(task, n, threads=1, **options)
+    random = np.random.default_rng(1)
+    actions, first = random.uniform(-1, 1, (steps, n, *envs.single_action_space.shape)), envs.reset(seed=5)[0]
+    found = [envs.step(a) for a in actions]
+    assert np.isfinite(envs.single_observation_space.high).all()
+    env = dyn.gym.TaskEnv(task, **options)
+    for k in range(n):
+        assert np.array_equal(env.reset(seed=5 + k)[0], first[k])
+        for i in range(steps):
+            observation, reward, over, _, info = env.step(actions[i, k])
+            assert np.array_equal(observation, found[i][0][k]) and reward == found[i][1][k] and over == found[i][2][k]
+            assert env.observation_space.contains(observation)
+            assert reward == pytest.approx(sum(x for name, x in info.items() if name.startswith("reward_")), abs=1e-12)
+            assert all(found[i][4][name][k] == x and found[i][4][f"_{name}"][k] for name, x in info.items())
+            if over:
+                break
+
+
+def test_episodes_have_models_of_their_own():
+    env = dyn.gym.TaskEnv("go2", vary={"mass": 0.2, "contact_friction": (0.5, 1.2)}, variants=3)
+    masses = {env.reset(seed=k)[0][0] and env.simulation.model.total_mass for k in range(12)}
+    assert masses == {m.total_mass for m in env.task.models} and len(masses) == 3
+    nominal = env.task.model.total_mass
+    assert all(0.8 * nominal < m < 1.2 * nominal for m in masses)
+
+
+def test_why_an_episode_ends():
+    env = dyn.gym.TaskEnv("cart_pole")
+    env.reset(seed=1)
+    while True:
+        _, _, over, _, info = env.step([1.0])
+        if over:
+            break
+    assert info["ended"] == "pole" and abs(info["angle"]) > np.deg2rad(12)
+    env = dyn.gym.TaskEnv("go2")
+    env.reset(seed=1)
+    q = env.task.q.copy()
+    q[2], q[3:7] = 0.6, dyn.spatial.matrix_to_quaternion(dyn.spatial.rpy_to_matrix([1.2, 0, 0]))
+    env.simulation.reset(q)
+    _, _, over, _, info = env.step(np.zeros(12))
+    assert over and info["ended"] == "tilt" and info["tilt"] == pytest.approx(1.2, abs=0.05)
+    envs = dyn.gym.TaskVectorEnv("cart_pole", 2, threads=1)
+    envs.reset(seed=1)
+    while not (found := envs.step(np.array([[1.0], [0.0]])))[2].any():
+        pass
+    assert found[4]["ended"].tolist() == ["pole", None] and found[4]["_ended"].tolist() == [True, False]
+
+
+def test_a_cube_is_lifted():
+    """By three targets in a row: down, closed, up."""
+    env = dyn.gym.TaskEnv("lift")
+    env.reset(seed=2)
+    for action, steps in (([-1, 1], 40), ([-1, -1], 20), ([1, -1], 40)):
+        for _ in range(steps):
+            _, reward, over, _, info = env.step(np.array(action))
+            assert not over
+    assert info["height"] > 0.2 and reward > 1.9
+
+
+def test_pictures():
+    env = dyn.gym.TaskEnv("go2", "rgb_array", width=64, height=48)
+    env.reset(seed=1)
+    picture = env.render()
+    assert picture.shape == (48, 64, 3) and picture.dtype == np.uint8
+    for _ in range(10):
+        env.step(np.ones(12))
+    assert not np.array_equal(env.render(), picture)
+    envs = dyn.gym.TaskVectorEnv("go2", 2, threads=1, render_mode="rgb_array", width=64, height=48)
+    envs.reset(seed=1)
+    both = envs.render()
+    assert len(both) == 2 and np.array_equal(both[0], picture)
+    assert dyn.gym.TaskEnv("go2").render() is None
+    model = dyn.gym.ModelEnv(dyn.load_string(SCENE), render_mode="rgb_array", width=32, height=24)
+    model.reset()
+    assert model.render().std() > 5
+
+
+def test_a_page_shows_each_step(monkeypatch):
+    """The page of a live simulation, in real time."""
+    shown = []
+
+    class Viewer:
+        def __init__(self, simulation):
+            self.simulation = simulation
+
+        def sync(self):
+            shown.append(self.simulation.time)
+
+        def close(self):
+            shown.append("closed")
+
+    monkeypatch.setattr(dyn.gym, "Viewer", Viewer)
+    env = dyn.gym.TaskEnv("cart_pole", "human")
+    env.reset(seed=1)
+    began = time.monotonic()
+    for _ in range(5):
+        env.step([0.0])
+    assert time.monotonic() - began > 0.07 and env.render() is None  # the first step may come at once
+    env.close()
+    assert shown == [0, *(pytest.approx(0.02 * k) for k in range(1, 6)), "closed"]
 
 
 def test_falls_ends_and_masks():
@@ -99,9 +212,9 @@ def test_falls_ends_and_masks():
         assert not fallen[1]
         if fallen[0]:
             break
-    assert fallen[0] and observation[0, 0] < dyn.gym.ROBOTS["humanoid"].fallen
+    assert fallen[0] and (observation[0, 0] < dyn.tasks.ROBOTS["humanoid"].fallen or observation[0, 3] > -0.5)
     observation, reward, fallen, _, _ = envs.step(actions)
-    assert observation[0, 0] == dyn.gym.ROBOTS["humanoid"].height and reward[0] == 0 and not fallen.any()
+    assert observation[0, 0] == dyn.tasks.ROBOTS["humanoid"].height and reward[0] == 0 and not fallen.any()
 
 
 def test_a_state_that_fails_ends_its_environment():
@@ -117,8 +230,18 @@ def test_a_state_that_fails_ends_its_environment():
 def test_refusals():
     with pytest.raises(ValueError, match="must be one of go2, humanoid"):
         dyn.gym.WalkEnv("cat")
-    with pytest.raises(ValueError, match="draw nothing"):
-        dyn.gym.WalkEnv("go2", render_mode="human")
+    with pytest.raises(ValueError, match="there is no task 'cat': there are go2, humanoid, cart_pole, reach, lift"):
+        dyn.gym.TaskEnv("cat")
+    with pytest.raises(ValueError, match="must be one of flat, rough, obstacles"):
+        dyn.gym.TaskEnv("go2", ground="sand")
+    with pytest.raises(ValueError, match="must be None or one of human, rgb_array"):
+        dyn.gym.TaskEnv("cart_pole", "ansi")
+    with pytest.raises(ValueError, match='must be None or "rgb_array"'):
+        dyn.gym.TaskVectorEnv("cart_pole", 2, render_mode="human")
+    with pytest.raises(dyn.ArgumentError, match="no quantity 'weight' to vary"):
+        dyn.gym.TaskEnv("cart_pole", vary={"weight": 0.1})
+    with pytest.raises(ValueError, match="variants is 0"):
+        dyn.gym.TaskEnv("cart_pole", vary={"mass": 0.1}, variants=0)
 
 
 SCENE = """<mujoco><option timestep="0.004" integrator="implicitfast"/><worldbody>

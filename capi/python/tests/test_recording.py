@@ -18,7 +18,7 @@ from command import CLI
 from conftest import MODELS
 
 import libdyn as dyn
-from libdyn import page
+from libdyn import page, sliders
 
 SCENE = MODELS / "scenes" / "go2_stands.xml"
 EXAMPLE = """<mujoco><worldbody><body name="ball" pos="0 0 .3"><freejoint name="free"/>
@@ -299,6 +299,50 @@ def test_live(viewer):
     viewer.close()
     t.join(20)
     assert not t.is_alive() and len(calls) > 50 and not viewer.is_running()
+
+
+def test_sliders_and_single_steps(viewer):
+    """A control that the page holds stays over the controller's; a step of a pause is one."""
+    sim = viewer.simulation
+    viewer.controller = lambda s: {"ctrl": np.full(s.model.nu, 0.1)}
+    t = threading.Thread(target=viewer.run)
+    t.start()
+    page_ = Client(viewer)
+    page_.state(lambda x: x[0] > 0.02)
+    page_.say({"do": "control", "index": 2, "value": -1.5})
+    while not (isinstance(said := page_.hear(), dict) and said.get("held")):
+        pass
+    assert said["held"] == [2] and said["controls"][2] == -1.5 and said["controls"][1] == 0.1 and sim.ctrl[2] == -1.5
+    page_.say({"do": "pause", "on": True})
+    before = float(page_.state(lambda x: x[1] == 1)[0])
+    for k in range(1, 4):
+        page_.say({"do": "step"})
+        page_.state(lambda x: x[0] > before + (k - 0.5) * sim.dt)
+    assert sim.time == pytest.approx(before + 3 * sim.dt, abs=1e-6)
+    page_.say({"do": "release"})
+    while not (isinstance(said := page_.hear(), dict) and said.get("held") == []):
+        pass
+    for wrong in ({"index": 99, "value": 0}, {"index": 0}, {"index": 0, "value": "x"}):
+        page_.say({"do": "control", **wrong})
+        while not (isinstance(said := page_.hear(), dict) and "error" in said):
+            pass
+    viewer.close()
+    t.join(20)
+    assert not t.is_alive() and viewer.held == {}
+
+
+def test_ranges_of_sliders(go2):
+    found = sliders.of(dyn.load(SCENE))
+    assert len(found) == 12 and not found.torques and all(x["lower"] < 0.1 < x["upper"] or "calf" in x["name"]
+                                                          for x in found.described)
+    torques = sliders.of(go2)
+    assert torques.torques and [x["name"] for x in torques.described][:2] == ["tau FL_hip_joint", "tau FL_thigh_joint"]
+    assert torques.described[0]["upper"] == go2.effort_limit[6] == -torques.described[0]["lower"]
+    sim = dyn.Simulation(go2)
+    torques.hold(sim, {1: 2.5})
+    assert sim.tau[7] == 2.5 and torques.values(sim)[1] == 2.5 and np.count_nonzero(sim.tau) == 1
+    torques.release(sim, {1: 2.5})
+    assert not sim.tau.any()
 
 
 def test_a_loop_of_ones_own(viewer):

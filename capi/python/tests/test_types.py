@@ -48,6 +48,13 @@ imu: NDArray[np.float64] = sim.sensors["imu"]
 recording: dyn.Recording = sim.record(every=5)
 rows: NDArray[np.float64] = recording.sensors["imu"]
 recording.to_html("page.html")
+recording.to_mp4("film.mp4", 320, 240, camera=dyn.Camera(azimuth=30.0), fps=20)
+shot: NDArray[np.uint8] = sim.picture(320, 240, dyn.Camera((0, 0, 1)), smooth=False)
+shot = dyn.Renderer(m, 64, 48, role="collision").render(q)
+dyn.write_png(shot, "x.png")
+other: dyn.Model = dyn.vary(m, 1, mass=0.2, contact_friction=(0.5, 1.2), com=0.01)
+other = dyn.with_inertial_parameters(m, m.inertial_parameters())
+other = dyn.load_description("go2_description", base="floating")
 seen: dyn.Viewer = dyn.view(sim, lambda s: None)
 written: str = dyn.view(recording, open=False)
 X: dyn.Placement = place.inverse() @ dyn.Placement.exp([0.0] * 6)
@@ -75,6 +82,8 @@ WRONG = {
     "sim.step(control=[0.0])": "Unexpected keyword",
     'dyn.spatial.Jexp6(q, "middle")': "incompatible type",
     "dyn.view(3)": "No overload",
+    'dyn.Renderer(m, role="inside")': "incompatible type",
+    'dyn.vary(m, 1, mass="much")': "incompatible type",
     "batch.rnea()": "Missing positional argument|Too few arguments",
 }
 

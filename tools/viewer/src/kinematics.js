@@ -58,7 +58,9 @@ export class Kinematics {
           const name = knobs.length > 1 ? `${joint.name}[${k}] ${knob.kind}` : joint.name;
           const value = make("span", { className: "number" }, number(knob.value, 3));
           const slider = make("input", {
-            type: "range", step: "any", min: knob.min, max: knob.max, value: knob.value,
+            type: "range", step: "any", "aria-label": name,
+            // where a value is beyond its limits, so is its slider
+            min: Math.min(knob.min, knob.value), max: Math.max(knob.max, knob.value), value: knob.value,
             oninput: () => {
               knob.move(Number(slider.value), q);
               value.textContent = number(Number(slider.value), 3);

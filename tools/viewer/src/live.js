@@ -1,4 +1,5 @@
 // A simulation that goes on, over a WebSocket: what it is doing, and what the page asks of it.
+import { Controls } from "./controls.js";
 import { make, number } from "./dom.js";
 import { Plot } from "./plots.js";
 import { Push } from "./push.js";
@@ -15,8 +16,12 @@ export class Live {
     this.socket.onclose = () => this.#say(
       "The simulation has ended, or refused this page. Start dyn view --live again, and open the address that it prints.");
     this.push = new Push(scene, robot, inspector, overlays.weight, (push) => this.send({ do: "push", ...push }));
-    this.#controls(footer);
-    this.#effects(side);
+    this.#buttons(footer);
+    if (head.controls?.length) {
+      this.controls = new Controls(head.controls, (command) => this.send(command));
+      side.append(this.controls.box);
+    }
+    if (head.effects.length) this.#effects(side);
     this.history = [];
     this.plots = [
       ["energy", "J", ["kinetic", "potential", "mechanical"], (s) => [s.kinetic, s.potential, s.kinetic + s.potential]],
@@ -39,11 +44,11 @@ export class Live {
     this.message.textContent = text;
   }
 
-  #controls(footer) {
+  #buttons(footer) {
     this.pause = make("button", { id: "pause", onclick: () => this.send({ do: "pause", on: !this.state?.paused }) }, "pause");
     const speeds = [0.1, 0.25, 0.5, 1, 2].map((x) => make("option", { value: x, selected: x === 1 }, `${x}×`));
     const speed =
-      make("select", { id: "speed", onchange: () => this.send({ do: "speed", factor: Number(speed.value) }) }, ...speeds);
+      make("select", { id: "speed", "aria-label": "speed", onchange: () => this.send({ do: "speed", factor: Number(speed.value) }) }, ...speeds);
     const drag = make("input", { type: "checkbox", id: "drag", onchange: () => (this.push.always = drag.checked) });
     this.label = make("output", { id: "clock" });
     const reset = () => {
@@ -51,8 +56,10 @@ export class Live {
       this.#say("");
       this.send({ do: "reset" });
     };
+    // the command dyn has no such step
+    const step = this.head.controls ? [make("button", { id: "step", onclick: () => this.send({ do: "step" }) }, "step")] : [];
     footer.append(
-      this.pause, make("button", { id: "reset", onclick: reset }, "reset"), speed,
+      this.pause, ...step, make("button", { id: "reset", onclick: reset }, "reset"), speed,
       make("label", {}, drag, " dragging pushes (or hold Shift)"), this.label);
   }
 
@@ -67,7 +74,9 @@ export class Live {
 
   #receive(data) {
     if (typeof data === "string") {
-      this.#say(JSON.parse(data).error ?? "");
+      const { error, controls, held } = JSON.parse(data);
+      if (controls) this.controls?.show(controls, held);
+      else this.#say(error ?? "");
       return;
     }
     const state = (this.state = parseState(data, this.head.model));

@@ -39,7 +39,7 @@ function stage(head, read) {
   overlays.setCom(...first.com);
   overlays.setTendons(recording.tendonsAt(0));
   scene.track(overlays.com.position);
-  addTools(byId("tools"), { robot, scene, overlays });
+  addTools(byId("tools"), { robot, scene, overlays, follow: head.kind === "live" });
   return { head, robot, recording, scene, overlays, inspector: new Inspector(byId("link"), robot, scene), side: byId("side") };
 }
 

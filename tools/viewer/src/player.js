@@ -11,6 +11,7 @@ export class Player {
     this.button = make("button", { id: "play", onclick: () => this.play(!this.playing), title: "space" }, "play");
     this.slider = make("input", {
       id: "scrub",
+      "aria-label": "time",
       type: "range",
       min: recording.start,
       max: recording.end,
@@ -20,7 +21,7 @@ export class Player {
     });
     this.label = make("output", { id: "clock" });
     const speeds = [0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8].map((x) => make("option", { value: x, selected: x === 1 }, `${x}×`));
-    this.select = make("select", { id: "speed", onchange: () => (this.speed = Number(this.select.value)) }, ...speeds);
+    this.select = make("select", { id: "speed", "aria-label": "speed", onchange: () => (this.speed = Number(this.select.value)) }, ...speeds);
     element.append(this.button, this.slider, this.label, this.select);
     window.addEventListener("keydown", (event) => this.#key(event));
   }

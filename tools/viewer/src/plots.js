@@ -6,6 +6,7 @@ import { make, number, section } from "./dom.js";
 
 const COLOURS = ["#1f77b4", "#d1495b", "#2a9d5c", "#8e63b5", "#e08a1e", "#7a5548", "#17a2b8", "#c2185b", "#5d6d7e", "#9aa21e"];
 const HEIGHT = 170;
+const MANY = 12; // curves, from which on they can be searched
 
 export class Plot {
   static #drawn = []; // those opened so far
@@ -27,7 +28,7 @@ export class Plot {
 
   #fill(element) {
     const colours = this.plot.names.map((_, i) => COLOURS[i % COLOURS.length]);
-    this.line = make("div", { className: "cursor" });
+    this.line = make("div", { className: "cursor", style: "display: none" });
     this.clock = make("span", { className: "number" });
     this.numbers = colours.map(() => make("span", { className: "number" }));
     const key = (name, i) => {
@@ -37,9 +38,11 @@ export class Plot {
       return entry;
     };
     const holder = make("div");
+    const keys = this.plot.names.map(key);
+    if (keys.length > MANY) element.append(this.#search(keys));
     element.append(
       make("div", { className: "plot" }, holder, this.line),
-      make("div", { className: "key" }, make("span", {}, "t ", this.clock), ...this.plot.names.map(key)));
+      make("div", { className: "key" }, make("span", {}, "t ", this.clock), ...keys));
     const width = () => Math.max(element.clientWidth - 4, 200);
     this.graph = new Dygraph(holder, this.time.length ? this.#rows() : [[0, ...colours.map(() => NaN)]], {
       labels: ["t", ...colours.map((_, i) => String(i))],  // names need not differ
@@ -64,6 +67,20 @@ export class Plot {
     new ResizeObserver(() => element.open && this.graph.resize(width(), HEIGHT)).observe(element);
     Plot.#drawn.push(this);
     this.mark(this.last);
+  }
+
+  /** shows curves whose names have what is written */
+  #search(keys) {
+    const field = make("input", {
+      type: "search", placeholder: `search ${keys.length} curves`, "aria-label": `curves of ${this.plot.title}`,
+      oninput: () => {
+        const wanted = field.value.toLowerCase();
+        const shown = this.plot.names.map((name) => name.toLowerCase().includes(wanted));
+        keys.forEach((entry, i) => ((entry.hidden = !shown[i]), entry.classList.remove("off")));
+        this.graph.setVisibility(shown);
+      },
+    });
+    return field;
   }
 
   mark(t) {

@@ -45,7 +45,8 @@ export class Scene {
 
   #ground(s) {
     const cell = 10 ** Math.round(Math.log10(s / 4));
-    this.grid = new THREE.GridHelper(cell * 100, 100, 0x9aa3ae, 0xc8ced6).rotateX(Math.PI / 2);
+    const lines = window.matchMedia("(prefers-color-scheme: dark)").matches ? [0x4a5563, 0x343d49] : [0x9aa3ae, 0xc8ced6];
+    this.grid = new THREE.GridHelper(cell * 100, 100, ...lines).rotateX(Math.PI / 2);
     this.grid.material.transparent = true;
     this.grid.material.opacity = 0.7;
     const shade = new THREE.Mesh(new THREE.PlaneGeometry(cell * 100, cell * 100), new THREE.ShadowMaterial({ opacity: 0.18 }));
@@ -60,6 +61,18 @@ export class Scene {
     const distance = (0.62 * this.size) / Math.tan((this.camera.fov * Math.PI) / 360);
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).addScaledVector(new THREE.Vector3(...DIRECTIONS[preset]).normalize(), distance);
+    this.controls.update();
+    this.redraw();
+  }
+
+  // All of the robot, from where the camera is.
+  fit() {
+    const box = this.robot.box(), centre = box.getCenter(new THREE.Vector3());
+    const distance =
+      (0.62 * Math.max(box.getSize(new THREE.Vector3()).length(), 0.05)) / Math.tan((this.camera.fov * Math.PI) / 360);
+    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).addScaledVector(away, distance);
     this.controls.update();
     this.redraw();
   }

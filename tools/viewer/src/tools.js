@@ -1,7 +1,11 @@
 // The box of switches: what is drawn, where it is seen from.
 import { make } from "./dom.js";
 
-export function addTools(element, { robot, scene, overlays }) {
+const NARROW = 640; // px: on a phone the box is folded
+
+export function addTools(place, { robot, scene, overlays, follow }) {
+  const element = make("details", { open: window.innerWidth > NARROW }, make("summary", {}, "view"));
+  place.append(element);
   const toggle = (id, label, on, set) => {
     const box =
       make("input", { type: "checkbox", id: `show-${id}`, checked: on, onchange: () => (set(box.checked), scene.redraw()) });
@@ -18,9 +22,52 @@ export function addTools(element, { robot, scene, overlays }) {
   toggle("inertia", "inertia ellipsoids", false, (on) => overlays.show("inertia", on));
   toggle("contacts", "contacts and forces", true, (on) => overlays.show("contacts", on));
   if (overlays.groups.tendons.length) toggle("tendons", "tendons", true, (on) => overlays.show("tendons", on));
-  toggle("follow", "camera follows", false, (on) => (scene.follow = on));
-  element.append(make(
-    "div", { className: "row" },
-    ...["oblique", "front", "side", "top"].map(
-      (name) => make("button", { id: `look-${name}`, onclick: () => scene.look(name) }, name))));
+  toggle("follow", "camera follows", follow, (on) => (scene.follow = on));
+  const row = (...buttons) => make("div", { className: "row" }, ...buttons);
+  element.append(
+    row(...["oblique", "front", "side", "top"].map(
+      (name) => make("button", { id: `look-${name}`, onclick: () => scene.look(name) }, name))),
+    row(
+      make("button", { id: "fit", title: "f", onclick: () => scene.fit() }, "fit"),
+      make("button", { id: "save-picture", title: "a PNG file", onclick: () => savePicture(scene) }, "picture"),
+      ...(window.MediaRecorder ? [videoButton(scene)] : [])));
+  window.addEventListener("keydown", (event) => {
+    if (event.key === "f" && !["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName)) scene.fit();
+  });
+}
+
+function save(blob, name) {
+  const link = make("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+function savePicture(scene) {
+  scene.redraw(), scene.draw();
+  scene.canvas.toBlob((blob) => save(blob, `${document.title}.png`));
+}
+
+/** what is drawn between two clicks, as a WebM file */
+function videoButton(scene) {
+  let recorder;
+  const button = make("button", {
+    id: "save-video", title: "a WebM file, from one click to the next",
+    onclick() {
+      if (recorder) {
+        recorder.stop();
+        return;
+      }
+      const parts = [];
+      recorder = new MediaRecorder(scene.canvas.captureStream(30));
+      recorder.ondataavailable = ({ data }) => parts.push(data);
+      recorder.onstop = () => {
+        save(new Blob(parts, { type: recorder.mimeType }), `${document.title}.webm`);
+        recorder = undefined;
+        button.textContent = "video";
+      };
+      recorder.start();
+      button.textContent = "stop";
+    },
+  }, "video");
+  return button;
 }
