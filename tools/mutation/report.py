@@ -1,0 +1,83 @@
+"""Results as a table, and the list of mutants that need no test."""
+
+
+def listed(path):
+    """(mutants that are added, {key: reason} of those that need no test) of tests/mutants.txt."""
+    found, added = {}, []
+    if path.exists():
+        for line in path.read_text().split("\n"):
+            if line.startswith("add "):
+                added.append(tuple(line[4:].split(" | ")))
+            elif line.strip() and not line.startswith("#"):
+                key, reason = line.rsplit(" | ", 1)
+                found[key.strip()] = reason.strip()
+                if not key.strip().endswith((" up", " down")):
+                    found[key.strip() + " up"] = found[key.strip() + " down"] = reason.strip()
+    return added, found
+
+
+def rows(tree, runner, excuses):
+    out = []
+    for number, (m, direction) in tree.numbered.items():
+        key = m.key if direction is None else f"{m.key} {direction}"
+        result = runner.results.get(key, {})
+        if key in excuses and not result.get("killed"):
+            verdict, by = "excused", excuses[key]
+        elif result.get("killed"):
+            verdict, by = "killed", result["killed"] + ("" if result["how"] == "failed" else f" ({result['how']})")
+        else:
+            verdict, by = "SURVIVED", f"{len(result.get('tried', []))} tests"
+        what = m.text if direction is None else f"{m.name.removeprefix('dyn::')} = {m.value} {dict(m.directions())[direction]}"
+        out.append({"number": number, "file": m.file, "line": m.line, "kind": m.kind, "key": key, "mutation": what, "verdict": verdict, "by": by})
+    return out
+
+
+def table(rows):
+    return "\n".join(f"{r['number']:4} {r['verdict']:8} {r['file']}:{r['line']}: {r['mutation']}: {r['by']}" for r in rows)
+
+
+def constants_of(rows):
+    """{constant: verdicts of its two mutants}"""
+    found = {}
+    for r in rows:
+        if r["kind"] == "constant":
+            found.setdefault(r["key"].rsplit(" ", 1)[0], []).append(r["verdict"])
+    return found
+
+
+def counts(rows, folder, kind):
+    mine = [r for r in rows if r["file"].startswith(folder + "/") and r["kind"] == kind]
+    return [sum(r["verdict"] == v for r in mine) for v in ("killed", "excused", "SURVIVED")]
+
+
+def folders_of(rows, kind):
+    return list(dict.fromkeys("/".join(r["file"].split("/")[:2]) for r in rows if r["kind"] == kind))
+
+
+def summary(tree, rows):
+    lines = []
+    found = constants_of(rows)
+    if found:
+        noticed = sum("killed" in v for v in found.values())
+        lines.append(f"tests notice {noticed} of {len(found)} constants ({tree.found_constants - len(found)} more have to be constant)")
+    for kind in ("constant", "expression"):
+        for folder in folders_of(rows, kind):
+            killed, excuse, survived = counts(rows, folder, kind)
+            lines.append(f"{folder}: {killed} of {killed + excuse + survived} mutants of {kind}s killed, {excuse} excused, {survived} survived")
+    return "\n".join(lines)
+
+
+def page(path, rows):
+    """Writes what is between <!-- mutants --> and <!-- /mutants --> of a page anew."""
+    out = []
+    for kind in ("constant", "expression"):
+        present = folders_of(rows, kind)
+        if not present:
+            continue
+        out += ["", f"| folder | mutants of {kind}s | killed | excused | survived |", "|---|---|---|---|---|"]
+        for folder in present:
+            killed, excuse, survived = counts(rows, folder, kind)
+            out.append(f"| {folder} | {killed + excuse + survived} | {killed} | {excuse} | {survived} |")
+    text = path.read_text()
+    begin, end = text.index("<!-- mutants -->") + len("<!-- mutants -->"), text.index("<!-- /mutants -->")
+    path.write_text(text[:begin] + "\n" + "\n".join(out).strip() + "\n" + text[end:])
