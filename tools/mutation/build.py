@@ -3,7 +3,6 @@ import concurrent.futures
 import json
 import os
 import re
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -166,12 +165,14 @@ class Tree:
             is_one = str(Path(c["file"]).parent) in folders or "dyn_host" in c["file"] and "unity" in c["file"]
             if is_one and c["file"] not in seen:
                 seen.add(c["file"])
-                out.append((c["directory"], re.sub(r" -o \S+", "", c["command"]).replace("/usr/bin/ccache ", "") + " -fsyntax-only -w"))
+                command = re.sub(r" -o \S+", "", c["command"]).replace("/usr/bin/ccache ", "")
+                out.append((c["directory"], command + " -fsyntax-only -w"))
         return out
 
     @staticmethod
     def check(source):
-        run = subprocess.run(source[1], shell=True, cwd=source[0], capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
+        env = {**os.environ, "LC_ALL": "C"}
+        run = subprocess.run(source[1], shell=True, cwd=source[0], capture_output=True, text=True, env=env)
         return run.returncode == 0, run.stderr
 
     def drop_by(self, errors, log):

@@ -55,8 +55,8 @@ def declarations(file, text, r):
             k = first
             while r.word(k) not in (",", ";"):
                 k = r.partner[k] + 1 if r.word(k) in "([{" and k in r.partner else k + 1
-            items.append(((name, first, k), Constant(file, line_of(text, r.t[first - 2].begin), "::".join(r.names_of(begin) + [name]),
-                                                     type_, local, r.written(first, k))))
+            whole, line = "::".join(r.names_of(begin) + [name]), line_of(text, r.t[first - 2].begin)
+            items.append(((name, first, k), Constant(file, line, whole, type_, local, r.written(first, k))))
             if r.word(k) == ";":
                 break
             k += 1
@@ -84,7 +84,7 @@ def worth(c):
 
 
 def edit(r, d, dropped, numbers):
-    """Text in place of the declaration without its semicolon, or None: nothing to change. numbers: {constant key: (slot, up, down)}."""
+    """Text in place of the declaration without its semicolon, or None: nothing to change. numbers: {key: (slot, up, down)}."""
     kept = [c for _, c in d.items if c.key in dropped]
     if len(kept) == len(d.items):
         return None

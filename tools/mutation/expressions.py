@@ -5,7 +5,7 @@ import re
 SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "<=": "<", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
            "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
 FUNCTIONS = {"min": "max", "max": "min", "sin": "cos", "cos": "sin"}
-TYPES = {"double", "float", "int", "Index", "bool", "T", "void", "auto", "char", "const", "unsigned", "long", "typename", "S", "size_t"}
+TYPES = set("double float int Index bool T S void auto char const unsigned long typename size_t".split())
 NOT_VALUES = {"return", "case", "throw", "else", "in", "and", "or", "not", "sizeof", "new", "delete", "co_return", "operator"}
 
 
@@ -42,11 +42,11 @@ def changes_at(r, part, i):
         yield f"!{after.text} to {after.text}", {i: "!!"}
     if token.kind == "name" and word in FUNCTIONS and after and after.text in ("(", "<") and before.text == "::":
         yield f"{word} to {FUNCTIONS[word]}", {i: FUNCTIONS[word]}
-    if token.kind == "number" and re.fullmatch(r"[0-9.]+(e-?[0-9]+)?", word) and float(word) and before.text not in ("[", "<", ".") \
-            and (after is None or after.text not in ("]", ">")):
-        other = "1" if word == "0.5" else f"(2 * {word})"
+    enclosed = before.text in ("[", "<", ".") or after is not None and after.text in ("]", ">")
+    if token.kind == "number" and not enclosed and re.fullmatch(r"[0-9.]+(e-?[0-9]+)?", word) and float(word):
+        other = "1" if word == "0.5" else f"2 * {word}"
         if "." in word or "e" in word or float(word) > 1:
-            yield f"{word} to {'1' if word == '0.5' else other[1:-1]}", {i: other}
+            yield f"{word} to {other}", {i: f"({other})"}
 
 
 def found(file, text, r):

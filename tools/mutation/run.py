@@ -1,4 +1,4 @@
-"""Runs of tests: once without a mutant, to see what each test reaches; then each mutant against the tests that reach it, shortest first."""
+"""Runs of tests: without a mutant, to see what each test reaches; then each mutant against the tests that reach it."""
 import concurrent.futures
 import json
 import os
@@ -37,8 +37,8 @@ class Runner:
         """(status, output): status None when time is up."""
         command = [self.tree.out / "bin" / program, f"--gtest_filter={':'.join(tests)}", "--gtest_fail_fast", "--gtest_color=no"]
         env = {**os.environ, "LOCPATH": str(self.tree.out / "locale"), **environment}
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", env=env,
-                                   preexec_fn=limit, start_new_session=True, cwd=self.tree.tree)
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+                                   env=env, preexec_fn=limit, start_new_session=True, cwd=self.tree.tree)
         try:
             output, _ = process.communicate(timeout=timeout)
             return process.returncode, output
@@ -49,8 +49,8 @@ class Runner:
 
     # ------------------------------------------------------------------------------------------------ without a mutant
     def tests_of(self, program):
-        listed = subprocess.run([self.tree.out / "bin" / program, "--gtest_list_tests", "--gtest_filter=-*Slow*"], capture_output=True,
-                                text=True, check=True).stdout
+        command = [self.tree.out / "bin" / program, "--gtest_list_tests", "--gtest_filter=-*Slow*"]
+        listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
         suite = ""
         for line in listed.split("\n"):
             name = line.split("#")[0].rstrip()
@@ -101,7 +101,8 @@ class Runner:
             keys = {mutant.key}
             while True:  # constants whose values are made of it
                 short = {k.split(": ")[1].split("::")[-1] for k in keys}
-                more = {k for k, c in self.tree.constants.items() if k in slots and short & set(re.findall(r"\w+", c.value))} | keys
+                made = {k for k, c in self.tree.constants.items() if k in slots and short & set(re.findall(r"\w+", c.value))}
+                more = made | keys
                 if more == keys:
                     break
                 keys = more
@@ -135,9 +136,10 @@ class Runner:
         for program, names, seconds in self.chunks(tests):
             status, output = self.run(program, names, 10 * seconds + 10, DYN_MUTANT=str(number))
             if status != 0:
-                failed = re.findall(r"\[  FAILED  \] (\S+?)(?:,| \(|$)", output, re.M) or re.findall(r"\[ RUN      \] (\S+)", output)
-                how = "failed" if "[  FAILED  ]" in output else "took too long" if status is None else f"ended by {status}"
-                killed = f"{program} {(failed or ['?'])[-1 if how != 'failed' else 0]}", how
+                failed = re.findall(r"\[  FAILED  \] (\S+?)(?:,| \(|$)", output, re.M)
+                begun = re.findall(r"\[ RUN      \] (\S+)", output)
+                how = "failed" if failed else "took too long" if status is None else f"ended by {status}"
+                killed = f"{program} {(failed[:1] or begun[-1:] or ['?'])[0]}", how
                 break
             tried |= {f"{program} {n}" for n in names}
         with self.lock:

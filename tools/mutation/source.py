@@ -10,6 +10,8 @@ TOKEN = re.compile(r"""
   | (?P<name>[A-Za-z_]\w*)
   | (?P<sign><=>|<<=|>>=|->\*|\.\.\.|::|->|\+\+|--|<<|<=|>=|==|!=|&&|\|\||[-+*/%&|^]=|[^\s\w])
   """, re.X | re.S)
+OTHER = set("alignas asm break catch class constexpr continue enum extern friend goto static static_assert struct template throw "
+            "typedef union using".split())
 OPEN, CLOSE = {"(": ")", "[": "]", "{": "}"}, set(")]}")
 
 
@@ -133,7 +135,8 @@ class Reader:
             constant = self.word(i + 1) == "constexpr"
             open_, close = self.head(i)
             begin = self.after_semicolon(open_ + 1, close)
-            if word != "switch" and not constant and not ("=" in map(self.word, range(begin, close)) and self.declares(begin, close)):
+            assigns = "=" in map(self.word, range(begin, close))
+            if word != "switch" and not constant and not (assigns and self.declares(begin, close)):
                 self.part("condition", begin, close)
             i = self.statement(close + 1, end)
             if word == "if" and self.word(i) == "else":
@@ -162,8 +165,7 @@ class Reader:
                 self.part("result", i + 1, stop)
             return stop + 1
         stop, code = self.until_semicolon(i, end)
-        if word in ("using", "struct", "class", "static_assert", "break", "continue", "goto", "throw", "constexpr", "static", "union",
-                    "template", "enum", "typedef", "friend", "asm", "extern", "alignas", "catch"):
+        if word in OTHER:
             return stop + 1
         if self.declares(i, stop):
             for begin, last in self.values(i, stop):
@@ -177,8 +179,8 @@ class Reader:
             self.parts.append(Part(kind, begin, end))
 
     def is_lambda(self, i):
-        last = self.word(i - 1)
-        return last in (")", "mutable", "noexcept", "]") or self.t[i - 1].kind == "name" and self.word(i - 2) == "->" and self.word(i - 3) == ")"
+        typed = self.t[i - 1].kind == "name" and self.word(i - 2) == "->" and self.word(i - 3) == ")"
+        return typed or self.word(i - 1) in (")", "mutable", "noexcept", "]")
 
     def after_semicolon(self, i, end):
         """Behind the first semicolon of [i, end), or i."""
