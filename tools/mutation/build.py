@@ -177,7 +177,7 @@ class Tree:
 
     def drop_by(self, errors, log):
         """Drops what the compiler's errors name: a constant by its name, an expression by its lines."""
-        dropped, tree = set(), str(self.tree) + "/"
+        dropped, unknown, tree = set(), [], str(self.tree) + "/"
         names = {}
         for c in self.constants.values():
             names.setdefault(c.short, []).append(c)
@@ -206,12 +206,13 @@ class Tree:
                     if self.drop(m.key, f"does not compile: {place[3]}"):
                         dropped.add(m.key)
             if not hit:
-                file, line = place[1].replace(tree, ""), int(place[2])
-                if file in self.readers:
-                    for word in re.findall(r"\w+", self.readers[file][0].split("\n")[line - 1]):
-                        for c in names.get(word, []):
-                            if c.key in self.slots and self.drop(c.key, f"does not compile: {place[3]}"):
-                                dropped.add(c.key)
+                unknown.append(place)
+        for place in unknown if not dropped else ():  # other errors may be why
+            file, line = place[1].replace(tree, ""), int(place[2])
+            for word in re.findall(r"\w+", self.readers[file][0].split("\n")[line - 1]) if file in self.readers else ():
+                for c in names.get(word, []):
+                    if c.key in self.slots and self.drop(c.key, f"does not compile: {place[3]}"):
+                        dropped.add(c.key)
         log(f"dropped {len(dropped)}: {', '.join(sorted(dropped))[:2000]}")
         if not dropped:
             raise SystemExit(f"tools/mutants: errors that no mutant explains\n{errors[:6000]}")

@@ -84,14 +84,20 @@ def worth(c):
 
 
 def edit(r, d, dropped, numbers):
-    """Text in place of the declaration without its semicolon, or None: nothing to change. numbers: {key: (slot, up, down)}."""
-    kept = [c for _, c in d.items if c.key in dropped]
+    """Text in place of the declaration without its semicolon, or None: nothing to change. numbers: {key: (slot, up, down)}.
+    A declaration of constants without mutants, whose values are made of some with mutants, is constant no more."""
+    short = {key.split("::")[-1].split(": ")[-1] for key in numbers}
+    made = {c.key for _, c in d.items if c.key in dropped and short & set(re.findall(r"\w+", c.value))}
+    kept = [c for _, c in d.items if c.key in dropped and c.key not in made]
     if len(kept) == len(d.items):
         return None
     head = "" if d.local else "static inline " if d.member else "inline " if r.word(d.begin) == "inline" else "static "
     out = []
     for (name, first, end), c in d.items:
         value = r.original(first, end)
+        if c.key in made:
+            out.append(f"{head}const {d.type}& {name} = {value}")
+            continue
         if c.key in dropped:
             out.append(f"{head if not d.local else ''}constexpr {d.type} {name} = {value}")
             continue
