@@ -66,7 +66,7 @@ TEST(Ledger, CorrectionIsTheWeightTimesTheOverlap) {
 }
 
 // A stone of which a quarter of the weight is held falls with 3/4 g. The quarter's work is negative, and stands at `wrenches`.
-TEST(Ledger, HeldWeightIsWorkOfWrenches) {
+TEST(Ledger, GravityCompensationIsWorkOfWrenches) {
   const double m = 2, share = 0.25, time = 0.1, fall = (1 - share) * g * time * time / 2;
   Scene scene;
   scene.free("stone", m, {0.1, 0.2, 0.25});

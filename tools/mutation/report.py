@@ -25,8 +25,10 @@ def rows(tree, runner, excuses):
             verdict, by = "excused", excuses[key]
         elif result.get("killed"):
             verdict, by = "killed", result["killed"] + ("" if result["how"] == "failed" else f" ({result['how']})")
+        elif result:
+            verdict, by = "SURVIVED", f"{len(result['tried'])} tests"
         else:
-            verdict, by = "SURVIVED", f"{len(result.get('tried', []))} tests"
+            verdict, by = "not run", ""
         what = m.text if direction is None else f"{m.name.removeprefix('dyn::')} = {m.value} {dict(m.directions())[direction]}"
         out.append({"number": number, "file": m.file, "line": m.line, "kind": m.kind, "key": key, "mutation": what,
                     "verdict": verdict, "by": by})

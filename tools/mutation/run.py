@@ -152,12 +152,12 @@ class Runner:
             self.log(f"{key}: {'killed by ' + killed[0] if killed else 'SURVIVED ' + str(len(tried)) + ' tests'}")
         self.save()
 
-    def all(self, excused=()):
-        """Every mutant against its tests. excused: keys that no run is spent on."""
+    def all(self, only="", excused=()):
+        """Every mutant whose key has `only` against its tests. excused: keys that no run is spent on."""
         self.number = {m.key: n for n, (m, d) in self.tree.numbered.items() if d is None}
         for v in self.results.values():
             if v.get("killed"):
                 self.kills[v["killed"]] = self.kills.get(v["killed"], 0) + 1
         items = [(n, m.key if d is None else f"{m.key} {d}", m) for n, (m, d) in self.tree.numbered.items()]
-        self.each(lambda i: self.kill(*i), [i for i in items if i[1] not in excused])
+        self.each(lambda i: self.kill(*i), [i for i in items if i[1] not in excused and re.search(only, i[1])])
         self.save()
