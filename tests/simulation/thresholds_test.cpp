@@ -56,6 +56,20 @@ TEST(Thresholds, ClosingByRoundingNeedsNoImpulse) {
   EXPECT_NEAR(3e-15 / 1e-10, falling(3e-15), 1e-8);
 }
 
+// From where a ball rebounds: from twice what gravity adds in a step, in long steps from a twentieth of the speed of that fall.
+TEST(Thresholds, ReboundsBeginAtAStatedSpeed) {
+  for (const double dt : {1e-2, 1e-4}) {
+    double low = 0, high = 1;
+    for (int k = 0; k < 20; ++k) {
+      const double middle = 0.5 * (low + high);
+      Ball ball(0, -middle, dt, {0, 0, -g}, 0.5);
+      ball.steps(1);
+      (ball.v[2] > 0 ? high : low) = middle;
+    }
+    EXPECT_NEAR(std::min(2 * g * dt, 0.05 * 0.32 * std::sqrt(g * length)), high, 1e-3 * high) << dt;
+  }
+}
+
 // Contacts that bounce or are soft are solved at any approach and depth. One throws the ball back, the other presses k times its
 // depth.
 TEST(Thresholds, BouncingAndSoftContactsAlwaysAct) {
