@@ -14,8 +14,8 @@ Model two_rods(double height) {
   return b.joint(first).body("upper", "first", 1, {0.5, 0, 0}).joint(second).body("lower", "second", 1, {0.5, 0, 0}).finish();
 }
 
-// 2 % of the kinetic energy is allowed, 0.1 % by RK4, 10 % in parts; and a billionth of the potential energy, 40 J at 1e9 m. Steps
-// are halved at most five times: three times would refuse a dozen of these.
+// 2 % of the kinetic energy is allowed, 0.1 % by RK4, 10 % in parts; and a billionth of the potential energy, 40 J at 1e9 m.
+// Steps are halved at most five times: twice would refuse a dozen of these.
 TEST(EnergyGuard, RepeatsStepsThatGain) {
   const struct {
     dynIntegrator by;

@@ -79,4 +79,9 @@ def page(rows):
         for folder in folders_of(rows, kind):
             killed, excuse, survived = counts(rows, folder, kind)
             out.append(f"| {folder} | {kind}s | {killed + excuse + survived} | {killed} | {excuse} | {survived} |")
+    found = constants_of(rows)
+    noticed = sum("killed" in v for v in found.values())
+    open_ = [k.split("dyn::")[1] for k, v in found.items() if "killed" not in v and "SURVIVED" in v]
+    out += ["", f"Tests notice {noticed} of {len(found)} constants." + (" No test notices these:" if open_ else "")]
+    out += [f"- `{k}`" for k in open_]
     return "\n".join(out)
