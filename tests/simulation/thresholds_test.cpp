@@ -87,7 +87,7 @@ TEST(Thresholds, BouncingAndSoftContactsAlwaysAct) {
 }
 
 // An approach slower than a twentieth of the speed of that fall is rest: no rebound.
-TEST(Thresholds, SlowApproachDoesNotRebound) {
+TEST(Thresholds, GentleApproachDoesNotRebound) {
   const auto after = [](double approach) {
     Ball ball(0, -approach, 1e-2, {0, 0, -g}, 1);
     ball.steps(1);
