@@ -82,7 +82,8 @@ class Runner:
             took = time.monotonic() - began
             reached = sorted(set(record.read_text().split())) if record.exists() else []
             with self.lock:
-                found = self.base["tests"][f"{program} {test}"] = {"ok": status == 0, "seconds": round(took, 3), "reached": reached}
+                found = {"ok": status == 0, "seconds": round(took, 3), "reached": reached}
+                self.base["tests"][f"{program} {test}"] = found
                 if status is None:
                     found["longer_than"] = longest
             if status != 0:
