@@ -127,7 +127,7 @@ TEST(BroadPhase, AllMoveForLong) {
 
 // All boxes drift at different speeds, so few leave their fat boxes at a time. After all fat boxes were renewed, boxes still in
 // their own may meet others.
-TEST(BroadPhase, AllDriftSlowly) {
+TEST(BroadPhase, AllDriftGently) {
   Chance g{5};
   Boxes b(220, 40000, 0.02);
   std::vector<Vec> speed;

@@ -89,6 +89,27 @@ TEST(Medium, BallsReachTheirTerminalVelocity) {
     }
 }
 
+// A spinning ball slows as its moments say: w' = -8 pi eta r^3 / I w, or -rho r^5 / I w^2.
+TEST(Medium, SpinOfABallDecays) {
+  const double m = 0.5, R = 0.1, I = 0.4 * m * R * R, r = std::sqrt(0.6) * R, pi = 3.14159265358979323846, spin = 10, time = 0.5;
+  const double viscosity = 0.1, density = 30, rate = 8 * pi * viscosity * r * r * r / I, share = density * std::pow(r, 5) / I;
+  const struct {
+    double density, viscosity, spin;
+  } cases[] = {{0, viscosity, spin * std::exp(-rate * time)}, {density, 0, spin / (1 + share * spin * time)}};
+  for (const auto& c : cases) {
+    Scene scene;
+    scene.free("ball", m, {I, I, I});
+    const double still[3] = {0, 0, 0};
+    ASSERT_EQ(DYN_OK, dyn_builder_set_medium(scene.builder(), c.density, c.viscosity, still));
+    Simulation run(scene.finish());
+    integrate_by(run, DYN_INTEGRATOR_RK4);
+    run.set({}, {0, 0, 0, 0, spin, 0});
+    run.steps(500);
+    ASSERT_LT(c.spin, 0.9 * spin);
+    EXPECT_NEAR(c.spin, run.v[4], 1e-9);
+  }
+}
+
 TEST(Gravity, IsSetPerData) {
   Simulation run(Scene().free("stone", 2, {0.1, 0.2, 0.25}).finish());
   const double g[3] = {1, 2, 3};

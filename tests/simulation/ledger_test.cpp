@@ -52,6 +52,33 @@ TEST(Ledger, ImpactWorkMatchesRestitution) {
   for (const double p : l.momentum_defect) EXPECT_NEAR(0, p, 1e-12);
 }
 
+// A sunk ball is pushed out without velocity: corrections lift its weight by the overlap, m g times it.
+TEST(Ledger, CorrectionIsTheWeightTimesTheOverlap) {
+  const double overlap = 0.01;
+  Simulation play(Scene().ground().sphere("ball", 1, 0.1, material(0)).finish());
+  keep(play);
+  play.set({0, 0, 0.1 - overlap, 0, 0, 0, 1});
+  ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.5)) << dyn_last_error();
+  const dynErrorLedger l = ledger_of(play);
+  EXPECT_NEAR(g * overlap, l.correction, 1e-6);
+  EXPECT_NEAR(g * overlap, l.energy_change, 1e-6);
+  EXPECT_NEAR(0, l.energy_defect, 1e-6);
+}
+
+// A stone of which a quarter of the weight is held falls with 3/4 g. The quarter's work is negative, and stands at `wrenches`.
+TEST(Ledger, GravityCompensationIsWorkOfWrenches) {
+  const double m = 2, share = 0.25, time = 0.1, fall = (1 - share) * g * time * time / 2;
+  Scene scene;
+  scene.free("stone", m, {0.1, 0.2, 0.25});
+  ASSERT_EQ(DYN_OK, dyn_builder_set_gravity_compensation(scene.builder(), "stone", share));
+  Simulation play(scene.finish());
+  keep(play);
+  ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, time)) << dyn_last_error();
+  const dynErrorLedger l = ledger_of(play);
+  EXPECT_NEAR(-share * m * g * fall, l.wrenches, 1e-10);  // the mean power of a step is exact
+  for (const double p : l.momentum_defect) EXPECT_NEAR(0, p, 1e-12);
+}
+
 // The defect is the integrator's error and falls with its order.
 TEST(Ledger, DefectHasTheIntegratorsOrder) {
   const struct {

@@ -292,6 +292,20 @@ TEST(Sleep, MovingBodiesStayAwake) {
   EXPECT_NEAR(4e-4 + 5e-5 * 0.5, run.q[0], 1e-7);
 }
 
+// A ball without velocity that is still pushed out of the ground stays awake until it is out.
+TEST(Sleep, BodiesThatArePushedOutStayAwake) {
+  Simulation run(Scene({0, 0, 0}).ground().sphere("ball", 1, 0.1, material(0)).finish());
+  may_sleep(run, false);
+  run.options.sleep_time = 0.01;
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+  run.set({0, 0, 0.05, 0, 0, 0, 1});
+  run.steps(60);
+  EXPECT_EQ(0, run.report().sleeping);
+  run.steps(140);
+  EXPECT_EQ(1, run.report().sleeping);
+  EXPECT_NEAR(0.1, run.q[2], 1e-8);
+}
+
 // Ten thousand sleeping balls and one flying ball cost the instructions of the one.
 TEST(Sleep, SleepingBodiesCostNothing) {
   const auto count = [](int sleepers) -> long {

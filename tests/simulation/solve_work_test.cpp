@@ -184,6 +184,20 @@ TEST(SolveWork, IsAsStated) {
   }
 }
 
+// A tolerance that no method reaches: all of them spend what they may. Cubes of 10 t lie on cubes of 1 kg.
+TEST(SolveWork, UnattainableTolerancesSpendAllIterations) {
+  int iterations = 0;
+  for (const int count : {4, 6, 9}) {
+    Pack pack;
+    tower(pack, count, 1e4);
+    Simulation run(pack.scene.finish());
+    run.options.tolerance = 1e-18;
+    start(run, pack, count);
+    for (int k = 0; k < 4; ++k) run.steps(1), iterations += int(run.report().iterations);
+  }
+  EXPECT_NEAR(8540, iterations, 0.03 * 8540);
+}
+
 // Gauss-Seidel alone. Anderson's acceleration by the last five sweeps takes 2060 iterations, by the last three 2580, by one 3450.
 TEST(SolveWork, SweepsAreAcceleratedByThoseBefore) {
   int iterations = 0;

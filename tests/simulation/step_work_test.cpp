@@ -82,6 +82,14 @@ TEST(StepWork, OfOverlap) {
   }
 }
 
+// A ball starts to roll. The first step follows from the accuracy: 10 ms at 1e-3. A tenth of it would take 60 evaluations.
+TEST(StepWork, OfABallThatStartsToRoll) {
+  Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.5)).finish());
+  run.set({0, 0, 0.1, 0, 0, 0, 1}, {0.3, 0, 0, 0, 0, 0});
+  const dynStepReport r = advanced(run, 1e-3, 0.05);
+  EXPECT_NEAR(36, double(r.evaluations), 8);
+}
+
 // A ball that bounces for 20 s: time tells the shortest steps apart, and steps at impacts are as short.
 TEST(StepWork, OfFineAccuracyOverALongTime) {
   double shortest = 1;  // over the duration: an impact of many, rounding decides which, needs the shortest step

@@ -56,8 +56,38 @@ TEST(Thresholds, ClosingByRoundingNeedsNoImpulse) {
   EXPECT_NEAR(3e-15 / 1e-10, falling(3e-15), 1e-8);
 }
 
+// From where a ball rebounds: from twice what gravity adds in a step, in long steps from a twentieth of the speed of that fall.
+TEST(Thresholds, ReboundsBeginAtAStatedSpeed) {
+  for (const double dt : {1e-2, 1e-4}) {
+    double low = 0, high = 1;
+    for (int k = 0; k < 20; ++k) {
+      const double middle = 0.5 * (low + high);
+      Ball ball(0, -middle, dt, {0, 0, -g}, 0.5);
+      ball.steps(1);
+      (ball.v[2] > 0 ? high : low) = middle;
+    }
+    EXPECT_NEAR(std::min(2 * g * dt, 0.05 * 0.32 * std::sqrt(g * length)), high, 1e-3 * high) << dt;
+  }
+}
+
+// Contacts that bounce or are soft are solved at any approach and depth. One throws the ball back, the other presses k times its
+// depth.
+TEST(Thresholds, BouncingAndSoftContactsAlwaysAct) {
+  Ball bouncing(0, -5e-11, 1e-3, {0, 0, 0}, 0.5);  // the same approach of a ball without restitution is left
+  bouncing.steps(1);
+  EXPECT_NEAR((1 + 0.5) * 5e-11 / 1e-3, bouncing.force(), 1e-12);
+  const double stiffness = 1e6, depth = 1e-10, dt = 1e-6;
+  dynMaterial soft = material(0);
+  soft.stiffness = stiffness;
+  Simulation run(Scene({0, 0, 0}).ground().sphere("ball", 1, radius, soft).finish(), dt);
+  run.set({0, 0, radius - depth, 0, 0, 0, 1});
+  run.steps(1);
+  ASSERT_EQ(1u, run.contacts().size());
+  EXPECT_NEAR(stiffness * depth, run.contacts()[0].force_on_b[2], 1e-5 * stiffness * depth);  // the step is implicit: h^2 k / m
+}
+
 // An approach slower than a twentieth of the speed of that fall is rest: no rebound.
-TEST(Thresholds, SlowApproachDoesNotRebound) {
+TEST(Thresholds, GentleApproachDoesNotRebound) {
   const auto after = [](double approach) {
     Ball ball(0, -approach, 1e-2, {0, 0, -g}, 1);
     ball.steps(1);

@@ -60,7 +60,7 @@ TEST(TimeLimit, ALargerIslandIsForeseen) {
 }
 
 // One slow step, as by another process, is forgotten after 44 steps: 0.9^44 = 1 %.
-TEST(TimeLimit, SlowUnitsAreForgotten) {
+TEST(TimeLimit, ExpensiveUnitsAreForgotten) {
   Limit limit;
   limit.step(10e-3, TimeLimit::Unit::Sweep, 100, 5e-3, 0, 1);
   limit.step(10e-3, TimeLimit::Unit::Sweep, 100, 50e-3, 0, 2);

@@ -8,6 +8,7 @@
 #include "solver/multipliers.hpp"
 #include "solver/newton.hpp"
 #include "solver/scenes.hpp"
+#include "solver/smoothing.hpp"
 
 namespace dyn_test {
 namespace {
@@ -88,6 +89,7 @@ void damped_newton(Start& x) { solver::alart_curnier(x.w, x.b, x.w.x, x.w.v, sol
 void interior_points(Start& x) { solver::interior(x.w, x.b, 1); }
 void admm_alone(Start& x) { x.b.newton = false, solver::admm(x.w, x.b); }
 void augmented_lagrangian(Start& x) { x.b.newton = false, solver::newton(x.w, x.b); }
+void smoothing(Start& x) { solver::smoothing_newton(x.w, x.b); }
 void admm(Start& x) { solver::admm(x.w, x.b); }
 void newton(Start& x) { solver::newton(x.w, x.b); }
 void admm_without_sweeps(Start& x) { x.b.sweeps = false, solver::admm(x.w, x.b); }
@@ -131,11 +133,15 @@ const Cost costs[] = {
     {admm_alone, "light", 3611, 0, 56, 12},
     {admm_alone, "all rows", 682, 0, 31, 12},
     {augmented_lagrangian, "random", 411, 0, 411, 12},
-    {augmented_lagrangian, "at rest", 24, 0, 24, 12},
+    {augmented_lagrangian, "at rest", 24, 0, 24, 12, 0.1},
     {augmented_lagrangian, "cubes", 1349, 0, 1349, 12, 0.25},
-    {augmented_lagrangian, "table", 1042, 0, 1042, 9, 0.25},
+    {augmented_lagrangian, "table", 1042, 0, 1042, 9, 0.16},
     {augmented_lagrangian, "all rows", 300, 0, 300, 12},
     {augmented_lagrangian, "uneven", 383, 0, 383, 12},
+    {smoothing, "cubes", 0, 185, 185, 12, 0.1},
+    {smoothing, "light", 0, 421, 421, 9},
+    {smoothing, "table", 0, 75, 75, 8},
+    {smoothing, "uneven", 0, 169, 169, 11},
     {admm, "random", 169, 8, 8, 12},
     {admm, "at rest", 30, 12, 12, 12},
     {admm, "cubes", 48, 93, 93, 12},
@@ -147,7 +153,9 @@ const Cost costs[] = {
     {newton, "uneven", 176, 237, 356, 12},
     {admm_without_sweeps, "random", 12, 60, 72, 12},
     {admm_without_sweeps, "light", 157, 33, 129, 12},
+    {admm_without_sweeps, "cubes", 98, 160, 214, 12},
     {admm_without_sweeps, "uneven", 275, 229, 409, 12},
+    {newton_without_sweeps, "cubes", 123, 21, 156, 12},
     {newton_without_sweeps, "table", 216, 170, 390, 12},
     {newton_without_sweeps, "uneven", 298, 181, 483, 12},
     {warm, "random", 11, 24, 24, 12},

@@ -1,0 +1,85 @@
+// How far a step corrects positions: coordinates that move a contact little, towers, mechanisms out of reach.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+// A ball on a short arm overlaps the ground by 1 cm: at a lever of 1 mm that would be a turn of half a radian. A step turns it
+// by 0.1 rad. The rail keeps the arm away from the ground at first, so that the pair is tested.
+TEST(Correction, NoCoordinateMovesFurtherThanATenthOfARadian) {
+  const double none[3] = {0, 0, 0}, radius = 0.1, lever = 1e-3;
+  Builder b;
+  EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+  Spec rail("rail", DYN_JOINT_TYPE_PRISMATIC), hinge("hinge", DYN_JOINT_TYPE_REVOLUTE, "rail", {0, 0, radius - 0.01});
+  rail.about(1, 0, 0), hinge.about(0, 1, 0);
+  b.joint(rail).body("cart", "rail").joint(hinge).body("arm", "hinge", 1, {lever, 0, 0});
+  dynShapeSpec box, ball;
+  dyn_shape_spec_init(&box), dyn_shape_spec_init(&ball);
+  box.body = "universe", box.type = DYN_SHAPE_TYPE_BOX, box.placement[9] = 6, box.placement[11] = -0.5;
+  box.size[0] = box.size[1] = box.size[2] = 1, box.material = ball.material = material(0);
+  ball.body = "arm", ball.type = DYN_SHAPE_TYPE_SPHERE, ball.size[0] = radius, ball.placement[9] = lever;
+  for (const dynShapeSpec* shape : {&box, &ball}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, shape)) << dyn_last_error();
+  Simulation run(b.finish());
+  run.set({6, 0});
+  run.steps(1);
+  EXPECT_NEAR(-0.1, run.q[1], 1e-9);
+  EXPECT_NEAR(6, run.q[0], 1e-9);
+}
+
+// Cubes of a tower overlap by 0.1 mm each. Twenty sweeps without friction lift the highest of twelve by a fifth of what it lacks.
+TEST(Correction, TwentySweepsStraightenATower) {
+  Scene scene;
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5));
+  const int count = 12;
+  Numbers at;
+  for (int k = 0; k < count; ++k) {
+    scene.box(("cube" + std::to_string(k)).c_str(), 1, {0.1, 0.1, 0.1}, material(0.5));
+    at.insert(at.end(), {0, 0, 0.05 + 0.1 * k - 1e-4 * (k + 1), 0, 0, 0, 1});
+  }
+  Simulation run(scene.finish());
+  run.set(at);
+  run.steps(1);
+  const std::size_t last = 7 * (count - 1) + 2;
+  EXPECT_NEAR(0.2, (run.q[last] - at[last]) / (count * 1e-4), 0.02);  // ten sweeps: 0.14, forty: 0.29
+}
+
+// An arm of two links of 0.5 m, its tip tied to a point of its plane.
+Model tied_arm(double x, double z) {
+  const double none[3] = {0, 0, 0};
+  Builder b;
+  EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+  Spec first("first", DYN_JOINT_TYPE_REVOLUTE), second("second", DYN_JOINT_TYPE_REVOLUTE, "first", {0.5, 0, 0});
+  first.about(0, 1, 0), second.about(0, 1, 0);
+  b.joint(first).body("upper", "first", 1, {0.5, 0, 0}).joint(second).body("lower", "second", 1, {0.5, 0, 0});
+  dynConstraint tie;
+  dyn_constraint_init(&tie, DYN_CONSTRAINT_TYPE_CONNECT);
+  tie.placement1[9] = 0.5, tie.placement2[9] = x, tie.placement2[11] = z;
+  EXPECT_EQ(DYN_OK, dyn_builder_add_constraint(b, "tie", &tie, "lower", "universe")) << dyn_last_error();
+  return b.finish();
+}
+
+// The tie is open, so the joints have to turn. RK4 closes half a millimetre at once; more than a thousandth of the reach first
+// closes by half, in a step of order 1.
+TEST(Correction, WideOpenConstraintsCloseFirst) {
+  const double angle = std::acos(0.8);
+  for (const double open : {5e-4, 2e-3}) {
+    Simulation run(tied_arm(0.8 + open, 0));
+    integrate_by(run, DYN_INTEGRATOR_RK4);
+    run.set({angle, -2 * angle}, {0, 0});
+    run.steps(1);
+    const double whole = -open / (2 * 0.5 * std::sin(angle));  // x = 2 (0.5 cos q)
+    EXPECT_NEAR(open < 1e-3 ? whole : whole / 2, run.q[0] - angle, 0.01 * open) << open;
+  }
+}
+
+// The arm of 1 m is tied to a point at 1.27 m. Softness of a hundredth makes it slow to settle: tenfold, it would have turned
+// by 0.31 rad.
+TEST(Correction, AnArmOutOfReachSettlesInManySteps) {
+  Simulation run(tied_arm(0.9, 0.9));
+  run.set({0.1, 0.3}, {0, 0});
+  run.steps(100);
+  EXPECT_NEAR(-0.4523, run.q[0], 2e-3);
+}
+
+}  // namespace
+}  // namespace dyn_test

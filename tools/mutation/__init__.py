@@ -1,0 +1,1 @@
+"""Mutants of a folder of sources, for tools/mutants."""
