@@ -30,14 +30,20 @@ inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton || !b.sweeps) return false;
   const auto sweep_once = [&] { sweep(Dense{p, w.v}, 1, w.x), ++b.iterations; };
-  const auto refine = [&](Index steps) {
+  const auto keep = [&] {
     times(p.G, w.x, p.g, w.v, p.n);  // without accumulated round-off
-    return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, steps);
+    return keep_best(w, b, w.x, w.v);
   };
+  const auto refine = [&](Index steps) { return keep() || alart_curnier(w, b, w.x, w.v, steps); };
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   if (b.warm) {
-    if (!(b.best < close_guess * p.speed || all_contacts_stick(w))) sweep_once();
-    if (refine(b.is_rough() ? guess_steps : sweep_steps) || (b.is_rough() && smoothing_newton(w, b))) return true;
+    const bool close = b.best < close_guess * p.speed || all_contacts_stick(w);
+    if (!close) sweep_once();
+    if (refine(b.is_rough() ? guess_steps : sweep_steps)) return true;
+    if (b.is_rough()) {
+      if (close && (sweep_once(), keep())) return true;  // it solves single contacts
+      if (smoothing_newton(w, b)) return true;
+    }
     std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   }
   const double fast = std::min(max_contraction, math::exp(-rows_a_sweep / p.n));
