@@ -76,8 +76,10 @@ Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wor
   return convex_result<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
 }
 Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return convex_result<Box, Capsule>(a, XA, b, XB, o,
-                                     [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
+  return convex_result<Box, Capsule>(a, XA, b, XB, o, [&](const auto& d) {
+    Cores c;
+    return segment_over_face(d, a.size, b.size[2], wanted(d, o), c) ? c : box_pair(d, a.size, axis(2) * b.size[2], w, o);
+  });
 }
 struct Pair {
   Method method;
