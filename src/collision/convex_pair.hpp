@@ -46,7 +46,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
       const bool found = on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p);
       refined = found && p.distance > -enough && shape::norm(p.b - p.a) - p.distance <= enough;
       overlap = found && p.distance <= -enough;
-      if (overlap) return is_deepest = deepest_point_pair(d, p.normal, enough, deepest);
+      if (overlap) return is_deepest = deepest_point_pair(d, p.normal, deepest);
     }
     // a result off its normal may improve when GJK has come closer
     return refined && p.unique;
@@ -65,7 +65,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
   auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
   if (g.apart)
     return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
-  if (!overlap && deepest_point_pair(d, -guess, enough, deepest)) return deepest;
+  if (!overlap && deepest_point_pair(d, -guess, deepest)) return deepest;
   const EpaResult e = epa(d, g.simplex, workspace, options);
   return {e.normal,
           e.a,

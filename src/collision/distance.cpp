@@ -6,7 +6,8 @@
 //   box                                             axes      sums       gjk        separating axes if they overlap, else sums
 //   cylinder                                                  sums       gjk        Minkowski sums if separated, else gjk
 //   others                                                               gjk        GJK, EPA, Newton
-// A separated capsule and cone first try the ends of the capsule. Surfaces search for the nearest piece: surface_distance.cpp.
+// A capsule and a box first try a face of the box, a separated capsule and cone the ends of the capsule. Before EPA, the deepest
+// point of one shape in the other is tried (deepest_point.hpp). Surfaces search for the nearest piece: surface_distance.cpp.
 #include "collision/distance.hpp"
 
 #include "collision/analytic/boxes.hpp"

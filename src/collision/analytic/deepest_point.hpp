@@ -1,6 +1,6 @@
-// Overlapping shapes whose depth is that of one point: a point of one shape inside the other, deepest along the way out of the
-// other. The point's own depth bounds the depth of the shapes from below, the height of the two supports from above. Where a corner,
-// a rim or a face presses into a face or a smooth side, both are equal, and no search is needed.
+// Overlapping shapes whose depth is that of one point of a shape inside the other. The point's own depth bounds the depth of the
+// shapes from below, and the heights of the two supports bound it from above. Where a corner, a rim or a face presses into a face
+// or a smooth side, both are equal, and no search is needed.
 #pragma once
 
 #include "collision/cores.hpp"
@@ -67,9 +67,11 @@ template <class S>
 inline constexpr bool has_way_out =
     S::type == shape::Type::Box || S::type == shape::Type::Cylinder || S::type == shape::Type::Cone;
 
-// n: a direction from A to B. Returns false if the depth is not that of a point, or the shapes are apart.
+// n: a direction from A to B. The heights may differ by rounding alone: the normal is uncertain by the root of their difference.
+// Returns false if the depth is not that of a point, or the shapes are apart.
 template <class D>
-bool deepest_point_pair(const D& d, const Vec& n, double enough, Cores& c) {
+bool deepest_point_pair(const D& d, const Vec& n, Cores& c) {
+  const double enough = d.rounding();
   detail::DeepestPoint found;
   if constexpr (has_way_out<typename D::First>)
     if (detail::deepest_point(d.A_, d.B_, d.X, d.Rt, n, enough, found)) {
