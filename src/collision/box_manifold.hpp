@@ -150,26 +150,40 @@ inline bool face_contacts(const shape::Box& own, const Pose& XO, int i, double s
 
 }  // namespace detail
 
-// Returns false where two edges meet, or where parts are not certain.
-inline bool box_contacts(const shape::Box& a, const Pose& XA, const shape::Box& b, const Pose& XB, double margin, Manifold& out) {
+enum class BoxContacts { Found, Overlap, Unknown };
+
+// Overlap: the boxes overlap, and their result is known, but not the contact points (two edges meet, or parts are not certain).
+inline BoxContacts box_contacts(const shape::Box& a, const Pose& XA, const shape::Box& b, const Pose& XB, double margin,
+                                Manifold& out, Result& overlap) {
   clear(out);
   // along the line between the centres
   const Vec p = XB.p - XA.p;
   const double square = dot(p, p), gap = square - dot(sizes(transpose_times(XA.R, p)), a.half) -
                                          dot(sizes(transpose_times(XB.R, p)), b.half);
   const double away = std::max(0.0, margin + a.radius + b.radius);
-  if (gap > 0 && gap * gap > square * (away * away * (1 + 1e-12) + 1e-24 * square)) return true;
+  if (gap > 0 && gap * gap > square * (away * away * (1 + 1e-12) + 1e-24 * square)) return BoxContacts::Found;
   Difference<shape::Box, shape::Box> d(a, b, relative(XA, XB));
   d.limit(margin);
   const BoxAxis axis = box_axis(a.half, b.half, d.X, d.rounding(), d.reach);
-  if (axis.distance > d.reach) return true;
+  if (axis.distance > d.reach) return BoxContacts::Found;
   const double distance = axis.distance - a.radius - b.radius, size = d.small;
-  if (!(std::min(shape::smallest(a.half), shape::smallest(b.half)) > 4 * same_point * size)) return false;
   const bool apart = axis.distance > 1e-10 * size + d.rounding();
-  if (axis.j < 0) return detail::face_contacts(a, XA, axis.i, axis.n[axis.i], b, d.X, distance, apart, margin, true, size, out);
-  if (axis.i >= 0) return false;
-  const double side = -std::copysign(1.0, dot(axis.n, d.X.R[axis.j]));
-  return detail::face_contacts(b, XB, axis.j, side, a, {d.Rt, -(d.Rt * d.X.p)}, distance, apart, margin, false, size, out);
+  if ((axis.i < 0 || axis.j < 0) && std::min(shape::smallest(a.half), shape::smallest(b.half)) > 4 * same_point * size) {
+    if (axis.j < 0) {
+      if (detail::face_contacts(a, XA, axis.i, axis.n[axis.i], b, d.X, distance, apart, margin, true, size, out))
+        return BoxContacts::Found;
+    } else {
+      const double side = -std::copysign(1.0, dot(axis.n, d.X.R[axis.j]));
+      if (detail::face_contacts(b, XB, axis.j, side, a, {d.Rt, -(d.Rt * d.X.p)}, distance, apart, margin, false, size, out))
+        return BoxContacts::Found;
+    }
+  }
+  if (apart) return BoxContacts::Unknown;
+  Cores c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, false};
+  box_witness(a.half, b.half, d.X, axis, c.a, c.b);
+  c.residual = shape::norm(c.b - c.a - c.normal * c.distance);
+  overlap = in_world(rounded(c, a.radius, b.radius, size, default_options), XA);
+  return BoxContacts::Overlap;
 }
 
 }  // namespace dyn::collision

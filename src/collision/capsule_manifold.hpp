@@ -36,6 +36,10 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
     return Axis{center, z, half, rise, square, square >= steep * steep};
   };
   const Axis axes[2] = {axis(Vec::zero(), XA.R.z, a.half), axis(p, XB.R.z, b.half)};
+  // heights along n, along the axes and across them, of which those of an end are a sum
+  const Vec across_b = cross(XB.R.z, n), across_a = cross(XA.R.z, n);
+  const double uv = dot(XA.R.z, XB.R.z), high = dot(n, p), twist = dot(XA.R.z, across_b);
+  const double along_b = dot(p, XB.R.z), beside_b = dot(p, across_b), along_a = dot(p, XA.R.z), beside_a = dot(p, across_a);
   struct Point {
     Vec at;
     double gap;
@@ -47,11 +51,13 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
   for (int k = 0; axes[0].is_line && axes[1].is_line && k < 2; ++k) {
     const Axis &own = axes[k], &other = axes[1 - k];
     const double curvature = k == 0 ? b.radius : a.radius, wide = std::max(curvature, eps);
-    const Vec across = cross(other.z, n);
     for (const double side : {1.0, -1.0}) {
-      const Vec end = own.center + own.z * (side * own.half), rel = end - other.center;
+      const double out = side * own.half;
+      const double up_rel = k == 0 ? out * own.rise - high : high + out * own.rise;
+      const double along = k == 0 ? out * uv - along_b : along_a + out * uv;
       // times the sine; most ends are not over the other capsule
-      const double up_rel = dot(n, rel), t_sine = dot(rel, other.z) - other.rise * up_rel, beside_sine = dot(rel, across);
+      const double t_sine = along - other.rise * up_rel,
+                   beside_sine = k == 0 ? out * twist - beside_b : beside_a - out * twist;
       if (beside_sine * beside_sine > wide * wide * other.square ||
           std::abs(t_sine) > other.half * other.square + eps)
         continue;
@@ -69,6 +75,7 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
         part = t > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
       else if (beside <= same && over <= 0)
         part = detail::edge_part(0, 1);
+      const Vec end = own.center + own.z * out;
       const Vec at = k == 0 ? end + n * (a.radius + gap / 2) : end - n * (b.radius + gap / 2);
       deepest = std::min(deepest, gap);
       int place = 0;  // of the point that it is one with; the deeper of the two stays

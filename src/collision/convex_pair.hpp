@@ -2,19 +2,12 @@
 // shapes. The residual is a measured bound: the distance of the witness points less the bound by the supporting planes.
 #pragma once
 
+#include "collision/analytic/deepest_point.hpp"
 #include "collision/epa.hpp"
 #include "collision/gjk.hpp"
 #include "collision/newton_refine.hpp"
 
 namespace dyn::collision {
-
-// Result for the cores, in the frame of A.
-struct Cores {
-  Vec normal, a, b;
-  double distance, residual;
-  Index iterations;
-  bool unique;
-};
 
 // Cores that a direction separates by more than their reach. The distance is a lower bound.
 inline Cores beyond(const Vec& normal, double distance) { return {normal, Vec::zero(), Vec::zero(), distance, 0, 0, false}; }
@@ -42,29 +35,37 @@ template <class D>
 inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const Options& options) {
   const double enough = wanted(d, options);
   Refined p{};
-  bool refined = false;
+  bool refined = false, overlap = false;  // overlap: Newton's method found a normal of overlapping shapes
+  Cores deepest;
+  bool is_deepest = false;
   auto finish = [&](const GjkResult& g) {
     // separated: the witness points give an upper bound, the supporting plane a lower one
     const Vec n = g.v * (-1 / g.norm);
-    if constexpr (D::curved)
-      refined = (on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) &&
-                p.distance > -enough && shape::norm(p.b - p.a) - p.distance <= enough;
+    if constexpr (D::curved) {
+      if (overlap) return false;
+      const bool found = on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p);
+      refined = found && p.distance > -enough && shape::norm(p.b - p.a) - p.distance <= enough;
+      overlap = found && p.distance <= -enough;
+      if (overlap) return is_deepest = deepest_point_pair(d, p.normal, deepest);
+    }
     // a result off its normal may improve when GJK has come closer
     return refined && p.unique;
   };
   GjkResult g = gjk(d, guess, options, finish);
-  if (g.beyond) return beyond(g.v * (-1 / g.norm), g.norm - g.gap);
-  if (!refined && g.apart && g.gap > options.accepted * d.small) {
+  if (!is_deepest && g.beyond) return beyond(g.v * (-1 / g.norm), g.norm - g.gap);
+  if (!is_deepest && !refined && g.apart && g.gap > options.accepted * d.small) {
     // GJK stalled by rounding: start again from another direction
     const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);
     if (!other.apart || other.gap < g.gap) g = other;
   }
-  if (D::curved && g.apart && !(refined && p.unique)) finish(g);
+  if (D::curved && !is_deepest && g.apart && !(refined && p.unique)) overlap = false, finish(g);
+  if (is_deepest) return deepest;
   if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, p.unique};
   // on a curved pair a gap g leaves the normal uncertain by sqrt(g)
   auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
   if (g.apart)
     return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
+  if (!overlap && deepest_point_pair(d, -guess, deepest)) return deepest;
   const EpaResult e = epa(d, g.simplex, workspace, options);
   return {e.normal,
           e.a,

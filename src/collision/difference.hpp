@@ -10,6 +10,8 @@ namespace dyn::collision {
 
 template <class A, class B>
 struct Difference {
+  using First = A;
+  using Second = B;
   const A& A_;
   const B& B_;
   Pose X;   // pose of B in A

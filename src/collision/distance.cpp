@@ -6,7 +6,8 @@
 //   box                                             axes      sums       gjk        separating axes if they overlap, else sums
 //   cylinder                                                  sums       gjk        Minkowski sums if separated, else gjk
 //   others                                                               gjk        GJK, EPA, Newton
-// A separated capsule and cone first try the ends of the capsule. Surfaces search for the nearest piece: surface_distance.cpp.
+// A capsule and a box first try a face of the box, a separated capsule and cone the ends of the capsule. Before EPA, the deepest
+// point of one shape in the other is tried (deepest_point.hpp). Surfaces search for the nearest piece: surface_distance.cpp.
 #include "collision/distance.hpp"
 
 #include "collision/analytic/boxes.hpp"
@@ -76,8 +77,10 @@ Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wor
   return convex_result<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
 }
 Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return convex_result<Box, Capsule>(a, XA, b, XB, o,
-                                     [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
+  return convex_result<Box, Capsule>(a, XA, b, XB, o, [&](const auto& d) {
+    Cores c;
+    return segment_over_face(d, a.size, b.size[2], wanted(d, o), c) ? c : box_pair(d, a.size, axis(2) * b.size[2], w, o);
+  });
 }
 struct Pair {
   Method method;

@@ -45,7 +45,7 @@ class Epa {
       return r;
     }
     double apart = 0;              // gap between the best depth and the nearest open face
-    double next = 0.1 * d_.small;  // gap at which refinement is tried next
+    double next = 0.01 * d_.small;  // gap at which refinement is tried next
     for (;;) {
       const Index nearest = nearest_face();
       const double offset = w_.offset[nearest];

@@ -46,8 +46,13 @@ bool spheres(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const
 bool capsules(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
   return capsule_contacts(shape::Capsule(a), XA, shape::Capsule(b), XB, margin, out);
 }
+void clipped(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, const Result& r, double margin,
+             Manifold& out);
 bool boxes(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out) {
-  return box_contacts(shape::Box(a), XA, shape::Box(b), XB, margin, out);
+  Result overlap;
+  const BoxContacts found = box_contacts(shape::Box(a), XA, shape::Box(b), XB, margin, out, overlap);
+  if (found == BoxContacts::Overlap && overlap.distance <= margin) clear(out), clipped(a, XA, b, XB, overlap, margin, out);
+  return found != BoxContacts::Unknown;
 }
 bool half_spaces(const shape::Shape&, const Pose&, const shape::Shape&, const Pose&, double, Manifold& out) {
   return clear(out), true;

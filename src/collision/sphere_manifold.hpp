@@ -55,19 +55,46 @@ inline bool nearest_part(const shape::Cylinder& s, const shape::Nearest& near, d
 
 }  // namespace detail
 
+namespace detail {
+
+// over: how far a point is outside the slabs of a box. The nearest point of the box and its part; returns false where the part is
+// not certain, or the point is inside.
+inline bool outside_box(const shape::Box& s, const Vec& p, const Vec& over, double square, double same, shape::Nearest& near,
+                        std::uint32_t& part) {
+  const Vec slack = s.half - sizes(p);
+  std::uint32_t on = 0, number = 0;
+  bool certain = square > 0;
+  for (int i = 0; i < 3; ++i) {
+    const std::uint32_t out = slack[i] < 0;
+    certain &= (out || slack[i] > 2 * same) && s.half[i] > 2 * same;
+    on |= out << i, number |= (out & std::uint32_t(p[i] > 0)) << i;
+  }
+  if (!certain) return false;
+  const std::uint32_t open = 7 & ~on;
+  part = open & (open - 1) ? inside_part : edge_part(number, number | open);  // two directions are open: a face
+  near.distance = std::sqrt(square);
+  near.normal = shape::with_sign(over, p) * (1 / near.distance);
+  return true;
+}
+
+}  // namespace detail
+
 // The sphere has its centre at p. Returns false, with nothing written, where the part is not certain.
 template <class S>
 bool sphere_contact(const S& s, const Pose& X, const Vec& p, double radius, bool sphere_is_a, double margin, Manifold& out) {
   const Vec center = X.act_inverse(p);
+  shape::Nearest near;
+  std::uint32_t part = 0;
+  bool known = false;
   if constexpr (S::type == shape::Type::Box) {
     const Vec over = shape::greater(sizes(center) - s.half, Vec::zero());
-    const double away = std::max(0.0, margin + s.radius + radius) * (1 + 1e-12);
-    if (dot(over, over) > away * away + 1e-24 * dot(center, center)) return clear(out), true;
+    const double away = std::max(0.0, margin + s.radius + radius) * (1 + 1e-12), square = dot(over, over);
+    if (square > away * away + 1e-24 * dot(center, center)) return clear(out), true;
+    known = detail::outside_box(s, center, over, square, same_point * radius, near, part);
   }
-  const shape::Nearest near = s.nearest(center);
+  if (!known) near = s.nearest(center);
   const double distance = near.distance - s.radius - radius;
-  std::uint32_t part = 0;
-  if (distance <= margin) {
+  if (!known && distance <= margin) {
     const double size = std::min(s.extent() + s.radius, radius);
     if (!detail::nearest_part(s, near, same_point * size, part)) return false;
   }

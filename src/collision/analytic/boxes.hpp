@@ -39,7 +39,8 @@ inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double marg
     const Vec reach = hadamard(yzx(ha), zxy(S[j])) + hadamard(zxy(ha), yzx(S[j])) + S[l] * hb[k] + S[k] * hb[l];
     const Vec length2 = hadamard(ry, ry) + hadamard(rz, rz), gap = along - reach;
     for (int i = 0; i < 3; ++i)
-      if (length2[i] > 1e-20) consider(gap[i] / std::sqrt(length2[i]), i, j);
+      if (length2[i] > 1e-20 && (gap[i] > 0 || gap[i] > second))  // lengths are at most 1: an overlap only grows
+        consider(gap[i] / std::sqrt(length2[i]), i, j);
   }
   Vec n;
   double side;
@@ -91,6 +92,23 @@ inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAx
     b = next;
     if (dot(moved, moved) <= 1e-30 * (dot(b, b) + dot(ha, ha))) break;  // rounding moves them by a few bits
   }
+}
+
+// A segment along B's z, of which a point nearest to a face of a box lies over that face. Returns false where there is none.
+template <class D>
+inline bool segment_over_face(const D& d, const Vec& box, double half, double enough, Cores& c) {
+  const Vec &p = d.X.p, z = d.X.R.z, gap = sizes(p) - box - sizes(z) * half;
+  const int i = gap[0] >= gap[1] && gap[0] >= gap[2] ? 0 : gap[1] >= gap[2] ? 1 : 2;
+  if (!(gap[i] > enough)) return false;
+  const double side = std::copysign(1.0, p[i]), rise = z[i] * side;
+  const double end = rise > 0 ? -half : half;
+  const Vec b = p + z * (std::abs(rise) * half <= enough / 4 ? std::clamp(-dot(p, z), -half, half) : end);
+  const Vec over = sizes(b) - box;
+  for (int k = 0; k < 3; ++k)
+    if (k != i && over[k] > 0) return false;
+  const Vec n = shape::axis(i) * side;
+  c = {n, b - n * over[i], b, gap[i], over[i] - gap[i], 0, true};
+  return true;
 }
 
 template <class A, class B>
