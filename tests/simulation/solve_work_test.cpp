@@ -142,9 +142,9 @@ struct Cost {
   int steps = 2;
 };
 const Cost costs[] = {
-    {"tower", 0, 801, 0, 0.08},       {"heavy tower", 0, 1489, 3, 0.1},       {"bricks", 0, 540, 0, 0.08},
+    {"tower", 0, 539, 0, 0.08},       {"heavy tower", 0, 1489, 3, 0.1},       {"bricks", 0, 540, 0, 0.08},
     {"lattice", 0, 758, 2, 0.08},     {"heavy lattice", 0, 1190, 11, 0.08},   {"rolling", 0, 480, 0, 0.1},
-    {"pyramid", 0, 851, 8, 0.08},     {"tied", 0, 459, 0, 0.08},              {"slides", 0, 455, 0, 0.08},
+    {"pyramid", 0, 851, 8, 0.08},     {"tied", 0, 396, 0, 0.08},              {"slides", 0, 455, 0, 0.08},
     {"heavy tower", 0, 3947, 5, 0.12, 20},
     {"heavy tower", 1e-9, 2200, 1, 0.3}, {"heavy lattice", 1e-9, 3900, 5, 0.2}, {"heavy pyramid", 1e-9, 4600, 5, 0.2},
     {"tied", 1e-9, 390, 0, 0.2},      {"slides", 1e-9, 1900, 2, 0.3},
