@@ -131,8 +131,8 @@ void SmoothingMethod<Operator>::set_law(const Block& s, BlockState& state, LawMa
   }
 }
 
-// A whole step, or its half if the map's norm is then not below `most`. If that is not either, none but more damping, while that may
-// grow. Returns false if there is no step.
+// A whole step, or its half if the map's norm is then not below `most`. If that is not either, the step is refused and the next is
+// damped more, up to `damping`. Returns false if there is no step.
 template <class Operator>
 bool SmoothingMethod<Operator>::step(double most, double& size) {
   using namespace tuning::smoothing;
