@@ -136,7 +136,9 @@ void SmoothingMethod<Operator>::set_law(const Block& s, BlockState& state, LawMa
 template <class Operator>
 bool SmoothingMethod<Operator>::step(double most, double& size) {
   using namespace tuning::smoothing;
-  G.for_each([&](const Block& s, BlockState& state, Index k) { by_rows(s, [&]<int rows>() { set_law<rows>(s, state, G.law(k)); }); });
+  G.for_each([&](const Block& s, BlockState& state, Index k) {
+    by_rows(s, [&]<int rows>() { set_law<rows>(s, state, G.law(k)); });
+  });
   if (!G.factorize()) return false;
   G.solve(left, dy, dc);
   const double used = damped, before = size;

@@ -22,8 +22,8 @@ inline bool all_contacts_stick(const Workspace& w) {
   return stick;
 }
 
-// Newton's method from a guess, after one sweep if it is not close. For a rough residual, few steps lead to the solution or none do,
-// and the smoothing method goes on from there. Without a guess two sweeps first, and more while they converge fast: larger
+// Newton's method from a guess, after one sweep if it is not close. For a rough residual, few steps lead to the solution or none
+// do, and the smoothing method goes on from there. Without a guess two sweeps first, and more while they converge fast: larger
 // factorizations justify more. Returns true when the tolerance is met.
 inline bool start(Workspace& w, Budget& b) {
   using namespace tuning::start;
