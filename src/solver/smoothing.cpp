@@ -70,7 +70,10 @@ Progress DenseSmoothing::accept() {
 bool DenseSmoothing::run() {
   if (p.n > max_rows) return false;
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
-  return method.run(max_steps, [&] { return !b.spent() && ++b.newton_steps; }, [&] { return accept(); });
+  // a rough solve leaves most of its iterations for interior points: they solve contradictory contacts, which this does not
+  const Index left = b.max_iterations - b.iterations - b.newton_steps;
+  const Index most = b.is_rough() ? std::min(max_steps, Index(rough_share * double(left))) : max_steps;
+  return method.run(most, [&] { return !b.spent() && ++b.newton_steps; }, [&] { return accept(); });
 }
 
 }  // namespace

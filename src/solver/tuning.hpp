@@ -122,6 +122,7 @@ inline constexpr int steps_each = 6;            // after these Newton steps
 inline constexpr int memory = 4;                // errors, of which a whole step stays below the largest
 inline constexpr double least = 1e-150;         // eps whose square is not zero
 inline constexpr Index max_steps = 80, max_rows = 240;  // of a dense matrix: a step factorizes all rows, without symmetry
+inline constexpr double rough_share = 0.4;      // of the iterations left, in a rough solve
 inline constexpr double newton_error = 1e-3, newton_reduction = 0.1;  // as of the interior point method
 }  // namespace smoothing
 
