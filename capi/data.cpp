@@ -140,7 +140,7 @@ dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name)
   for (Index i = 0; i < m.n.mocaps; ++i) simulation::mocap_moved(m, d, i);
   for (std::uint64_t& version : d.version) version = ++data->body->counter;
   if (!d.step) return DYN_OK;
-  d.step->contact_count = 0, d.step->advancement_cache.square = 0;
+  d.step->contact_count = 0, d.step->advancement_cache.square = d.step->growth = 0, d.step->ends_fast = true;
   std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
   std::fill_n(d.step->sleep.slow_time, d.step->sleep.count, 0.0);
   return DYN_OK;

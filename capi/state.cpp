@@ -8,12 +8,12 @@ using namespace dyn::capi;
 
 namespace {
 
-constexpr std::uint64_t magic_of_states = 0x3345544154534e59u;  // "YNSTATE3"
+constexpr std::uint64_t magic_of_states = 0x3445544154534e59u;  // "YNSTATE4"
 
 struct Header {
   std::uint64_t magic, model_id;
   std::int64_t contacts;
-  double time;
+  double time, growth;
 };
 
 std::size_t numbers(const Model& m) {
@@ -61,7 +61,7 @@ dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void* memory
   char* at = static_cast<char*>(memory);
   const auto put = [&](const void* x, std::size_t n) { n ? std::memcpy(at, x, n) : nullptr, at += n; };
   const std::int64_t contacts = d.step->contact_count + d.step->sleep.sleeping_contact_count;
-  const Header header{magic_of_states, m.id, contacts, d.time[0]};
+  const Header header{magic_of_states, m.id, contacts, d.time[0], d.step->growth};
   put(&header, sizeof header);
   for_each_input(m, d, [&](const double* x, Index n) { put(x, std::size_t(n) * sizeof(double)); });
   simulation::for_each_contact(*d.step, [&](const dynContactForce& f) { put(&f, sizeof f); });
@@ -81,7 +81,7 @@ dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const voi
   if (header.magic != magic_of_states)
     return fail(DYN_ERROR_ARGUMENT, "%s: memory holds no state: dyn_data_save_state writes one", call.function);
   if (header.model_id != m.id) return fail(DYN_ERROR_ARGUMENT, "%s: the state is that of another model", call.function);
-  bool sound = header.contacts >= 0 && header.contacts <= m.n.contacts && std::isfinite(header.time);
+  bool sound = header.contacts >= 0 && header.contacts <= m.n.contacts && std::isfinite(header.time) && header.growth >= 0 && std::isfinite(header.growth);
   const char* next = at;
   for_each_input(m, d, [&](double*, Index n) {
     for (Index k = 0; k < n; ++k, next += sizeof(double)) {
@@ -111,7 +111,7 @@ dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const voi
     place_mocap(m, d, k, d.mocap + 12 * k);
     simulation::mocap_moved(m, d, k, false);
   }
-  d.time[0] = header.time;
+  d.time[0] = header.time, d.step->growth = header.growth, d.step->ends_fast = true;
   d.step->contact_count = Index(header.contacts), d.step->advancement_cache.square = 0;
   if (header.contacts) std::memcpy(d.step->contacts, at, std::size_t(header.contacts) * sizeof(dynContactForce));
   return DYN_OK;

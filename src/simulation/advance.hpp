@@ -19,6 +19,17 @@ void record_ledger_step(const Model& m, Data<T>& d, T h) {
     if (simulation::has_open_ledger(d)) simulation::record_step(m, d, h);
 }
 
+template <class T>
+Index project_step(const Model& m, Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>)
+    if (simulation::has_open_ledger(d) && active_rows(m, d) > 0) {
+      const double before = simulation::ledger_potential(m, d);
+      const Index failed = project_to_constraints(m, d);
+      return simulation::record_projection(m, d, before), failed;
+    }
+  return project_to_constraints(m, d);
+}
+
 // Advances d by duration. accuracy 0: to rounding. A step may use up to three times its share of the error if earlier steps left
 // it. Returns 0, the joint whose forward dynamics failed, or no_step_left, also after max_steps; the state is then that of
 // report.time.
@@ -236,7 +247,7 @@ template <class T>
 Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h, dynStepReport& report) {
   Index failed = 0;
   if constexpr (std::is_same_v<T, double>)
-    if (d.step) d.step->rows_add_energy = false, d.step->rows_work = 0;
+    if (d.step) d.step->rows_add_energy = d.step->corrected = false, d.step->rows_work = 0;
   begin_rows(m, d, integrator != DYN_INTEGRATOR_REFERENCE);
   if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST &&
       meets_constraints(m, d, s, h))
@@ -260,7 +271,7 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
     }
   }
   if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
-    failed = project_to_constraints(m, d);
+    failed = project_step(m, d);
   keep_all_rows(m, d);
   return failed;
 }
@@ -270,12 +281,13 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
 inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<double>& s, dynIntegrator integrator, double h,
                                  dynStepReport& report, const double* start) {
   using namespace simulation;
-  using simulation::tuning::guard::part_share, simulation::tuning::guard::halvings;
+  namespace guard = simulation::tuning::guard;
   if (!moves(m, d, h)) return 0;
   const bool first_order = integrator == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER || integrator == DYN_INTEGRATOR_IMPLICIT_FAST ||
                            d.step->constraint_count > 0;
-  const double share = first_order ? simulation::tuning::guard::share : simulation::tuning::guard::high_order_share;
+  const double share = first_order ? guard::share : guard::high_order_share;
   Workspace& w = *d.step;
+  w.ends_fast = true;
   const auto swap_states = [&] {
     double* const kept = const_cast<double*>(start);
     with_active_trees(d, [&](const auto& part) {
@@ -288,10 +300,16 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
   swap_states();
   const StepEnergy first = step_energy(m, d, s.f);
   swap_states();
-  const EnergyGain nothing{0, first.kinetic};
+  const EnergyGain nothing{0, first.kinetic, first.springs, 0};
   EnergyGain sum = nothing;
   add_gain(m, d, first, last, start + m.n.nq, h, !first_order, sum);
-  if (!sum.exceeds(share)) return 0;
+  const double so_far = w.growth;
+  const auto accept = [&](double most, double most_growth) {
+    const double growth = sum.growth(so_far);
+    if (sum.exceeds(most) || growth > std::max(most_growth, so_far)) return false;
+    return w.growth = growth, true;
+  };
+  if (accept(share, guard::growth)) return 0;
   const dynContactSolverType solver = w.options.solver;
   const Index joint = last.fastest;
   const auto begin_again = [&] {
@@ -305,7 +323,7 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
   };
   const double once = w.limit.elapsed();
   const int first_halving = w.constraint_count > 0 ? 0 : 1;
-  for (int k = first_halving; k <= halvings; ++k) {
+  for (int k = first_halving; k <= guard::halvings; ++k) {
     if (!w.limit.restarts(once * ((1 << k) + 1))) {
       if (k == first_halving) return 0;
       return begin_again(), single_step(m, d, s, integrator, h, report);
@@ -322,10 +340,10 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
       if (!good) break;
       const StepEnergy to = step_energy(m, d, s.f);
       add_gain(m, d, from, to, s.y0 + m.n.nv, part, !first_order, sum), from = to;
-      good = !sum.exceeds(part_share);
+      good = !sum.exceeds(guard::part_share);
     }
     w.options.solver = solver;
-    if (good && !sum.exceeds(k == halvings ? part_share : share)) return 0;
+    if (good && (k < guard::halvings ? accept(share, guard::growth) : accept(guard::part_share, guard::most_growth))) return 0;
   }
   w.failed_joint = joint;
   return energy_gained;
@@ -336,7 +354,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
   const Stages<T> s(m, d);
   Index failed = single_step(m, d, s, integrator, h, report);
   if constexpr (std::is_same_v<T, double>)
-    if (!failed && start && simulation::may_gain_energy(m, d, h) && simulation::energy_numbers(m) <= 12 * s.n) [[unlikely]]
+    if (!failed && start && simulation::may_gain_energy(m, d, start + m.n.nq, h) && simulation::energy_numbers(m) <= 12 * s.n) [[unlikely]]
       failed = repeat_without_gain(m, d, s, integrator, h, report, start);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);

@@ -13,8 +13,6 @@ namespace dyn::simulation {
 
 namespace {
 
-using tuning::guard::motion;
-
 // Whether no size of x[0 .. n-1] is more than `most`, or not a number.
 bool all_within(const double* x, Index n, double most) {
   Index k = 0;
@@ -32,10 +30,10 @@ bool flies_alone(const Model& m, Index i) {
   return m.bodies()[i].type == BodyType::FreeFlyer && m.bodies()[i].parent == 0 && m.subtree_end()[i] == i + 1;
 }
 
-// Whether joints turn by more than `motion` rad, or slide by that share of the length scale. Free bodies keep their momentum.
-bool moves_far(const Model& m, const Data<double>& d, double h) {
+// Whether joints turn by more than guarded_motion rad, or slide by that share of the length scale. Free bodies keep their momentum.
+[[gnu::cold, gnu::noinline]] bool moves_far(const Model& m, const Data<double>& d, const double* v, double h) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // degrees of freedom by BodyType
-  const double* const v = d.v;
+  const double motion = d.step->guarded_motion;
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
     if (flies_alone(m, i)) continue;
@@ -69,14 +67,28 @@ double actuator_energy(const ActuatorRecord& r, const Data<double>& d) {
 
 }  // namespace
 
-bool may_gain_energy(const Model& m, const Data<double>& d, double h) {
-  if (d.step->rows_add_energy) return true;
+double guarded_motion(const Model& m, double* subtree) {
+  double ratio = 1;
+  for (Index i = 1; i < m.n.bodies; ++i) subtree[i - 1] = m.bodies()[i].m;
+  for (Index i = m.n.bodies - 1; i > 0; --i) {
+    const Body& b = m.bodies()[i];
+    if (b.m > 0) ratio = std::max(ratio, subtree[i - 1] / b.m);
+    if (b.parent > 0) subtree[b.parent - 1] += subtree[i - 1];
+  }
+  return tuning::guard::motion * std::clamp(tuning::guard::usual_ratio / ratio, tuning::guard::least_motion, 1.0);
+}
+
+bool may_gain_energy(const Model& m, Data<double>& d, const double* v0, double h) {
+  Workspace& w = *d.step;
+  const bool began_fast = w.ends_fast;
+  const double most = w.guarded_motion / h;
   bool slow = true;
-  const double most = motion / h;
   with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) { slow &= all_within(d.v + t.v, t.v_end - t.v, most); });
   });
-  return !slow && moves_far(m, d, h);
+  w.ends_fast = !slow;
+  if (w.rows_add_energy) return true;
+  return (!slow && moves_far(m, d, d.v, h)) || (began_fast && moves_far(m, d, v0, h));
 }
 
 bool moves(const Model& m, const Data<double>& d, double h) {
@@ -103,7 +115,7 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory) {
     const Vec3<double> h = R * b.h, u = motions.vel[i], w = motions.omega[i], wB = transpose_times(R, w);
     const double kinetic = 0.5 * (b.m * dot(u, u) + 2 * dot(u, cross(w, h)) + dot(wB, b.I * wB));
     out.kinetic += kinetic, out.gravity -= dot(g, d.p[i] * b.m + h);
-    out.falling += std::max(0.0, dot(g, u * b.m + cross(w, h)));
+    out.falling += dot(g, u * b.m + cross(w, h));
     if (kinetic > most) most = kinetic, largest = i;
   });
   for (Index k = 0; k < m.n.nv; ++k) out.kinetic += 0.5 * d.armature[k] * d.v[k] * d.v[k];
@@ -130,13 +142,15 @@ void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, c
   const double* const v = d.v;
   const auto work = [&](double force, Index k) { return std::max(0.0, h * force * (v0[k] + v[k]) / 2); };
   double given = d.step->rows_work + h * std::max({0.0, before.power, after.power});
-  given += std::max(before.gravity - after.gravity, h * std::max(before.falling, after.falling));
   given += std::max(before.actuators - after.actuators, h * std::max(before.driving, after.driving));
-  given += std::max(0.0, before.springs - after.springs);
+  const double released = before.springs - after.springs;
+  given += std::max(0.0, released);
   for (Index k = 0; k < m.n.nv; ++k) given += work(d.tau_applied[k], k);
   const double rounding = tuning::guard::rounding * (std::abs(before.potential()) + std::abs(after.potential()));
-  const double rise = stored ? std::max(0.0, after.potential() - before.potential()) : 0;
-  sum.base += given, sum.gain += after.kinetic - before.kinetic + rise - given - rounding;
+  const double rise = stored ? std::max(0.0, after.springs + after.actuators - before.springs - before.actuators) : 0;
+  const double fallen = std::max({before.gravity - after.gravity, h * before.falling, h * after.falling});
+  sum.base += given + std::max(0.0, fallen), sum.gain += after.kinetic - before.kinetic + rise - given - fallen - rounding;
+  if (!stored && !d.step->corrected) sum.stretch += std::max(0.0, -released);
 }
 
 void forget_forces(Workspace& w) {

@@ -184,4 +184,10 @@ void record_correction(const Model& m, Data<double>& d, const double* q0, const 
   d.q = q;
 }
 
+double ledger_potential(const Model& m, Data<double>& d) { return energies(m, d).potential; }
+
+void record_projection(const Model& m, Data<double>& d, double before) {
+  d.step->ledger.rows.correction += energies(m, d).potential - before;
+}
+
 }  // namespace dyn::simulation

@@ -16,6 +16,9 @@ struct Island;
 void record_impulses(const Island& x);
 // Records a position correction dq; without it the configuration would be q0 (+) hv.
 void record_correction(const Model& m, Data<double>& d, const double* q0, const double* hv, const double* dq);
+double ledger_potential(const Model& m, Data<double>& d);
+// Records a projection onto the constraints; before: the potential energy then.
+void record_projection(const Model& m, Data<double>& d, double before);
 // Discards the impulses of a step that is repeated.
 inline void reset_impulse_work(Data<double>& d) { d.step->ledger.rows = {}; }
 inline bool has_open_ledger(const Data<double>& d) { return d.step && d.step->ledger.open; }

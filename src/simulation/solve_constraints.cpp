@@ -89,7 +89,14 @@ Index set_immovable_contacts_aside(Workspace& w, Index begin, Index end) {
   return acting;
 }
 
-// Work of the impulses: lambda (g + c) / 2. Soft rows, gains and restitution ask for -lambda bias; belts give lambda slip.
+// What the spring of a soft contact gives in a step of h at whose end its gap opens by the rate.
+double released(const Workspace& w, const ActiveConstraint& a, double rate, double h) {
+  const double gap = w.contacts[a.index].contact.distance;
+  const auto stored = [&](double x) { return x < 0 ? w.laws[a.index].material.stiffness * x * x / 2 : 0; };
+  return std::max(0.0, stored(gap) - stored(gap + h * rate));
+}
+
+// Work of the impulses: lambda (g + c) / 2. Gains and restitution ask for -lambda bias; belts give lambda slip.
 void note_work(const Island& x) {
   namespace accept = solver::tuning::accept;
   double work = 0, size = 0, asked = 0, belts = 0;
@@ -98,8 +105,12 @@ void note_work(const Island& x) {
     asked += std::max(0.0, -x.lambda[i] * x.bias[i]);
   }
   for (Index k = 0; k < x.constraint_count; ++k)
-    if (const ActiveConstraint& a = x.constraint(k); a.kind == RowKind::Contact && a.rows > 1)
-      for (Index r = 0; r < 2; ++r) belts += std::abs(x.lambda[a.first + r] * x.w.laws[a.index].slip[r]);
+    if (const ActiveConstraint& a = x.constraint(k); a.kind == RowKind::Contact) {
+      const Index n = a.first + normal_row(a.rows);
+      if (is_soft(x.w.laws[a.index].material))
+        asked += released(x.w, a, x.c[n], x.h) - std::max(0.0, -x.lambda[n] * x.bias[n]);
+      for (Index r = 0; a.rows > 1 && r < 2; ++r) belts += std::abs(x.lambda[a.first + r] * x.w.laws[a.index].slip[r]);
+    }
   x.w.rows_work += asked + belts;
   if (!(work <= asked + (accept::energy + accept::energy_by_tolerance * x.tolerance) * size)) x.w.rows_add_energy = true;
 }
@@ -264,6 +275,7 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
     scatter(m, d, displacement, first, end);
     std::copy(displacement + first, displacement + end, dq + first);
   });
+  w.corrected |= corrected;
   if (corrected && shorten(m, d, dq)) w.rows_add_energy = true;
   return corrected;
 }

@@ -129,9 +129,14 @@ inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half 
 // Energy guard (energy_guard.hpp).
 namespace guard {
 inline constexpr double motion = 0.1;           // rad, or of the length, in a step: slower motion gains little by explicit terms
+inline constexpr double usual_ratio = 1e4;      // of the mass beyond a joint over its link's: larger ones lower `motion`,
+inline constexpr double least_motion = 0.01;    // to this share of it
 inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: order 1 errs by about motion^2
 inline constexpr double high_order_share = 1e-3;  // the same by methods of order 2 and more: beyond, an oscillation is unresolved
 inline constexpr double part_share = 0.1;       // the same of all parts so far, and of the finest parts
+// Of the kinetic energy, in all steps so far: above `growth` steps are made in parts, and it fades by this factor in each;
+// above the other they are refused.
+inline constexpr double growth = 0.1, fading = 0.99, most_growth = 0.25;
 inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy
 inline constexpr double amplification = 1.01;   // of oscillations in an explicit step: above it the method is unstable

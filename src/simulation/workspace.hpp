@@ -121,6 +121,8 @@ struct Workspace {
   // largest distance (m, rad) and time (s) by which something passed closed_gap before its impulse
   double overshoot, overshoot_time;
   double length;           // length scale of the model (own_length), m; angles use 1 rad
+  bool ends_fast;          // something may move by more than guarded_motion in a step as the last, or its speed is no number
+  double guarded_motion;   // rad, or of the length: a step with less of it is not guarded (energy_guard.hpp)
   // time (s) in which the fastest pair found moves by its gap, at least a fifth of the smaller shape's radius
   double time_to_pass;
   // gap (m, rad) that counts as closed; 0 in fixed steps, where an open gap may close exactly
@@ -129,7 +131,9 @@ struct Workspace {
   // rows_add_energy: impulses of an island, or an explicit step beside them, may have done positive work.
   // rows_work: what soft rows, gains, restitution and belts give (J)
   bool rows_add_energy;
+  bool corrected;               // an error of positions was corrected in the step
   double rows_work;
+  double growth;                // of the kinetic energy, that nothing explained in steps so far (energy_guard.hpp)
   Index failed_joint;           // that the message of a refused step names
   double stable_dt;             // s, of an explicit method that is unstable
 

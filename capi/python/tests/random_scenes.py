@@ -16,6 +16,8 @@ KINDS = ("heap", "tree", "loop", "servo", "springs")
 GRAVITY = 9.81
 # Of the energy that was there: a larger gain is not explained. Steps of order 1 let the energy of an oscillation swing by h w / 2.
 SHARE = 0.5
+# Of the energy at the start: what sums of large energies leave.
+ROUNDING = 1e-12
 
 
 def log_uniform(random, low, high):
@@ -193,5 +195,5 @@ def play(scene):
         energy = scene.energy(start)
         finite = finite and bool(np.isfinite(d.q).all() and np.isfinite(d.v).all() and np.isfinite(energy))
         lowest = min(lowest, energy - d.energy().kinetic)
-        gain = max(gain, energy - first - given)
+        gain = max(gain, energy - first - given - ROUNDING * abs(first))
     return Result("", scene.steps, finite, gain, kinetic + first - lowest + given)

@@ -4,13 +4,14 @@
 import pytest
 import random_scenes as scenes
 
-# rk4 on coupled springs: in a hundred steps the energy grows by 1.6 times, by less than the guard's share in each
-NOT_CAUGHT = {64}
+# Springs and servos on mass ratios of 1e10 and more, soft contacts that explode, gains that add up over many steps, and a closing
+# that projections correct.
+HARD = [78, 159, 367, 371, 388, 529, 647, 693, 802]
 
 
-@pytest.mark.parametrize("first", range(0, 75, 25))
-def test_random_scenes_gain_no_energy(first):
-    for seed in set(range(first, first + 25)) - NOT_CAUGHT:
+@pytest.mark.parametrize("seeds", [range(0, 25), range(25, 50), range(50, 75), HARD], ids=lambda seeds: f"from {seeds[0]}")
+def test_random_scenes_gain_no_energy(seeds):
+    for seed in seeds:
         result = scenes.play(scenes.scene(seed))
         assert result.finite, seed
         assert result.gain <= scenes.SHARE * result.scale, (seed, result)
