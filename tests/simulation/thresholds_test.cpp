@@ -128,6 +128,39 @@ TEST(Thresholds, NormalOfTheEndCountsWhereAContactTurns) {
   }
 }
 
+// A ball passes over another one, whose contact turns by 34 degrees: the normal of the end counts, if their gap at the start is
+// more than 1e-4 of the radius. Else they touch, and the normal of the start does.
+TEST(Thresholds, NormalOfTheStartCountsWhereShapesTouch) {
+  const double angle = 17.0 / 180 * 3.14159265358979, h = 1e-2;
+  for (const double share : {5e-5, 5e-4}) {
+    const double apart = (2 + share) * radius, behind = apart * std::sin(angle);
+    Simulation run(Scene({0, 0, 0}).sphere("a", 1, radius, material(0.5)).sphere("b", 1, radius, material(0.5)).finish(), h);
+    run.set({0, 0, 0, 0, 0, 0, 1, -behind, 0, apart * std::cos(angle), 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 2 * behind / h, 0, 0, 0, 0, 0});
+    run.steps(1);
+    ASSERT_EQ(1u, run.contacts().size()) << share;
+    EXPECT_NEAR((share > 1e-4 ? 1 : -1) * std::sin(angle), run.contacts()[0].contact.normal[0], 1e-12) << share;
+  }
+}
+
+// Two balls at rest, nearer than a fiftieth of the radius, are a contact of a search by boxes, too, while a third one is fast: only
+// what is as near as that may meet by its impulses.
+TEST(Thresholds, BoxesCoverTheSearchMargin) {
+  for (const int far_away : {0, 3000}) {
+    Scene scene({0, 0, 0});
+    for (const char* name : {"a", "b", "fast"}) scene.sphere(name, 1, radius, material(0.5));
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.body = "universe", s.type = DYN_SHAPE_TYPE_BOX, s.placement[11] = -50, s.size[0] = s.size[1] = s.size[2] = 0.5;
+    for (int k = 0; k < far_away; ++k) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
+    Simulation run(scene.finish());
+    Numbers v(18, 0.0);
+    v[12] = 2;
+    run.set({0, 0, 0, 0, 0, 0, 1, 2.015 * radius, 0, 0, 0, 0, 0, 1, 0, 5, 0, 0, 0, 0, 1}, v);
+    run.steps(1);
+    EXPECT_EQ(1u, run.contacts().size()) << far_away;
+  }
+}
+
 // A ball passes a capsule that spins about its axis. The search for their contact on the way knows of the spin only how fast any
 // point moves: beyond fifty steps it ends, and the pair counts as met.
 TEST(Thresholds, SearchOnTheWayIsBounded) {
