@@ -21,7 +21,6 @@ class Clearances {
   double* moved_;             // by shape: bound of the way of any of its points (m)
   collision::Pose* placed_;   // by shape
 
-  static constexpr double rounding = 1e-12;  // of the sums
   static constexpr double axis_scale = 32767;  // a component of 1
   static constexpr int ways = 4;              // places in a bucket: pairs that share one do not displace each other every step
   // Places are three times the pairs that come near at once, as a power of two: up to six a pair, 144 bytes.
@@ -44,8 +43,9 @@ class Clearances {
       if (k->a == a && k->b == b) return k;
     return nullptr;
   }
+  // Less by 3e-8 of it or more: far more than the rounding of moved_.
   static float below(double bound) { return std::nextafter(float(bound), -HUGE_VALF); }
-  double left(const Known& k) const { return k.until * (1 - rounding) - moved_[k.a] - moved_[k.b]; }
+  double left(const Known& k) const { return double(k.until) - moved_[k.a] - moved_[k.b]; }
 
  public:
   template <class F>

@@ -87,6 +87,50 @@ TEST(ConstrainedTrees, AgainstExtendedPrecision) {
   EXPECT_GT(deficient, 20);
 }
 
+// Compares the derivatives of ddq and lambda with extrapolated central differences. Returns false where the rows are nearly
+// dependent or contradict each other.
+bool expect_derivatives(Case& x) {
+  const Solved here = solve(x, x.x.q, x.x.v, x.x.tau);
+  const Index rows = here.result.rows;
+  if (!rows || here.result.rank < rows || here.result.condition > 1e4 || here.result.contradiction > 0) return false;
+  Data<double>& d = x.w.d;
+  dynConstraintResult result{};
+  EXPECT_EQ(0, constrained_dynamics_derivatives(x.m, d, d.v, d.tau_applied, static_cast<const double*>(nullptr),
+                                                ProximalOptions{}, result));
+  const KktSystem<double> K = kkt_system(x.m, d, rows);
+  const Eigen::Index all = x.nv + rows;
+  auto take = [&](const double* from) { return MatrixXd(Eigen::Map<const MatrixXd>(from, K.ld, x.nv).topRows(all)); };
+  const MatrixXd by_q = take(K.by_q), by_v = take(K.by_v), by_tau = take(K.inverse);
+  auto differences = [&](auto&& moved) {
+    MatrixXd out(all, x.nv);
+    for (Index k = 0; k < x.nv; ++k) {
+      auto slope = [&](double h) {
+        auto at = [&](double t) {
+          const Solved s = moved(VectorXd(VectorXd::Unit(x.nv, k) * t));
+          VectorXd both(all);
+          both << s.ddq, s.lambda;
+          return both;
+        };
+        return VectorXd((at(h) - at(-h)) / (2 * h));
+      };
+      const double h = 2e-3;
+      out.col(k) = (64 * slope(h / 4) - 20 * slope(h / 2) + slope(h)) / 45;
+    }
+    return out;
+  };
+  auto agree = [&](const MatrixXd& expected, const MatrixXd& got) {
+    EXPECT_LE(gap(expected, got), 1e-7 * std::max(1.0, largest(expected)));
+  };
+  agree(differences([&](const VectorXd& e) {
+    VectorXd q(x.m.n.nq);
+    integrate(x.m, x.x.q.data(), e.data(), q.data());
+    return solve(x, q, x.x.v, x.x.tau);
+  }), by_q);
+  agree(differences([&](const VectorXd& e) { return solve(x, x.x.q, x.x.v + e, x.x.tau); }), by_v);
+  agree(differences([&](const VectorXd& e) { return solve(x, x.x.q, x.x.v, x.x.tau + e); }), by_tau);
+  return true;
+}
+
 TEST(ConstrainedTrees, DerivativesAreThoseOfDifferences) {
   int checked = 0, mimics = 0;
   for (int seed = 1; seed <= 60 || (seed <= 600 && (checked <= 15 || mimics <= 3)); ++seed) {
@@ -96,47 +140,36 @@ TEST(ConstrainedTrees, DerivativesAreThoseOfDifferences) {
     Case x(std::uint64_t(seed), options);
     Dice dice(std::uint64_t(seed) * 977);
     random_constraints(x, dice, 3, 0, false);
-    const Solved here = solve(x, x.x.q, x.x.v, x.x.tau);
-    const Index rows = here.result.rows;
-    if (!rows || here.result.rank < rows || here.result.condition > 1e4 || here.result.contradiction > 0) continue;
-    ++checked, mimics += x.m.has_mimic;
-    Data<double>& d = x.w.d;
-    dynConstraintResult result{};
-    ASSERT_EQ(0, constrained_dynamics_derivatives(x.m, d, d.v, d.tau_applied, static_cast<const double*>(nullptr),
-                                                  ProximalOptions{}, result));
-    const KktSystem<double> K = kkt_system(x.m, d, rows);
-    const Eigen::Index all = x.nv + rows;
-    auto take = [&](const double* from) { return MatrixXd(Eigen::Map<const MatrixXd>(from, K.ld, x.nv).topRows(all)); };
-    const MatrixXd by_q = take(K.by_q), by_v = take(K.by_v), by_tau = take(K.inverse);
-    auto differences = [&](auto&& moved) {
-      MatrixXd out(all, x.nv);
-      for (Index k = 0; k < x.nv; ++k) {
-        auto slope = [&](double h) {
-          auto at = [&](double t) {
-            const Solved s = moved(VectorXd(VectorXd::Unit(x.nv, k) * t));
-            VectorXd both(all);
-            both << s.ddq, s.lambda;
-            return both;
-          };
-          return VectorXd((at(h) - at(-h)) / (2 * h));
-        };
-        const double h = 2e-3;
-        out.col(k) = (64 * slope(h / 4) - 20 * slope(h / 2) + slope(h)) / 45;
-      }
-      return out;
-    };
-    auto agree = [&](const MatrixXd& expected, const MatrixXd& got) {
-      EXPECT_LE(gap(expected, got), 1e-7 * std::max(1.0, largest(expected)));
-    };
-    agree(differences([&](const VectorXd& e) {
-      VectorXd q(x.m.n.nq);
-      integrate(x.m, x.x.q.data(), e.data(), q.data());
-      return solve(x, q, x.x.v, x.x.tau);
-    }), by_q);
-    agree(differences([&](const VectorXd& e) { return solve(x, x.x.q, x.x.v + e, x.x.tau); }), by_v);
-    agree(differences([&](const VectorXd& e) { return solve(x, x.x.q, x.x.v, x.x.tau + e); }), by_tau);
+    if (expect_derivatives(x)) ++checked, mimics += x.m.has_mimic;
   }
   EXPECT_GT(checked, 15);
+  EXPECT_GT(mimics, 3);
+}
+
+// A coupling by a polynomial of degree four, with gains: its third derivative counts, too.
+TEST(ConstrainedTrees, DerivativesOfCouplings) {
+  int checked = 0, mimics = 0;
+  for (int seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(testing::Message() << "tree " << seed);
+    TreeOptions options;
+    options.joints = 3 + seed % 4, options.mimic = 0.3, options.massless = 0;
+    options.types = {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC};
+    Case x(std::uint64_t(seed), options);
+    Dice dice(std::uint64_t(seed) * 977);
+    dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_COUPLING);
+    c.stiffness = 20, c.damping = 5;
+    for (double& k : c.coefficients) k = dice.in(-0.5, 0.5);
+    std::vector<Index> leaders;
+    for (Index k = 1; k < x.m.n.joints; ++k)
+      if (x.m.joints()[k].leader < 0) leaders.push_back(k);
+    if (leaders.size() < 2) continue;
+    c.first = int(leaders.front()), c.second = int(leaders.back());
+    char message[512];
+    if (check_constraint(x.m, c, message, sizeof message) != DYN_OK) continue;
+    set_constraint(x.m, x.w.d, 0, c), number_rows(x.m, x.w.d);
+    if (expect_derivatives(x)) ++checked, mimics += x.m.has_mimic;
+  }
+  EXPECT_GT(checked, 10);
   EXPECT_GT(mimics, 3);
 }
 

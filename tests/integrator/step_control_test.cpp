@@ -133,6 +133,14 @@ TEST(RoundingFloor, IsAFewUnitsInTheLastPlace) {
   EXPECT_NEAR(4e-3, RoundingFloor<double>::of(0) / ulp, 3e-3);
 }
 
+// Below a 256th of that, errors of one step are none, however short the step is: accelerations add nothing to it.
+TEST(RoundingFloor, OfAShortStepIsAShareOfTheStates) {
+  Oscillator x(1);
+  x.error_of_step<DormandPrince8>(1e-9);
+  const RoundingFloor<double> floor{false, 0};
+  EXPECT_NEAR(1.0 / 256, floor(*x.model, x.w.d, x.stages, 1e-9) / RoundingFloor<double>::of(1), 0.3 / 256);
+}
+
 // Uniform motion without errors: steps of 1 s, the time in which the state changes by its size, and a rest.
 dynStepReport coast(double duration) {
   Oscillator x(0);

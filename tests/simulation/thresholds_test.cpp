@@ -6,6 +6,7 @@ namespace {
 
 constexpr double g = 9.81, radius = 0.1;
 using Gravity = std::array<double, 3>;
+using Place = std::array<double, 3>;
 
 // A ball of 1 kg over the ground, its lowest point at a height, with a vertical velocity.
 struct Ball : Simulation {
@@ -128,6 +129,40 @@ TEST(Thresholds, NormalOfTheEndCountsWhereAContactTurns) {
   }
 }
 
+// A ball passes over another one, whose contact turns by 34 degrees: the normal of the end counts, if their gap at the start is
+// more than 1e-4 of the radius. Else they touch, and the normal of the start does.
+TEST(Thresholds, NormalOfTheStartCountsWhereShapesTouch) {
+  const double angle = 17.0 / 180 * 3.14159265358979, h = 1e-2;
+  for (const double share : {5e-5, 5e-4}) {
+    const double apart = (2 + share) * radius, behind = apart * std::sin(angle);
+    Simulation run(Scene({0, 0, 0}).sphere("a", 1, radius, material(0.5)).sphere("b", 1, radius, material(0.5)).finish(), h);
+    run.set({0, 0, 0, 0, 0, 0, 1, -behind, 0, apart * std::cos(angle), 0, 0, 0, 1},
+            {0, 0, 0, 0, 0, 0, 2 * behind / h, 0, 0, 0, 0, 0});
+    run.steps(1);
+    ASSERT_EQ(1u, run.contacts().size()) << share;
+    EXPECT_NEAR((share > 1e-4 ? 1 : -1) * std::sin(angle), run.contacts()[0].contact.normal[0], 1e-12) << share;
+  }
+}
+
+// Two balls at rest, nearer than a fiftieth of the radius, are a contact of a search by boxes, too, while a third one is fast: only
+// what is as near as that may meet by its impulses.
+TEST(Thresholds, BoxesCoverTheSearchMargin) {
+  for (const int far_away : {0, 3000}) {
+    Scene scene({0, 0, 0});
+    for (const char* name : {"a", "b", "fast"}) scene.sphere(name, 1, radius, material(0.5));
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.body = "universe", s.type = DYN_SHAPE_TYPE_BOX, s.placement[11] = -50, s.size[0] = s.size[1] = s.size[2] = 0.5;
+    for (int k = 0; k < far_away; ++k) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
+    Simulation run(scene.finish());
+    Numbers v(18, 0.0);
+    v[12] = 2;
+    run.set({0, 0, 0, 0, 0, 0, 1, 2.015 * radius, 0, 0, 0, 0, 0, 1, 0, 5, 0, 0, 0, 0, 1}, v);
+    run.steps(1);
+    EXPECT_EQ(1u, run.contacts().size()) << far_away;
+  }
+}
+
 // A ball passes a capsule that spins about its axis. The search for their contact on the way knows of the spin only how fast any
 // point moves: beyond fifty steps it ends, and the pair counts as met.
 TEST(Thresholds, SearchOnTheWayIsBounded) {
@@ -209,6 +244,28 @@ TEST(Thresholds, CorrectionsOfAlmostDependentRowsAreBounded) {
   for (double angle = 1e-1; angle > 1e-5; angle /= 1.2) most = std::max(most, correction_of(angle));
   EXPECT_LT(most, 0.25 * 0.5 * std::sqrt(1e6));
   EXPECT_GT(most, 60);
+}
+
+// Sweeps correct overlaps until they change little: half of that of three balls, one on the other, goes but for a hundredth.
+TEST(Thresholds, CorrectionsBySweepsEndNearHalf) {
+  const double deep = 1e-5;
+  Scene scene({0, 0, 0});
+  scene.ground();
+  std::vector<Place> at;
+  for (int k = 0; k < 3; ++k) {
+    scene.sphere(("ball" + std::to_string(k)).c_str(), 1, radius, material(0.5));
+    at.push_back({0, 0, (1 + 2 * k) * radius - (k + 1) * deep});
+  }
+  Simulation run(scene.finish());
+  run.place(at);
+  run.steps(1);
+  double off = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double gap = run.q[7 * k + 2] - (k ? run.q[7 * k - 5] + 2 * radius : radius);
+    off = std::max(off, std::abs(gap / deep + 0.5));
+  }
+  EXPECT_LT(off, 0.03);
+  EXPECT_GT(off, 0.005);  // the next steps correct the rest
 }
 
 // One mass of 1 kg on a spring.

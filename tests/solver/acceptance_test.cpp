@@ -129,5 +129,23 @@ TEST(Acceptance, StoppedSweepsKeepWhatTheyFound) {
   EXPECT_LT(b.best, 0.1 * before);
 }
 
+// Without friction tangential impulses are errors of the guess, also beside a contact whose impulse is nearer to its cone.
+TEST(Acceptance, ImpulsesOfRowsWithoutACoefficientAreErrors) {
+  Scene s;
+  s.g = {0, 0, -1, 0, 0, -1}, s.friction = {0, 0.5}, s.G.assign(36, 0);
+  for (int k = 0; k < 6; ++k) s.G[std::size_t(7 * k)] = 1;
+  const Solver solver(6);
+  const auto primal = [&](double without, double tangential) {
+    const double lambda[6] = {without, 0, 1, tangential, 0, 1};
+    dynContactReport r{};
+    r.struct_size = sizeof r;
+    EXPECT_EQ(DYN_OK, dyn_contact_solver_residuals(solver.s, s.get(), lambda, &r)) << dyn_last_error();
+    return r.primal;
+  };
+  EXPECT_NEAR(0.3, primal(0.3, 0.5), 1e-15);
+  EXPECT_NEAR(0.3, primal(0.3, 0.6), 1e-15);
+  EXPECT_NEAR(0.5 / std::sqrt(1.25), primal(0.3, 1), 1e-15);  // distance to the cone of slope 1/2
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -27,6 +27,7 @@ class Tree:
         self.root, self.place, self.tree, self.out = root, place, place / "tree", place / "build"
         self.count = count
         self.readers, self.declared, self.constants = {}, {}, {}
+        self.other_names = {}  # name of a constant without mutants: the words of its value
         self.candidates = {}  # folder: mutants in order of choice
         self.dropped = {}     # key: reason
         drop_file = place / "dropped.json"
@@ -40,6 +41,8 @@ class Tree:
                     for _, c in d.items:
                         if constants.worth(c):
                             self.constants[c.key] = c
+                        else:
+                            self.other_names.setdefault(c.short, set()).update(re.findall(r"[A-Za-z_]\w*", c.value))
         for folder in folders_expressions:
             every = [m for file, text, r in self.sources(folder) for m in expressions.found(file, text, r)]
             self.candidates[folder] = expressions.chosen(every, seed, count * 2)
@@ -210,7 +213,7 @@ class Tree:
         for place in unknown if not dropped else ():  # other errors may be why
             file, line = place[1].replace(tree, ""), int(place[2])
             for word in re.findall(r"\w+", self.readers[file][0].split("\n")[line - 1]) if file in self.readers else ():
-                for c in names.get(word, []):
+                for c in (c for w in {word} | self.other_names.get(word, set()) for c in names.get(w, [])):
                     if c.key in self.slots and self.drop(c.key, f"does not compile: {place[3]}"):
                         dropped.add(c.key)
         log(f"dropped {len(dropped)}: {', '.join(sorted(dropped))[:2000]}")

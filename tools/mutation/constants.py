@@ -74,11 +74,11 @@ def in_function(r, i, innermost):
 
 
 def worth(c):
-    """A name or a cast of one, zero and the like have no mutants of their own."""
+    """A name or a cast of one, zero and the like have no mutants of their own. Negative integers are status values."""
     if re.fullmatch(r"[\w:]*[A-Za-z_][\w:]*", c.value) and not c.value[0].isdigit():
         return False
     try:
-        return float(c.value) != 0
+        return float(c.value) > 0 or (c.real and float(c.value) < 0)
     except ValueError:
         return bool(re.search(r"[0-9A-Za-z]", c.value))
 

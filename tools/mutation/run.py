@@ -5,8 +5,8 @@ import os
 import re
 import resource
 import subprocess
+import tempfile
 import threading
-import time
 
 MEMORY = 8 << 30  # bytes a run may take: a count may be doubled into all there is
 
@@ -34,18 +34,25 @@ class Runner:
                 fresh.replace(path)
 
     def run(self, program, tests, timeout, **environment):
-        """(status, output): status None when time is up."""
+        """(status, output, seconds of the processor): status None when time is up."""
         command = [self.tree.out / "bin" / program, f"--gtest_filter={':'.join(tests)}", "--gtest_fail_fast", "--gtest_color=no"]
         env = {**os.environ, "LOCPATH": str(self.tree.out / "locale"), **environment}
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
-                                   env=env, preexec_fn=limit, start_new_session=True, cwd=self.tree.tree)
-        try:
-            output, _ = process.communicate(timeout=timeout)
-            return process.returncode, output
-        except subprocess.TimeoutExpired as late:
+        late = threading.Event()
+
+        def end():
+            late.set()
             os.killpg(process.pid, 9)
-            process.communicate()
-            return None, late.stdout.decode(errors="replace") if isinstance(late.stdout, bytes) else late.stdout or ""
+
+        with tempfile.TemporaryFile("w+", errors="replace") as output:
+            process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, env=env, preexec_fn=limit,
+                                       start_new_session=True, cwd=self.tree.tree)
+            timer = threading.Timer(timeout, end)
+            timer.start()
+            _, status, usage = os.wait4(process.pid, 0)
+            timer.cancel()
+            process.returncode = os.waitstatus_to_exitcode(status)
+            output.seek(0)
+            return None if late.is_set() else process.returncode, output.read(), usage.ru_utime + usage.ru_stime
 
     # ------------------------------------------------------------------------------------------------ without a mutant
     def tests_of(self, program):
@@ -74,12 +81,9 @@ class Runner:
             program, test = item
             record = self.tree.place / f"record.{threading.get_ident()}"
             record.unlink(missing_ok=True)
-            began = time.monotonic()
-            status, output = self.run(program, [test], longest, DYN_MUTANTS_RECORD=str(record))
+            status, _, took = self.run(program, [test], 4 * longest, DYN_MUTANTS_RECORD=str(record))
             if status:  # recording itself may be what fails
-                began = time.monotonic()
-                status, output = self.run(program, [test], longest)
-            took = time.monotonic() - began
+                status, _, took = self.run(program, [test], 4 * longest)
             reached = sorted(set(record.read_text().split())) if record.exists() else []
             with self.lock:
                 found = {"ok": status == 0, "seconds": round(took, 3), "reached": reached}
@@ -139,7 +143,7 @@ class Runner:
         tests = [t for t in self.reaching(mutant, self.tree.slots) if t not in tried]
         killed = None
         for program, names, seconds in self.chunks(tests):
-            status, output = self.run(program, names, 10 * seconds + 10, DYN_MUTANT=str(number))
+            status, output, _ = self.run(program, names, 10 * seconds + 10, DYN_MUTANT=str(number))
             if status != 0:
                 failed = re.findall(r"\[  FAILED  \] (\S+?)(?:,| \(|$)", output, re.M)
                 begun = re.findall(r"\[ RUN      \] (\S+)", output)

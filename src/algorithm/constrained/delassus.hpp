@@ -78,9 +78,9 @@ void add_constraint_jacobian(const Model& m, const Data<T>& d, const ConstraintI
     for (int i = 0; i < 3; ++i) J[row_lanes * user(s.c.v1 + i)] = T(s.c.axis[i]);
     return;
   }
-  if (between_joints(s.c.type)) {
-    J[row_lanes * user(s.c.v1)] += s.g1 * ratio(s.c.v1);
-    if (s.c.body2) J[row_lanes * user(s.c.v2)] += s.g2 * ratio(s.c.v2);
+  if (between_joints(s.c.type)) {  // of joints that follow no other
+    J[row_lanes * user(s.c.v1)] += s.g1;
+    if (s.c.body2) J[row_lanes * user(s.c.v2)] += s.g2;
     return;
   }
   auto add = [&](Index i, const T* lanes) {

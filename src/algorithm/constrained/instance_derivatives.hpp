@@ -122,29 +122,29 @@ void differentiate_frames(const Model& m, Data<T>& d, ConstraintInstance<T>& s, 
     for (Index c = 0; c < s.support_count; ++c) dofs[c] = m.expand_v()[dofs[c]];
 }
 
-// The same for a row between joints.
+// The same for a row between joints, which follow no other (check_constraint): their ratio is one.
 template <class T>
 void differentiate_joints(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a,
                           const KktSystem<T>& K, T* H) {
   const bool two = s.c.body2 != 0;
   JointRow<T> row{};
   visit_joint_constraint(s.c.type, [&]<class K_>() { row = K_::evaluate(s.c, d.q[s.c.q1], two ? d.q[s.c.q2] : T(0)); });
-  const T kp = T(s.c.stiffness), kd = T(s.c.damping), r1 = user_ratio<T>(m, s.c.v1), lambda = d.lambda[s.first];
+  const T kp = T(s.c.stiffness), kd = T(s.c.damping), lambda = d.lambda[s.first];
   const std::ptrdiff_t u1 = user_dof(m, s.c.v1), rows = K.rows;
   Index* dofs = supporting_dofs_of(m, d, slot);
   T *J = propagated_jacobian_of(m, d, slot), *Dq = K.Dq + s.first, *Dv = K.Dv + s.first;
   std::fill_n(J, 2 * row_lanes, T(0));
-  Dq[rows * u1] += r1 * kp * row.slope;
-  Dv[rows * u1] += r1 * kd * row.g1;
-  dofs[0] = Index(u1), J[0] = r1 * row.g1;
+  Dq[rows * u1] += kp * row.slope;
+  Dv[rows * u1] += kd * row.g1;
+  dofs[0] = Index(u1), J[0] = row.g1;
   s.support_count = 1;
   if (!two) return;
-  const T r2 = user_ratio<T>(m, s.c.v2), v2 = v[s.c.v2];
+  const T v2 = v[s.c.v2];
   const std::ptrdiff_t u2 = user_dof(m, s.c.v2);
-  Dq[rows * u2] += r2 * (row.curvature * a[s.c.v2] + row.third * v2 * v2 + kp * row.g2 + kd * row.curvature * v2);
-  Dv[rows * u2] += r2 * (kd * row.g2 + T(2) * row.curvature * v2);
-  H[u2 + m.n.nv * u2] -= r2 * r2 * lambda * row.curvature;
-  dofs[1] = Index(u2), J[row_lanes] = r2 * row.g2;
+  Dq[rows * u2] += row.curvature * a[s.c.v2] + row.third * v2 * v2 + kp * row.g2 + kd * row.curvature * v2;
+  Dv[rows * u2] += kd * row.g2 + T(2) * row.curvature * v2;
+  H[u2 + m.n.nv * u2] -= lambda * row.curvature;
+  dofs[1] = Index(u2), J[row_lanes] = row.g2;
   s.support_count = 2;
 }
 
@@ -168,8 +168,7 @@ void differentiate_rates(const Model& m, Data<T>& d, const T* v, bool restitutio
       if (s.c.body2) {
         JointRow<T> row{};
         visit_joint_constraint(s.c.type, [&]<class K_>() { row = K_::evaluate(s.c, d.q[s.c.q1], d.q[s.c.q2]); });
-        D[s.first + std::ptrdiff_t(K.rows) * user_dof(m, s.c.v2)] +=
-            factor * user_ratio<T>(m, s.c.v2) * row.curvature * v[s.c.v2];
+        D[s.first + std::ptrdiff_t(K.rows) * user_dof(m, s.c.v2)] += factor * row.curvature * v[s.c.v2];
       }
       return;
     }
