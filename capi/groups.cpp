@@ -68,7 +68,7 @@ struct Arguments {
       for (std::size_t i = 0; *this && i < 4; ++i)
         if (!std::isfinite(q[i])) refuse_number(name, x, size * k + offset + i);
       if (*this && q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0)
-        status = fail(DYN_ERROR_QUATERNION, "%s: the quaternion of %s, element %zu, is zero, which is no rotation", function,
+        status = fail(DYN_ERROR_QUATERNION, "%s: %s, element %zu, has the quaternion 0 0 0 0, which is no rotation", function,
                       name, k);
     }
     return *this;

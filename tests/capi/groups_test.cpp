@@ -4,7 +4,7 @@
 
 #include "capi/support.hpp"
 
-namespace dyn_test {
+namespace dyn_test::groups_test {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -221,7 +221,9 @@ TEST(Groups, JacobiansAreCentralDifferences) {
         const Numbers change = result("se3_log", {result("se3_compose", {left ? a : b_inverse, left ? b_inverse : a})});
         for (std::size_t r = 0; r < 6; ++r) {
           EXPECT_NEAR(J[r + 6 * k], change[r] / (2 * h), 2e-9) << angle << " " << left;
-          if (k >= 3 && r >= 3) EXPECT_NEAR(J3[r - 3 + 3 * (k - 3)], change[r] / (2 * h), 2e-9) << angle << " " << left;
+          if (k >= 3 && r >= 3) {
+            EXPECT_NEAR(J3[r - 3 + 3 * (k - 3)], change[r] / (2 * h), 2e-9) << angle << " " << left;
+          }
         }
       }
       if (angle > pi) continue;  // log gives the shorter way
@@ -284,7 +286,9 @@ TEST(Groups, GimbalLock) {
     for (double sign : {1.0, -1.0}) {
       const Numbers R = result("so3_from_rpy", {{0.3, sign * (pi / 2 - from_end), -0.2}}), rpy = result("so3_to_rpy", {R});
       EXPECT_LE(largest_gap(result("so3_from_rpy", {rpy}), R), 2e-15 + (from_end < 1e-12 ? 1e-12 : 0)) << from_end;
-      if (from_end == 0) EXPECT_EQ(0, rpy[0]);
+      if (from_end == 0) {
+        EXPECT_EQ(0, rpy[0]);
+      }
     }
   for (double x : result("so3_to_rpy", {identity(3)})) EXPECT_FALSE(std::signbit(x));
 }
@@ -320,7 +324,9 @@ TEST(Groups, ArraysAreTheirElements) {
       }
     // none
     const std::vector<const double*> nothing(r.in.size(), nullptr);
-    if (!r.in[0].once) EXPECT_EQ(DYN_OK, r.call(0, nothing.data(), nullptr)) << r.name;
+    if (!r.in[0].once) {
+      EXPECT_EQ(DYN_OK, r.call(0, nothing.data(), nullptr)) << r.name;
+    }
   }
 }
 
@@ -396,4 +402,4 @@ TEST(Groups, Extremes) {
 }
 
 }  // namespace
-}  // namespace dyn_test
+}  // namespace dyn_test::groups_test
