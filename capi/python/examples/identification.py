@@ -87,7 +87,11 @@ def identify(path=PANDA, noise=0.05):
     guess = each_body(dyn.parameters_from_log_cholesky, guess)
 
     least_squares = np.linalg.lstsq(W, tau, rcond=1e-9)[0]
-    found = {"guess": guess, "least squares": least_squares, "consistent": fit_consistent(W, tau, guess)}
+    consistent = fit_consistent(W, tau, guess)
+    robot = dyn.with_inertial_parameters(model, consistent)  # the result, put back into the robot
+    again = np.concatenate([robot.data().rnea(*x) - robot.armature * x[2] for x in zip(*motion(robot, seed=2))])
+    assert np.abs(again - W_new @ consistent).max() < 1e-9 * np.abs(tau_new).max(), "it moves as was identified"
+    found = {"guess": guess, "least squares": least_squares, "consistent": consistent}
     figures = {"parameters": pi.size, "base parameters": len(B)}
     for name, x in found.items():
         figures[name] = {

@@ -128,6 +128,7 @@ def main():
     apart = max(np.abs(problem.model.difference(q, robot.q)).max(), np.abs(robot.v - v).max())
     print(f"the simulator under the same torques ends {apart:.1g} from there")
     assert apart < 1e-9
+    return path
 
 
 if __name__ == "__main__":

@@ -51,6 +51,7 @@ def main(page=None):
     if page:
         recording.to_html(page)
         print(f"open {page}")
+    return recording
 
 
 if __name__ == "__main__":
