@@ -4,6 +4,7 @@
 
 #include "checks.hpp"
 #include "guard.hpp"
+#include "rotation.hpp"
 #include "spatial/explog.hpp"
 #include "spatial/rpy.hpp"
 
@@ -14,14 +15,6 @@ namespace {
 
 // Within this bound no product overflows, not even the fourth powers in Jexp6. (10^40: dyn.h says so.)
 constexpr double largest = max_to_differentiate;
-
-bool is_rotation(const Mat3<double>& R) {
-  const Mat3<double> E = transpose(R) * R;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (!(std::abs(E(i, j) - (i == j)) <= 1e-6)) return false;
-  return dot(cross(R.x, R.y), R.z) > 0;
-}
 
 // The arguments of one call. After the first that is refused the others are not looked at.
 struct Arguments {
