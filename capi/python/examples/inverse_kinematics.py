@@ -8,6 +8,8 @@ the manifold by integrate. It knows no limits and starts once; d.ik keeps the li
 it gets nowhere.
 """
 
+from __future__ import annotations
+
 import sys
 from pathlib import Path
 
@@ -20,7 +22,8 @@ PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
 HAND, EXACT = "panda_hand", 1e-6  # m, rad
 
 
-def by_hand(model, data, target, q, steps=200, damping=1e-6):
+def by_hand(model: dyn.Model, data: dyn.Data, target: dyn.Placement, q: np.ndarray, steps: int = 200,
+            damping: float = 1e-6) -> tuple[np.ndarray, bool]:
     """q of a damped Gauss-Newton loop, and whether the hand is there."""
     for _ in range(steps):
         data.forward_kinematics(q)
@@ -33,7 +36,7 @@ def by_hand(model, data, target, q, steps=200, damping=1e-6):
     return q, False
 
 
-def main(starts=1000):
+def main(starts: int = 1000) -> None:
     model = dyn.load(PANDA, base="fixed")
     data = model.data()
     met, within, solved, iterations = 0, 0, 0, []

@@ -9,7 +9,7 @@ import sys
 import zipfile
 
 import pytest
-
+from conftest import CAPI
 from libdyn import stubs
 
 RIGHT = """
@@ -133,6 +133,20 @@ def test_mypy(programs, site):
     for k, (line, words) in enumerate(WRONG.items()):
         message = errors[RIGHT.count("\n") + 1 + k]
         assert re.search(words, message), (line, message)
+
+
+# a newcomer's eight programs
+EXAMPLES = ("gravity_compensation", "inverse_kinematics", "operational_space", "swing_up", "thrown_box", "pushes", "identification",
+            "self_collision")
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("mypy"), reason="mypy is not installed")
+def test_mypy_of_examples(site, tmp_path):
+    command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--strict", "--allow-any-generics", "--cache-dir",
+               str(tmp_path), *(f"{name}.py" for name in EXAMPLES)]
+    done = subprocess.run(command, cwd=CAPI / "python" / "examples", capture_output=True, text=True,
+                          env=os.environ | {"MYPYPATH": str(site)})
+    assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("pyright"), reason="pyright is not installed")
