@@ -8,6 +8,7 @@
 #include "simulation/workspace.hpp"
 #include "surfaces.hpp"
 #include "reflection.hpp"
+#include "rotation.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -61,11 +62,8 @@ dynStatus read_placement(const char* function, const char* name, const double* x
       return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%d] is %g: give numbers within %g",
                   function, name, k, x[k], shape::max_length);
   out = load_se3(x);
-  const Mat3<double> E = transpose(out.R) * out.R;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (!(std::abs(E(i, j) - (i == j)) <= 1e-6) || !(dot(cross(out.R.x, out.R.y), out.R.z) > 0))
-        return fail(DYN_ERROR_INVALID, "%s: %s is no rotation and translation: its columns are not orthonormal", function, name);
+  if (!is_rotation(out.R))
+    return fail(DYN_ERROR_INVALID, "%s: %s is no rotation and translation: its columns are not orthonormal", function, name);
   return DYN_OK;
 }
 

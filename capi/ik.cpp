@@ -5,6 +5,7 @@
 #include "checks.hpp"
 #include "algorithm/ik_tasks.hpp"
 #include "reflection.hpp"
+#include "rotation.hpp"
 
 namespace dyn {
 extern template double ik_cost(const Model&, const Data<double>&, const dynIkTask&, IkResidual&);
@@ -37,20 +38,13 @@ bool weighted(Call& call, Index task, const char* name, const double* w, Index n
 }
 
 // The target must be a rotation to the digits that a file or a product of matrices leaves.
-bool rotates(Call& call, Index task, const double* R) {
-  double worst = 0;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      double dot = i == j ? -1 : 0;
-      for (int k = 0; k < 3; ++k) dot += R[3 * i + k] * R[3 * j + k];
-      worst = std::fmax(worst, std::fabs(dot));
-    }
-  const double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[3] * (R[1] * R[8] - R[2] * R[7]) + R[6] * (R[1] * R[5] - R[2] * R[4]);
-  if (worst <= 1e-6 && det > 0) return true;
+bool rotates(Call& call, Index task, const double* target) {
+  const Mat3<double> R = load33(target);
+  if (is_rotation(R)) return true;
   return refuse(call,
                 fail(DYN_ERROR_ARGUMENT,
                      "dyn_ik: the target of task %d is no rotation%s: its first nine numbers are the axes, column by column",
-                     int(task), det > 0 ? "" : " (it mirrors)"));
+                     int(task), mirrors(R) ? " (it mirrors)" : ""));
 }
 
 bool good_task(Call& call, const dynIkTask& t, Index k) {

@@ -1,30 +1,20 @@
 // Mocap bodies: links fixed to the world whose pose the caller sets.
 #include "simulation/mocap.hpp"
 
-#include <cmath>
 #include <cstring>
 
 #include "guard.hpp"
+#include "rotation.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
 namespace {
 
-constexpr double rotation_tolerance = 1e-6;
-
 bool exists(const char* function, const Model& m, int mocap) {
   if (mocap >= 0 && mocap < m.n.mocaps) return true;
   fail(DYN_ERROR_ARGUMENT, "%s: mocap body %d does not exist: the model has %d", function, mocap, int(m.n.mocaps));
   return false;
-}
-
-bool is_rotation(const double* x) {
-  const Mat3<double> R = load33(x), off = times_transpose(R, R) - Mat3<double>::identity();
-  for (int c = 0; c < 3; ++c)
-    for (int r = 0; r < 3; ++r)
-      if (!(std::abs(off(r, c)) < rotation_tolerance)) return false;
-  return dot(cross(R.x, R.y), R.z) > 0;
 }
 
 }  // namespace
@@ -57,7 +47,7 @@ dynStatus dyn_data_set_mocap(const dynModel* model, dynData* data, int mocap, co
   if (!call) return call.status;
   if (!exists(call.function, call.m(), mocap)) return DYN_ERROR_ARGUMENT;
   if (!call.required("placement", placement) || !call.finite("placement", placement, 12)) return call.status;
-  if (!is_rotation(placement))
+  if (!is_rotation(load33(placement)))
     return fail(DYN_ERROR_ARGUMENT, "%s: placement of mocap body '%s': its first nine numbers are no rotation", call.function,
                 call.m().string(call.m().frames()[call.m().mocaps()[mocap]].name));
   Data<double>& d = call.d();

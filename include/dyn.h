@@ -1099,6 +1099,78 @@ DYN_API dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q
 DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1,
                                            double* dq0, double* dq1);
 
+/* ------------------------------------------------------------------------------- rotations and placements */
+/* Groups without a model. R: rotations, 3 x 3. X: placements, 12 numbers each. w: rotation vectors, 3 each.
+   twist: [linear; angular], 6 each, in the body's axes. Arrays hold `count` elements, one behind the other.
+   An output may be an input whose elements have as many numbers.
+   Numbers beyond 1e40 are DYN_ERROR_ARGUMENT. Columns that are not orthonormal to 1e-6, or that form a
+   left-handed frame, are DYN_ERROR_INVALID.
+   Sources: Murray, Li, Sastry 1994, 2.3; Barfoot 2017, 7.1. */
+
+/* R_AC = R_AB R_BC. */
+DYN_API dynStatus dyn_so3_compose(size_t count, const double* R_AB, const double* R_BC, double* R_AC);
+/* R_BA of R_AB: the transpose. */
+DYN_API dynStatus dyn_so3_inverse(size_t count, const double* R_AB, double* R_BA);
+/* Vectors in A of `count` vectors in B, 3 each, by one rotation. */
+DYN_API dynStatus dyn_so3_act(const double R_AB[9], size_t count, const double* x_B, double* x_A);
+/* The rotation by |w| about w. */
+DYN_API dynStatus dyn_so3_exp(size_t count, const double* w, double* R);
+/* The rotation vector of R, |w| in [0, pi]. Near pi, w and -w are nearly one rotation. */
+DYN_API dynStatus dyn_so3_log(size_t count, const double* R, double* w);
+/* Jacobians of exp, 3 x 3 each. left 0: the right one, exp(w + dw) = exp(w) exp(J dw).
+   left 1: the left one, exp(w + dw) = exp(J dw) exp(w). To first order in dw. */
+DYN_API dynStatus dyn_so3_jexp(size_t count, const double* w, int left, double* J);
+/* Jacobians of log at R: the inverse of dyn_so3_jexp at w = log R. */
+DYN_API dynStatus dyn_so3_jlog(size_t count, const double* R, int left, double* J);
+/* R0 exp(u log(R0^T R1)): the shorter way from R0 (u = 0) to R1 (u = 1), at constant speed. u: count. */
+DYN_API dynStatus dyn_so3_interpolate(size_t count, const double* R0, const double* R1, const double* u,
+                                      double* R);
+/* Rotations of quaternions, 4 each, of any norm but zero (DYN_ERROR_QUATERNION). */
+DYN_API dynStatus dyn_so3_from_quaternion(size_t count, const double* quaternion, double* R);
+/* Unit quaternions with w >= 0. */
+DYN_API dynStatus dyn_so3_to_quaternion(size_t count, const double* R, double* quaternion);
+/* R = Rz(yaw) Ry(pitch) Rx(roll): fixed axes, as in URDF. rpy: roll, pitch, yaw, 3 each. */
+DYN_API dynStatus dyn_so3_from_rpy(size_t count, const double* rpy, double* R);
+/* Pitch in [-pi/2, pi/2]; at its ends roll is 0. */
+DYN_API dynStatus dyn_so3_to_rpy(size_t count, const double* R, double* rpy);
+
+/* X_AC = X_AB X_BC. */
+DYN_API dynStatus dyn_se3_compose(size_t count, const double* X_AB, const double* X_BC, double* X_AC);
+/* X_BA of X_AB. */
+DYN_API dynStatus dyn_se3_inverse(size_t count, const double* X_AB, double* X_BA);
+/* One placement acts on `count` elements given in B: the same in A. Points, 3 each. */
+DYN_API dynStatus dyn_se3_act(const double X_AB[12], size_t count, const double* p_B, double* p_A);
+/* Motions [linear; angular], 6 each. */
+DYN_API dynStatus dyn_se3_act_motion(const double X_AB[12], size_t count, const double* m_B, double* m_A);
+/* Forces [force; moment], 6 each. */
+DYN_API dynStatus dyn_se3_act_force(const double X_AB[12], size_t count, const double* f_B, double* f_A);
+/* Inertias, 6 x 6 each: momentum = I m. */
+DYN_API dynStatus dyn_se3_act_inertia(const double X_AB[12], size_t count, const double* I_B, double* I_A);
+/* Ad, 6 x 6 each: m_A = Ad m_B, and f_B = Ad^T f_A. */
+DYN_API dynStatus dyn_se3_adjoint(size_t count, const double* X_AB, double* Ad);
+/* The placement after one second of the constant velocity twist. */
+DYN_API dynStatus dyn_se3_exp(size_t count, const double* twist, double* X);
+/* The twist whose exp is X, its angle in [0, pi]. */
+DYN_API dynStatus dyn_se3_log(size_t count, const double* X, double* twist);
+/* Jacobians of exp, 6 x 6 each. left 0: the right one, exp(t + dt) = exp(t) exp(J dt).
+   left 1: the left one, exp(t + dt) = exp(J dt) exp(t). To first order in dt. */
+DYN_API dynStatus dyn_se3_jexp(size_t count, const double* twist, int left, double* J);
+/* Jacobians of log at X: the inverse of dyn_se3_jexp at twist = log X. */
+DYN_API dynStatus dyn_se3_jlog(size_t count, const double* X, int left, double* J);
+/* X0 exp(u log(X0^-1 X1)): from X0 (u = 0) to X1 (u = 1) at a constant velocity in the body's axes. */
+DYN_API dynStatus dyn_se3_interpolate(size_t count, const double* X0, const double* X1, const double* u,
+                                      double* X);
+/* Of homogeneous matrices, 4 x 4 each. The last row must be 0 0 0 1 (DYN_ERROR_INVALID). */
+DYN_API dynStatus dyn_se3_from_matrix(size_t count, const double* matrix, double* X);
+DYN_API dynStatus dyn_se3_to_matrix(size_t count, const double* X, double* matrix);
+/* Of q = [position; quaternion], 7 each, as a free flyer has it. */
+DYN_API dynStatus dyn_se3_from_quaternion(size_t count, const double* q, double* X);
+/* The quaternion has norm 1 and w >= 0. */
+DYN_API dynStatus dyn_se3_to_quaternion(size_t count, const double* X, double* q);
+/* Of [translation; roll, pitch, yaw], 6 each, as an <origin> of URDF has it. */
+DYN_API dynStatus dyn_se3_from_rpy(size_t count, const double* xyz_rpy, double* X);
+DYN_API dynStatus dyn_se3_to_rpy(size_t count, const double* X, double* xyz_rpy);
+
 /* -------------------------------------------------------------------------------- other libraries' states */
 
 /* How a peer library stores the state of the same robot. Joint coordinates are libdyn's, with the exceptions

@@ -104,6 +104,8 @@ struct Matrix {
 using Vector = std::vector<double>;
 using Vector6 = std::array<double, 6>;  // [linear; angular]
 using Vector3 = std::array<double, 3>;
+using Rotation = std::array<double, 9>;    // by columns
+using Quaternion = std::array<double, 4>;  // (x, y, z, w)
 using Placement = std::array<double, 12>;  // rotation by columns, then translation
 
 struct ConstraintOptions {
@@ -1281,6 +1283,91 @@ inline bool is_physically_consistent(const Parameters& pi) {
   check(dyn_is_physically_consistent(pi.data(), &yes));
   return yes != 0;
 }
+
+// Rotations and placements: dyn_so3_... and dyn_se3_... for one element.
+enum class Side { right, left };  // of a Jacobian
+namespace detail {
+template <class Out, class F, class... In>
+Out group(F f, const In&... in) {
+  Out out;
+  check(f(1, in.data()..., out.data()));
+  return out;
+}
+template <class F, class In>
+Matrix group_jacobian(F f, int n, const In& in, Side side) {
+  Matrix J(n, n);
+  check(f(1, in.data(), side == Side::left, J.data()));
+  return J;
+}
+template <class X, class F, class In>
+In group_action(F f, const X& x, In in) {
+  check(f(x.data(), 1, in.data(), in.data()));
+  return in;
+}
+}  // namespace detail
+namespace so3 {
+inline Rotation compose(const Rotation& R_AB, const Rotation& R_BC) {
+  return detail::group<Rotation>(dyn_so3_compose, R_AB, R_BC);
+}
+inline Rotation inverse(const Rotation& R) { return detail::group<Rotation>(dyn_so3_inverse, R); }
+inline Vector3 act(const Rotation& R_AB, const Vector3& x_B) { return detail::group_action(dyn_so3_act, R_AB, x_B); }
+inline Rotation exp(const Vector3& w) { return detail::group<Rotation>(dyn_so3_exp, w); }
+inline Vector3 log(const Rotation& R) { return detail::group<Vector3>(dyn_so3_log, R); }
+inline Matrix jexp(const Vector3& w, Side side = Side::right) { return detail::group_jacobian(dyn_so3_jexp, 3, w, side); }
+inline Matrix jlog(const Rotation& R, Side side = Side::right) { return detail::group_jacobian(dyn_so3_jlog, 3, R, side); }
+inline Rotation interpolate(const Rotation& R0, const Rotation& R1, double u) {
+  return detail::group<Rotation>(dyn_so3_interpolate, R0, R1, std::array<double, 1>{u});
+}
+inline Rotation from_quaternion(const Quaternion& q) { return detail::group<Rotation>(dyn_so3_from_quaternion, q); }
+inline Quaternion to_quaternion(const Rotation& R) { return detail::group<Quaternion>(dyn_so3_to_quaternion, R); }
+inline Rotation from_rpy(const Vector3& rpy) { return detail::group<Rotation>(dyn_so3_from_rpy, rpy); }
+inline Vector3 to_rpy(const Rotation& R) { return detail::group<Vector3>(dyn_so3_to_rpy, R); }
+}  // namespace so3
+namespace se3 {
+using Pose = std::array<double, 7>;  // [position; quaternion]
+inline Placement compose(const Placement& X_AB, const Placement& X_BC) {
+  return detail::group<Placement>(dyn_se3_compose, X_AB, X_BC);
+}
+inline Placement inverse(const Placement& X) { return detail::group<Placement>(dyn_se3_inverse, X); }
+inline Vector3 act(const Placement& X_AB, const Vector3& p_B) { return detail::group_action(dyn_se3_act, X_AB, p_B); }
+inline Vector6 act_motion(const Placement& X_AB, const Vector6& m_B) {
+  return detail::group_action(dyn_se3_act_motion, X_AB, m_B);
+}
+inline Vector6 act_force(const Placement& X_AB, const Vector6& f_B) { return detail::group_action(dyn_se3_act_force, X_AB, f_B); }
+inline Matrix act_inertia(const Placement& X_AB, Input I_B) {
+  Matrix I_A(6, 6);
+  check(dyn_se3_act_inertia(X_AB.data(), 1, I_B.of(36, "I_B"), I_A.data()));
+  return I_A;
+}
+inline Matrix adjoint(const Placement& X_AB) {
+  Matrix Ad(6, 6);
+  check(dyn_se3_adjoint(1, X_AB.data(), Ad.data()));
+  return Ad;
+}
+inline Placement exp(const Vector6& twist) { return detail::group<Placement>(dyn_se3_exp, twist); }
+inline Vector6 log(const Placement& X) { return detail::group<Vector6>(dyn_se3_log, X); }
+inline Matrix jexp(const Vector6& twist, Side side = Side::right) {
+  return detail::group_jacobian(dyn_se3_jexp, 6, twist, side);
+}
+inline Matrix jlog(const Placement& X, Side side = Side::right) { return detail::group_jacobian(dyn_se3_jlog, 6, X, side); }
+inline Placement interpolate(const Placement& X0, const Placement& X1, double u) {
+  return detail::group<Placement>(dyn_se3_interpolate, X0, X1, std::array<double, 1>{u});
+}
+inline Placement from_matrix(Input matrix) {
+  Placement X;
+  check(dyn_se3_from_matrix(1, matrix.of(16, "matrix"), X.data()));
+  return X;
+}
+inline Matrix to_matrix(const Placement& X) {
+  Matrix out(4, 4);
+  check(dyn_se3_to_matrix(1, X.data(), out.data()));
+  return out;
+}
+inline Placement from_quaternion(const Pose& q) { return detail::group<Placement>(dyn_se3_from_quaternion, q); }
+inline Pose to_quaternion(const Placement& X) { return detail::group<Pose>(dyn_se3_to_quaternion, X); }
+inline Placement from_rpy(const Vector6& xyz_rpy) { return detail::group<Placement>(dyn_se3_from_rpy, xyz_rpy); }
+inline Vector6 to_rpy(const Placement& X) { return detail::group<Vector6>(dyn_se3_to_rpy, X); }
+}  // namespace se3
 
 // A joint for Builder::add_joint.
 struct JointSpec {

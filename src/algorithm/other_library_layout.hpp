@@ -6,6 +6,7 @@
 
 #include "base/portable.hpp"
 #include "spatial/quaternion.hpp"
+#include "spatial/rpy.hpp"
 #include "spatial/se3.hpp"
 
 namespace dyn::peer {
@@ -137,10 +138,7 @@ inline void planar_from_peer(const Coordinates& y, Coordinates& x) {
 
 inline void ball_to_rpy(const Coordinates& x, Coordinates& y) {
   const Mat3<double> R = rotation(load_quaternion(x.q));
-  const double pitch = math::atan2(-R(2, 0), math::hypot(R(0, 0), R(1, 0)));
-  const bool locked = math::hypot(R(0, 0), R(1, 0)) < 1e-12;  // roll and yaw turn about one axis: all of it is yaw
-  y.q[0] = locked ? 0 : math::atan2(R(2, 1), R(2, 2)), y.q[1] = pitch;
-  y.q[2] = locked ? math::atan2(-R(0, 1), R(1, 1)) : math::atan2(R(1, 0), R(0, 0));
+  store3(roll_pitch_yaw(R), y.q);
   store3(R * load3(x.v), y.v), store3(R * load3(x.a), y.a), store3(R * load3(x.tau), y.tau);
 }
 inline void ball_from_rpy(const Coordinates& y, Coordinates& x) {

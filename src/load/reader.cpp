@@ -1,10 +1,11 @@
 #include "reader.hpp"
-#include "base/portable.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "number.hpp"
+#include "spatial/rpy.hpp"
+#include "spatial/se3.hpp"
 
 namespace dyn::load {
 
@@ -25,20 +26,9 @@ bool among(std::initializer_list<std::string_view> list, std::string_view name) 
 }
 
 Placement from_rpy(const std::array<double, 3>& xyz, double roll, double pitch, double yaw) {
-  const double cr = math::cos(roll), sr = math::sin(roll), cp = math::cos(pitch), sp = math::sin(pitch), cy = math::cos(yaw),
-               sy = math::sin(yaw);
-  return {cy * cp,
-          sy * cp,
-          -sp,  // R = Rz(yaw) Ry(pitch) Rx(roll), by columns
-          cy * sp * sr - sy * cr,
-          sy * sp * sr + cy * cr,
-          cp * sr,  //
-          cy * sp * cr + sy * sr,
-          sy * sp * cr - cy * sr,
-          cp * cr,
-          xyz[0],
-          xyz[1],
-          xyz[2]};
+  Placement out;
+  store_se3(SE3<double>{rotation_of_rpy(roll, pitch, yaw), load3(xyz.data())}, out.data());
+  return out;
 }
 
 Placement from_quaternion(const std::array<double, 3>& xyz, double x, double y, double z, double w) {

@@ -3,15 +3,16 @@
 
 #include "save_urdf.hpp"
 #include "shape_form.hpp"
+#include "spatial/rpy.hpp"
 
 namespace dyn::load {
 
 void put_origin(XmlElement& parent, const SE3<double>& X) {
-  const auto rpy = roll_pitch_yaw(X.R);
+  const Vec3<double> rpy = roll_pitch_yaw(X.R);
   if (X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0 && rpy[0] == 0 && rpy[1] == 0 && rpy[2] == 0) return;
   XmlElement& origin = *parent.InsertNewChildElement("origin");
   put(origin, "xyz", {X.p[0], X.p[1], X.p[2]});
-  if (rpy[0] != 0 || rpy[1] != 0 || rpy[2] != 0) put(origin, "rpy", rpy);
+  if (rpy[0] != 0 || rpy[1] != 0 || rpy[2] != 0) put(origin, "rpy", {rpy[0], rpy[1], rpy[2]});
 }
 
 XmlElement& UrdfWriter::add_link(const std::string& name, Index frame) {

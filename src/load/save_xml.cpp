@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/portable.hpp"
 #include "shape/material.hpp"
 
 namespace dyn::load {
@@ -93,13 +92,6 @@ ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& s) {
 #define COEFFICIENT(name, has, sentence) at(spec.name, s.v, 0),
 #include "effect/coefficients.def"
   };
-}
-
-std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R) {
-  const double yaw = R(0, 0) == 0 && R(1, 0) == 0 ? 0 : math::atan2(R(1, 0), R(0, 0)), c = math::cos(yaw), s = math::sin(yaw);
-  // from the rotation that remains after the yaw, which keeps the angles consistent where cos(pitch) is near 0
-  return {math::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1)), math::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0)),
-          yaw};
 }
 
 bool is_default(const dynMaterial& material, bool with_friction) {

@@ -93,8 +93,6 @@ ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& joint);
 inline bool is_identity(const double (&placement)[12]) {
   return std::equal(placement, placement + 12, identity_placement.begin());
 }
-// Angles of rotations about the fixed axes x, y, z in this order.
-std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R);
 bool is_default(const dynMaterial& material, bool with_friction);
 // Frames of each joint, in order. The world's do not include the universe.
 std::vector<std::vector<Index>> frames_by_joint(const Model& m);

@@ -259,7 +259,14 @@ TEST(Handles, TablesAreComplete) {
           "dyn_shape_type_info", "dyn_constraint_type_info", "dyn_integrator_info", "dyn_effect_type_info",
           "dyn_contact_solver_type_info", "dyn_interface_json",
           // rollout_test.cpp
-          "dyn_rollout_init", "dyn_batch_rollout", "dyn_sensor_size"};
+          "dyn_rollout_init", "dyn_batch_rollout", "dyn_sensor_size",
+          // groups_test.cpp
+          "dyn_so3_compose", "dyn_so3_inverse", "dyn_so3_act", "dyn_so3_exp", "dyn_so3_log", "dyn_so3_jexp", "dyn_so3_jlog",
+          "dyn_so3_interpolate", "dyn_so3_from_quaternion", "dyn_so3_to_quaternion", "dyn_so3_from_rpy", "dyn_so3_to_rpy",
+          "dyn_se3_compose", "dyn_se3_inverse", "dyn_se3_act", "dyn_se3_act_motion", "dyn_se3_act_force",
+          "dyn_se3_act_inertia", "dyn_se3_adjoint", "dyn_se3_exp", "dyn_se3_log", "dyn_se3_jexp", "dyn_se3_jlog",
+          "dyn_se3_interpolate", "dyn_se3_from_matrix", "dyn_se3_to_matrix", "dyn_se3_from_quaternion",
+          "dyn_se3_to_quaternion", "dyn_se3_from_rpy", "dyn_se3_to_rpy"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {
     const std::size_t open = header.find('(', at), begin = header.find_last_of(" *", open) + 1;
     declared.insert(header.substr(begin, open - begin));

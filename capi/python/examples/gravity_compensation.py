@@ -3,6 +3,8 @@
     python gravity_compensation.py [ROBOT.urdf]
 """
 
+from __future__ import annotations
+
 import sys
 from pathlib import Path
 
@@ -13,7 +15,7 @@ import libdyn as dyn
 PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
 
 
-def main(path=PANDA):
+def main(path: str | Path = PANDA) -> None:
     model = dyn.load(path, base="fixed")
     data, zero = model.data(), np.zeros(model.nv)
     print(f"{model.name}: {model.total_mass:.3g} kg, {model.nv} degrees of freedom")

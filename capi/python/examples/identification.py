@@ -9,8 +9,11 @@ fitted again in log-Cholesky parameters theta, every value of which is a body th
 guess.
 """
 
+from __future__ import annotations
+
 import sys
 from pathlib import Path
+from typing import Any, Callable
 
 import numpy as np
 
@@ -19,7 +22,7 @@ import libdyn as dyn
 PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
 
 
-def motion(model, seed, samples=400, seconds=10.0):
+def motion(model: dyn.Model, seed: int, samples: int = 400, seconds: float = 10.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """q, v, a along a sum of sines within the limits of a fixed-base robot."""
     rng = np.random.default_rng(seed)
     t = np.linspace(0, seconds, samples)[:, None]
@@ -35,7 +38,7 @@ def motion(model, seed, samples=400, seconds=10.0):
     return q + (lower + upper) / 2, v, a
 
 
-def measure(model, data, seed, noise):
+def measure(model: dyn.Model, data: dyn.Data, seed: int, noise: float) -> tuple[np.ndarray, np.ndarray]:
     """The stacked regressor W of a motion, and the torques that were measured less those of the armature."""
     q, v, a = motion(model, seed)
     rng = np.random.default_rng(seed + 1)
@@ -44,17 +47,17 @@ def measure(model, data, seed, noise):
     return W, tau + noise * rng.standard_normal(tau.size)
 
 
-def base_parameters(W, tolerance=1e-9):
+def base_parameters(W: np.ndarray, tolerance: float = 1e-9) -> np.ndarray:
     """Orthonormal rows B: B @ pi is what the torques of this motion determine."""
     _, s, Vt = np.linalg.svd(W, full_matrices=False)
-    return Vt[s > tolerance * s[0]]
+    return np.asarray(Vt[s > tolerance * s[0]])
 
 
-def each_body(convert, x):
+def each_body(convert: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
     return np.concatenate([convert(body) for body in x.reshape(-1, 10)])
 
 
-def fit_consistent(W, tau, guess, steps=100):
+def fit_consistent(W: np.ndarray, tau: np.ndarray, guess: np.ndarray, steps: int = 100) -> np.ndarray:
     """Levenberg-Marquardt from the guess to the pi of bodies that can exist that minimises |W pi - tau|."""
     Q, R = np.linalg.qr(W)
     y = Q.T @ tau  # |W pi - tau| but for a constant is |R pi - y|
@@ -72,7 +75,7 @@ def fit_consistent(W, tau, guess, steps=100):
     return each_body(dyn.parameters_from_log_cholesky, theta)
 
 
-def identify(path=PANDA, noise=0.05):
+def identify(path: str | Path = PANDA, noise: float = 0.05) -> dict[str, Any]:
     """Figures of one identification; noise in N m."""
     model = dyn.load(path, base="fixed")
     data = model.data(parts=dyn.Part.INVERSE | dyn.Part.REGRESSOR)
@@ -87,8 +90,12 @@ def identify(path=PANDA, noise=0.05):
     guess = each_body(dyn.parameters_from_log_cholesky, guess)
 
     least_squares = np.linalg.lstsq(W, tau, rcond=1e-9)[0]
-    found = {"guess": guess, "least squares": least_squares, "consistent": fit_consistent(W, tau, guess)}
-    figures = {"parameters": pi.size, "base parameters": len(B)}
+    consistent = fit_consistent(W, tau, guess)
+    robot = dyn.with_inertial_parameters(model, consistent)  # the result, put back into the robot
+    again = np.concatenate([robot.data().rnea(*x) - robot.armature * x[2] for x in zip(*motion(robot, seed=2))])
+    assert np.abs(again - W_new @ consistent).max() < 1e-9 * np.abs(tau_new).max(), "it moves as was identified"
+    found = {"guess": guess, "least squares": least_squares, "consistent": consistent}
+    figures: dict[str, Any] = {"parameters": pi.size, "base parameters": len(B)}
     for name, x in found.items():
         figures[name] = {
             "base error": np.linalg.norm(B @ (x - pi)) / np.linalg.norm(B @ pi),
@@ -99,7 +106,7 @@ def identify(path=PANDA, noise=0.05):
 
 
 if __name__ == "__main__":
-    figures = identify(*sys.argv[1:2])
+    figures = identify(sys.argv[1] if len(sys.argv) > 1 else PANDA)
     print(f"{figures.pop('parameters')} parameters, of which torques determine {figures.pop('base parameters')}")
     for name, row in figures.items():
         print(f"{name:14}", "  ".join(f"{key} {value:.3g}" for key, value in row.items()))

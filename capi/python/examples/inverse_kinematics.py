@@ -2,11 +2,13 @@
 
     python inverse_kinematics.py [STARTS]
 
-The loop: e = log6(target^-1 X) is the hand's error in the hand's own axes, so the Jacobian beside it is the LOCAL one (an error
+The loop: e = log(target^-1 X) is the hand's error in the hand's own axes, so the Jacobian beside it is the LOCAL one (an error
 in one frame and a Jacobian in another is the usual reason why such a loop wanders off). Steps are damped least squares, taken on
 the manifold by integrate. It knows no limits and starts once; d.ik keeps the limits, adapts its damping, and starts again where
 it gets nowhere.
 """
+
+from __future__ import annotations
 
 import sys
 from pathlib import Path
@@ -20,22 +22,13 @@ PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
 HAND, EXACT = "panda_hand", 1e-6  # m, rad
 
 
-def log6(R, p):
-    """[linear; angular] of the motion that in one second goes from the identity to (R, p)."""
-    w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
-    s, c = np.linalg.norm(w), (np.trace(R) - 1) / 2
-    angle = np.arctan2(s, c)
-    w = w * (angle / s if s > 1e-12 else 1.0)
-    k = 1 / 12 if angle < 1e-4 else 1 / angle**2 - (1 + c) / (2 * angle * s) if s > 1e-9 else 1 / angle**2
-    return np.concatenate([p - np.cross(w, p) / 2 + k * np.cross(w, np.cross(w, p)), w])
-
-
-def by_hand(model, data, target, q, steps=200, damping=1e-6):
+def by_hand(model: dyn.Model, data: dyn.Data, target: dyn.Placement, q: np.ndarray, steps: int = 200,
+            damping: float = 1e-6) -> tuple[np.ndarray, bool]:
     """q of a damped Gauss-Newton loop, and whether the hand is there."""
     for _ in range(steps):
         data.forward_kinematics(q)
         X = data.frame_placement(HAND)
-        e = log6(target.rotation.T @ X.rotation, target.rotation.T @ (X.translation - target.translation))
+        e = (target.inverse() @ X).log()
         if np.abs(e).max() < EXACT:
             return q, True
         J = data.frame_jacobian(HAND, "local")
@@ -43,7 +36,7 @@ def by_hand(model, data, target, q, steps=200, damping=1e-6):
     return q, False
 
 
-def main(starts=1000):
+def main(starts: int = 1000) -> None:
     model = dyn.load(PANDA, base="fixed")
     data = model.data()
     met, within, solved, iterations = 0, 0, 0, []

@@ -3,6 +3,8 @@
     python operational_space.py [PAGE.html]
 """
 
+from __future__ import annotations
+
 import sys
 from pathlib import Path
 
@@ -16,7 +18,7 @@ HAND, RADIUS, DURATION = "panda_hand", 0.1, 4.0  # m, s: of two rounds
 STIFFNESS, DAMPING = 400.0, 40.0  # 1/s^2, 1/s: of the error of the hand
 
 
-def main(page=None):
+def main(page: str | None = None) -> dyn.Recording:
     bent = {f"panda_joint{k}": x for k, x in zip(range(1, 8), (0, -0.5, 0, -2.2, 0, 1.8, 0.8))}
     sim = dyn.Simulation(PANDA, bent, base="fixed", effects=())
     model, terms = sim.model, sim.model.data()
@@ -25,17 +27,17 @@ def main(page=None):
     start = terms.frame_placement(HAND)
     errors = []
 
-    def goal(t):
+    def goal(t: float) -> Placement:
         """The hand's placement on the circle, from rest to rest."""
         s = np.clip(t / DURATION, 0, 1)
         angle = 4 * np.pi * s * s * (3 - 2 * s)
         return Placement(start.rotation, start.translation + RADIUS * np.array([0, np.sin(angle), 1 - np.cos(angle)]))
 
-    def twist(t):
+    def twist(t: float) -> np.ndarray:
         """Its velocity, in its own axes."""
         return (goal(t).inverse() @ goal(t + sim.dt)).log() / sim.dt
 
-    def controller(sim):
+    def controller(sim: dyn.Simulation) -> np.ndarray:
         q, v = sim.q, sim.v
         M, h = terms.crba(q), terms.compute_nle(q, v)
         J, hand = terms.frame_jacobian(HAND), terms.frame_placement(HAND)
@@ -45,9 +47,9 @@ def main(page=None):
         wanted = STIFFNESS * error + DAMPING * (twist(t) - J @ v) + (twist(t + sim.dt) - twist(t)) / sim.dt
         inverse = np.linalg.inv(M)
         inertia = np.linalg.inv(J @ inverse @ J.T + 1e-6 * np.eye(6))
-        tau = J.T @ inertia @ wanted
         rest = M @ (40 * (home - q) - 12 * v)  # what is left keeps the elbow
-        return tau + rest - J.T @ (inertia @ (J @ (inverse @ rest))) + h
+        tau: np.ndarray = J.T @ inertia @ wanted + rest - J.T @ (inertia @ (J @ (inverse @ rest))) + h
+        return tau
 
     with sim.record() as recording:
         sim.run(DURATION, controller)
@@ -57,6 +59,7 @@ def main(page=None):
     if page:
         recording.to_html(page)
         print(f"open {page}")
+    return recording
 
 
 if __name__ == "__main__":

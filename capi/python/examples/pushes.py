@@ -6,6 +6,8 @@ Each begins standing, with another speed of the trunk in another direction, as a
 the robots have masses and friction that differ from those of the file.
 """
 
+from __future__ import annotations
+
 import sys
 from pathlib import Path
 
@@ -17,7 +19,7 @@ SCENE = Path(__file__).resolve().parents[3] / "models" / "scenes" / "go2_stands.
 N, SECONDS, FASTEST = 64, 1.0, 3.0  # of each kind of robot; s; m/s
 
 
-def survivors(model, speed, angle):
+def survivors(model: dyn.Model, speed: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Which of the robots stand at the end."""
     begin = dyn.Simulation(model, "standing")
     v = np.zeros((len(speed), model.nv))
@@ -29,7 +31,7 @@ def survivors(model, speed, angle):
     return r.sensors["com"][:, -1, 2] > 0.2
 
 
-def main():
+def main() -> int:
     model = dyn.load(SCENE)
     random = np.random.default_rng(1)
     speed, angle = random.uniform(0, FASTEST, N), random.uniform(-np.pi, np.pi, N)

@@ -18,7 +18,7 @@ PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
 SAMPLES, MARGIN = 10_000, 0.01  # -, m
 
 
-def main():
+def main() -> int:
     model = dyn.load(PANDA, base="fixed")
     links = [tuple(model.frame_name(model.shape(shape).frame) for shape in pair[:2]) for pair in model.pairs]
     counted = [k for k, (a, b) in enumerate(links) if not ("finger" in a and "finger" in b)]

@@ -7,7 +7,10 @@ the derivatives A = dx+/dx, B = dx+/du of each step; they follow from aba_deriva
 model.difference.
 """
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import Tuple
 
 import numpy as np
 
@@ -17,18 +20,21 @@ PENDULUM = Path(__file__).resolve().parents[3] / "models" / "robots" / "double_p
 STEPS, H, EFFORT, ARRIVAL = 100, 0.02, 1e-3, 100.0  # -, s, weights of u^2 and of the end
 
 
+State = Tuple[np.ndarray, np.ndarray]  # q, v; of gains k, K
+
+
 class Problem:
-    def __init__(self):
+    def __init__(self) -> None:
         self.model = dyn.load(PENDULUM, base="fixed")
         self.data = self.model.data()
         self.data.set_effects(())
         self.start, self.goal = self.model.neutral(), np.array([np.pi, 0.0])
 
-    def step(self, q, v, u):
+    def step(self, q: np.ndarray, v: np.ndarray, u: np.ndarray) -> State:
         v = v + H * self.data.aba(q, v, u)
         return self.model.integrate(q, H * v), v
 
-    def derivatives(self, q, v, u):
+    def derivatives(self, q: np.ndarray, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """A, B: of a step by (q, v) and u."""
         a_q, a_v, a_u = self.data.aba_derivatives(q, v, u)
         one = np.eye(self.model.nv)
@@ -38,19 +44,19 @@ class Problem:
         q_x = np.hstack([q_q, 0 * one]) + H * q_w @ v_x
         return np.vstack([q_x, v_x]), np.vstack([H * q_w @ v_u, v_u])
 
-    def roll(self, u):
+    def roll(self, u: np.ndarray) -> list[State]:
         path = [(self.start, np.zeros(self.model.nv))]
         for k in range(STEPS):
             path.append(self.step(*path[-1], u[k]))
         return path
 
-    def away(self, x):
+    def away(self, x: State) -> np.ndarray:
         return np.concatenate([self.model.difference(self.goal, x[0]), x[1]])
 
-    def cost(self, path, u):
-        return H * EFFORT * np.sum(u**2) / 2 + ARRIVAL * np.sum(self.away(path[-1]) ** 2) / 2
+    def cost(self, path: list[State], u: np.ndarray) -> float:
+        return float(H * EFFORT * np.sum(u**2) / 2 + ARRIVAL * np.sum(self.away(path[-1]) ** 2) / 2)
 
-    def improve(self, path, u, damping):
+    def improve(self, path: list[State], u: np.ndarray, damping: float) -> list[State]:
         """Feed-forward k and feedback K of every step, from the last to the first."""
         nv = self.model.nv
         V_x, V_xx, gains = ARRIVAL * self.away(path[-1]), ARRIVAL * np.eye(2 * nv), []
@@ -65,7 +71,8 @@ class Problem:
             gains.append((k, K))
         return gains[::-1]
 
-    def follow(self, path, u, gains, share):
+    def follow(self, path: list[State], u: np.ndarray, gains: list[State],
+               share: float) -> tuple[list[State], np.ndarray]:
         """The path with the gains applied to what it deviates from the old one."""
         new, controls = [path[0]], []
         for (q, v), u_k, (k, K) in zip(path, u, gains):
@@ -75,7 +82,7 @@ class Problem:
         return new, np.array(controls)
 
 
-def check_derivatives(problem):
+def check_derivatives(problem: Problem) -> None:
     """A and B beside central differences."""
     model, random = problem.model, np.random.default_rng(0)
     q, v, u, h = model.random(1), random.standard_normal(model.nv), random.standard_normal(model.nv), 1e-5
@@ -87,7 +94,7 @@ def check_derivatives(problem):
         assert np.abs(difference - column).max() < 1e-8, "the differences' own error is about 1e-10"
 
 
-def main():
+def main() -> list[State]:
     problem = Problem()
     check_derivatives(problem)
     u = np.zeros((STEPS, problem.model.nv))
@@ -128,6 +135,7 @@ def main():
     apart = max(np.abs(problem.model.difference(q, robot.q)).max(), np.abs(robot.v - v).max())
     print(f"the simulator under the same torques ends {apart:.1g} from there")
     assert apart < 1e-9
+    return path
 
 
 if __name__ == "__main__":

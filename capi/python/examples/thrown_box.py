@@ -3,6 +3,8 @@
     python thrown_box.py [PAGE.html]
 """
 
+from __future__ import annotations
+
 import sys
 
 import numpy as np
@@ -21,7 +23,7 @@ SCENE = """<mujoco>
 </mujoco>"""
 
 
-def main(page=None):
+def main(page: str | None = None) -> dyn.Recording:
     model = dyn.load_string(SCENE)
     sim = dyn.Simulation(model, v=[2, 0, 1, 0, 3, 0])  # in the box's axes: forward, upward, and turning about y
     recording = sim.record(every=1)
@@ -51,6 +53,7 @@ def main(page=None):
     if page:
         recording.to_html(page)
         print(f"open {page}")
+    return recording
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import ArgumentError, SizeError
+from .groups import pair
 from .placement import Placement as Placement
 
 F64 = np.dtype(np.float64)
@@ -146,7 +147,7 @@ def to_placement(x: np.ndarray) -> Placement:
 
 def to_placements(x: np.ndarray) -> Placement:
     """Poses from rows of 12 numbers, (..., 12), without a copy."""
-    return Placement(x[..., :9].reshape(*x.shape[:-1], 3, 3).swapaxes(-1, -2), x[..., 9:])
+    return Placement(*pair(x))
 
 
 def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owner: Owner, hint: str = "") -> Numbers:

@@ -13,7 +13,7 @@ from .tables import FIELDS
 
 OWNERS = {
     "model": "Model", "data": "Data", "builder": "Builder", "batch": "Batch", "mesh": "Mesh", "contact_solver": "ContactSolver",
-    "broad_phase": "BroadPhase",
+    "broad_phase": "BroadPhase", "se3": "Placement",
 }  # fmt: skip
 """Class of the functions dyn_model_..., dyn_data_..., and so on."""
 DIFFERENT = {
@@ -40,7 +40,13 @@ DIFFERENT = {
     "dyn_builder_parameter_count": "Builder.parameters", "dyn_builder_parameter": "Builder.parameters",
     "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS", "dyn_algorithm_run": "dyn.ALGORITHMS",
     "dyn_effect_type_info": "dyn.Effect", "dyn_sensor_size": "dyn.SensorType", "dyn_version": "dyn.__version__",
-    "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status",
+    "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status", "dyn_so3_exp": "spatial.exp3", "dyn_so3_log": "spatial.log3",
+    "dyn_so3_jexp": "spatial.Jexp3", "dyn_so3_jlog": "spatial.Jlog3", "dyn_so3_interpolate": "spatial.interpolate",
+    "dyn_so3_from_quaternion": "spatial.quaternion_to_matrix", "dyn_so3_to_quaternion": "spatial.matrix_to_quaternion",
+    "dyn_so3_from_rpy": "spatial.rpy_to_matrix", "dyn_so3_to_rpy": "spatial.matrix_to_rpy", "dyn_se3_exp": "spatial.exp6",
+    "dyn_se3_log": "spatial.log6", "dyn_se3_jexp": "spatial.Jexp6", "dyn_se3_jlog": "spatial.Jlog6",
+    "dyn_se3_compose": "Placement.__matmul__", "dyn_se3_to_matrix": "Placement.matrix", "dyn_se3_to_quaternion": "Placement.quaternion",
+    "dyn_se3_to_rpy": "Placement.rpy",
 }  # fmt: skip
 """Functions whose names in Python do not follow from those in C."""
 

@@ -103,6 +103,14 @@ def filled(page: str, head: dict[str, Any], numbers: str) -> str:
     return _NUMBERS.sub(lambda found: found[1] + numbers + found[3], page, count=1)
 
 
+def beside(first: str, second: str, labels: tuple[str, str]) -> str:
+    """One page of two that play recordings: two robots and one time line."""
+    (head, numbers), (other, others) = read(first), read(second)
+    fill = -len(numbers) % 4
+    head["beside"] = {"head": other, "at": len(numbers) + fill, "labels": list(labels)}
+    return filled(first, head, base64.b64encode(numbers + b"\0" * fill + others).decode())
+
+
 class Poses:
     """Placements of a model's joints and its centre of mass, as pages take them."""
 

@@ -84,11 +84,7 @@ class Placement(_Pair):
     @property
     def adjoint(self) -> Numbers:
         """(6, 6): of motions [linear; angular] in B those in A."""
-        R, p = np.asarray(self.rotation), np.asarray(self.translation)
-        out = np.zeros((*R.shape[:-2], 6, 6))
-        out[..., :3, :3] = out[..., 3:, 3:] = R
-        out[..., :3, 3:] = groups.skew(p) @ R
-        return out
+        return groups.adjoint(self)
 
     def log(self) -> Numbers:
         """log6: the twist [linear; angular], (6,)."""
@@ -122,8 +118,7 @@ class Placement(_Pair):
 
     def interpolate(self, other: Placement, u: ArrayLike) -> Placement:
         """This one at u = 0, the other at u = 1, with a constant body velocity between: one placement for each number of u."""
-        way = self.inverse() @ other
-        return self @ Placement.exp(np.asarray(u, np.float64)[..., None] * way.log())
+        return Placement(*groups.interpolated_pair(self, other, u))
 
     def is_close(self, other: Placement, tolerance: float = 1e-9) -> bool:
         """Whether no number of the two differs by more than tolerance."""

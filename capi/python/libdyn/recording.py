@@ -244,9 +244,16 @@ class Recording:
             return q[k]
         return self.model.interpolate(q[k], q[k + 1], (at - t[k]) / (t[k + 1] - t[k]))
 
-    def to_html(self, path: str | os.PathLike[str]) -> None:
-        """Writes a page that plays the recording and needs nothing else. Needs the command dyn."""
+    def to_html(self, path: str | os.PathLike[str], beside: Recording | None = None,
+                labels: tuple[str, str] = ("first", "second")) -> None:
+        """Writes a page that plays the recording and needs nothing else. Needs the command dyn.
+
+        beside: another recording, of this model or another one, on the same time line. Its robot stands beside this one or over it,
+        and plots have the curves of both, under these labels.
+        """
         text = self._page()
+        if beside is not None:
+            text = page.beside(text, beside._page(), labels)
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
 

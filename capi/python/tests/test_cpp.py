@@ -33,6 +33,30 @@ int main(int argc, char** argv) {
   assert(model.array(DYN_MODEL_ARRAY_UPPER_LIMIT)[0] == 2.5 && model.configurations().at(0) == "neutral");
   assert(model.q_permutation({"elbow", "shoulder"}).first == (std::vector<int32_t>{1, 0}));
   user::Vector q{0.3, -0.4}, v{1, 2}, a{-1, 0.5};
+  {
+    const user::Vector6 twist{0.1, -0.2, 0.3, 0.4, 0.5, -0.6};
+    const user::Placement X = user::se3::exp(twist), I = user::se3::compose(X, user::se3::inverse(X));
+    for (int i = 0; i < 6; ++i) assert(std::abs(user::se3::log(X)[i] - twist[i]) < 1e-14);
+    for (int i = 0; i < 12; ++i) assert(std::abs(I[i] - (i % 4 == 0 && i < 9)) < 1e-14);
+    const user::Matrix J = user::se3::jexp(twist), L = user::se3::jexp(twist, user::Side::left), Ad = user::se3::adjoint(X);
+    for (int k = 0; k < 36; ++k) {
+      double sum = 0;
+      for (int i = 0; i < 6; ++i) sum += Ad(k % 6, i) * J(i, k / 6);
+      assert(std::abs(L(k % 6, k / 6) - sum) < 1e-14);
+    }
+    const user::Vector3 p{1, 2, 3}, there = user::se3::act(X, p), back = user::se3::act(user::se3::inverse(X), there);
+    const user::Rotation R = user::so3::from_quaternion(user::so3::to_quaternion(user::so3::exp({0.1, 0.2, 3})));
+    for (int i = 0; i < 3; ++i) {
+      assert(std::abs(back[i] - p[i]) < 1e-14 && std::abs(user::so3::log(R)[i] - (i == 2 ? 3 : 0.1 * (i + 1))) < 1e-13);
+      assert(std::abs(user::se3::act_motion(X, twist)[i] - twist[i]) < 1e-14);  // a twist is its own screw's
+    }
+    assert(std::abs(user::se3::from_rpy(user::se3::to_rpy(X))[4] - X[4]) < 1e-15);
+    assert(user::se3::from_matrix(user::se3::to_matrix(X)) == X);
+    assert(std::abs(user::se3::from_quaternion(user::se3::to_quaternion(X))[1] - X[1]) < 1e-15);
+    assert(std::abs(user::se3::interpolate(X, I, 1)[10]) < 1e-14 && user::se3::act_inertia(X, J).rows == 6);
+    assert(user::so3::interpolate(R, R, 0.3).size() == 9 && user::so3::jlog(user::so3::inverse(R)).rows == 3);
+    assert(status_of([] { user::se3::exp({0, 0, 0, NAN, 0, 0}); }) == DYN_ERROR_NONFINITE);
+  }
   user::Builder two(model);
   two.attach(model, "other_", user::JointSpec("rail", DYN_JOINT_TYPE_PRISMATIC, "tool"));
   assert(two.finish().nv() == 5 && user::Builder(model).lock({"elbow"}, q).finish().nv() == 1);

@@ -127,6 +127,19 @@ def test_conversions():
     close(spatial.rpy_to_matrix(spatial.matrix_to_rpy(gimbal)), gimbal, atol=1e-12)
 
 
+def test_shapes():
+    """Leading axes stay, those of several arguments are broadcast, and none or no elements are arrays as well."""
+    w = np.random.default_rng(2).standard_normal((2, 3, 3))
+    R = spatial.exp3(w)
+    assert R.shape == (2, 3, 3, 3) and spatial.log3(R).shape == (2, 3, 3)
+    assert spatial.Jexp6(np.zeros((4, 0, 6))).shape == (4, 0, 6, 6)
+    close(R[1, 2], spatial.exp3(w[1, 2]), atol=0)
+    close(spatial.exp3(w[::-1, ::2]), R[::-1, ::2], atol=0)  # of views
+    between = spatial.interpolate(np.eye(3), R[0], [[0.0], [0.5], [1.0]])
+    assert between.shape == (3, 3, 3, 3)
+    close(between[1, 2], spatial.exp3(w[0, 2] / 2), atol=1e-14)
+
+
 def test_interpolation():
     A, B = placements(1), Placement.exp(twists(2)[1:])
     A, B = Placement(A.rotation[0], A.translation[0]), Placement(B.rotation[0], B.translation[0])
@@ -153,8 +166,12 @@ def test_what_makes_no_sense():
         Placement.exp([1, 2, 3])
     with pytest.raises(dyn.SizeError, match="last row"):
         Placement.from_matrix(np.ones((4, 4)))
-    with pytest.raises(dyn.ArgumentError, match="no rotation"):
+    with pytest.raises(dyn.QuaternionError, match="quaternion_to_matrix: quaternion, element 0, .*no rotation"):
         Placement.from_quaternion([0, 0, 0, 0])
+    with pytest.raises(dyn.NonFiniteError, match=r"spatial.exp6: twist\[2\] is NaN"):
+        Placement.exp([0, 0, np.nan, 0, 0, 0])
+    with pytest.raises(dyn.InvalidRobotError, match="spatial.log3: R, element 1, is no rotation"):
+        spatial.log3([np.eye(3), np.ones((3, 3))])
     with pytest.raises(TypeError, match="unhashable"):
         hash(A)
 

@@ -4,12 +4,13 @@ import importlib.util
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
 
 import pytest
-
+from conftest import CAPI
 from libdyn import stubs
 
 RIGHT = """
@@ -135,8 +136,32 @@ def test_mypy(programs, site):
         assert re.search(words, message), (line, message)
 
 
+# a newcomer's eight programs
+EXAMPLES = ("gravity_compensation", "inverse_kinematics", "operational_space", "swing_up", "thrown_box", "pushes", "identification",
+            "self_collision")
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("mypy"), reason="mypy is not installed")
+def test_mypy_of_examples(site, tmp_path):
+    command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--strict", "--allow-any-generics", "--cache-dir",
+               str(tmp_path), *(f"{name}.py" for name in EXAMPLES)]
+    done = subprocess.run(command, cwd=CAPI / "python" / "examples", capture_output=True, text=True,
+                          env=os.environ | {"MYPYPATH": str(site)})
+    assert done.returncode == 0, done.stdout
+
+
 @pytest.mark.skipif(not importlib.util.find_spec("pyright"), reason="pyright is not installed")
 def test_pyright(programs, site):
     (programs / "pyrightconfig.json").write_text(json.dumps({"extraPaths": [str(site)], "pythonVersion": "3.9"}))
     command = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, "right.py", "wrong.py"]
     judged(subprocess.run(command, cwd=programs, capture_output=True, text=True).stdout, RIGHT.count("\n") + 1)
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("pyright"), reason="pyright is not installed")
+def test_pyright_of_examples(site, tmp_path):
+    for name in EXAMPLES:
+        shutil.copy(CAPI / "python" / "examples" / f"{name}.py", tmp_path)
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps({"extraPaths": [str(site)], "pythonVersion": "3.9"}))
+    done = subprocess.run([sys.executable, "-m", "pyright", "--pythonpath", sys.executable], cwd=tmp_path, capture_output=True,
+                          text=True)
+    assert done.returncode == 0, done.stdout

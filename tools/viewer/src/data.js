@@ -28,5 +28,8 @@ function columns(stored, n, lower, step) {
 export function readPage() {
   const head = document.getElementById("dyn-head");
   if (!head) return null;
-  return { head: JSON.parse(head.textContent), read: reader(bytesOf(document.getElementById("dyn-numbers").textContent)) };
+  const bytes = bytesOf(document.getElementById("dyn-numbers").textContent);
+  const page = { head: JSON.parse(head.textContent), read: reader(bytes) };
+  const { beside } = page.head; // a second page's head, and where its numbers begin
+  return beside ? { ...page, readBeside: reader(bytes.subarray(beside.at)) } : page;
 }

@@ -27,7 +27,8 @@ export class Plot {
   }
 
   #fill(element) {
-    const colours = this.plot.names.map((_, i) => COLOURS[i % COLOURS.length]);
+    const colours = this.plot.names.map((_, i) => COLOURS[(this.plot.origins?.[i].colour ?? i) % COLOURS.length]);
+    const dashed = this.plot.names.map((_, i) => [String(i), { strokePattern: this.plot.origins?.[i].dashed ? [5, 3] : null }]);
     this.line = make("div", { className: "cursor", style: "display: none" });
     this.clock = make("span", { className: "number" });
     this.numbers = colours.map(() => make("span", { className: "number" }));
@@ -47,6 +48,7 @@ export class Plot {
     this.graph = new Dygraph(holder, this.time.length ? this.#rows() : [[0, ...colours.map(() => NaN)]], {
       labels: ["t", ...colours.map((_, i) => String(i))],  // names need not differ
       colors: colours,
+      series: Object.fromEntries(dashed),
       width: width(),
       height: HEIGHT,
       legend: "never",

@@ -1,4 +1,15 @@
 // A recorded simulation: what it was at any time, between two moments interpolated.
+/** the last of so many moments at or before t */
+export function lastAt(time, moments, t) {
+  let low = 0, high = moments - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (time[middle] <= t) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
 export class Recording {
   constructor(recording, model, read) {
     this.model = model;
@@ -34,13 +45,7 @@ export class Recording {
 
   /** the last moment at or before t */
   index(t) {
-    let low = 0, high = this.moments - 1;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (this.time[middle] <= t) low = middle;
-      else high = middle - 1;
-    }
-    return low;
+    return lastAt(this.time, this.moments, t);
   }
 
   at(t) {
@@ -86,6 +91,11 @@ export class Recording {
       });
     }
     return out;
+  }
+
+  /** those of the page, and contact forces */
+  get allPlots() {
+    return [this.contactPlot(), ...this.plots].filter(Boolean);
   }
 
   /** what the plot of that title has at moment k */

@@ -110,7 +110,7 @@ export class Robot {
     const one = new THREE.Box3();
     for (const mesh of this.pickable)
       if (this.model.frames[mesh.userData.frame].joint) box.union(one.setFromObject(mesh));
-    for (let j = 1; j < this.joints.length; ++j) box.expandByPoint(this.joints[j].position);
+    for (const joint of this.joints.slice(1)) box.expandByPoint(new THREE.Vector3().setFromMatrixPosition(joint.matrixWorld));
     if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
     return box;
   }

@@ -7,7 +7,7 @@ const DIRECTIONS = { oblique: [1, -1.25, 0.75], front: [1, 0, 0.12], side: [0, -
 export class Scene {
   constructor(canvas, robot) {
     this.canvas = canvas;
-    this.robot = robot;
+    this.robots = [robot];
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
@@ -29,9 +29,17 @@ export class Scene {
     this.resize();
   }
 
+  add(robot, place) {
+    this.robots.push(robot);
+    this.scene.add(place);
+  }
+  box() {
+    return this.robots.reduce((box, robot) => box.union(robot.box()), new THREE.Box3());
+  }
+
   // The size of what is shown decides the light, the grid and the near plane: once, when the first pose is known.
   settle() {
-    const box = this.robot.box();
+    const box = this.box();
     this.size = Math.max(box.getSize(new THREE.Vector3()).length(), 0.05);
     const s = this.size;
     Object.assign(
@@ -56,23 +64,18 @@ export class Scene {
   }
 
   look(preset) {
-    const box = this.robot.box();
-    const centre = box.getCenter(new THREE.Vector3());
-    const distance = (0.62 * this.size) / Math.tan((this.camera.fov * Math.PI) / 360);
-    this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(new THREE.Vector3(...DIRECTIONS[preset]).normalize(), distance);
-    this.controls.update();
-    this.redraw();
+    this.#see(new THREE.Vector3(...DIRECTIONS[preset]), this.robots.length > 1 ? undefined : this.size);
   }
-
   // All of the robot, from where the camera is.
   fit() {
-    const box = this.robot.box(), centre = box.getCenter(new THREE.Vector3());
-    const distance =
-      (0.62 * Math.max(box.getSize(new THREE.Vector3()).length(), 0.05)) / Math.tan((this.camera.fov * Math.PI) / 360);
-    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.#see(this.camera.position.clone().sub(this.controls.target));
+  }
+  #see(from, across) {
+    const box = this.box(), centre = box.getCenter(new THREE.Vector3());
+    across ??= Math.max(box.getSize(new THREE.Vector3()).length(), 0.05);
+    const distance = (0.62 * across) / Math.tan((this.camera.fov * Math.PI) / 360);
     this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(away, distance);
+    this.camera.position.copy(centre).addScaledVector(from.normalize(), distance);
     this.controls.update();
     this.redraw();
   }

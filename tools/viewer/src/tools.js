@@ -3,7 +3,7 @@ import { make } from "./dom.js";
 
 const NARROW = 640; // px: on a phone the box is folded
 
-export function addTools(place, { robot, scene, overlays, follow }) {
+export function addTools(place, { robots, scene, overlays, follow, beside }) {
   const element = make("details", { open: window.innerWidth > NARROW }, make("summary", {}, "view"));
   place.append(element);
   const toggle = (id, label, on, set) => {
@@ -12,16 +12,20 @@ export function addTools(place, { robot, scene, overlays, follow }) {
     set(on);
     element.append(make("label", {}, box, ` ${label}`));
   };
-  const { visual, collision } = robot.layers;
-  if (visual.length) toggle("visual", "visual shapes", true, (on) => robot.show("visual", on));
-  else robot.drawCollisionAsVisual();
-  if (collision.length) toggle("collision", "collision shapes", !visual.length, (on) => robot.show("collision", on));
-  toggle("skeleton", "joints as lines", !visual.length && !collision.length, (on) => robot.show("skeleton", on));
-  toggle("frames", "frames", false, (on) => overlays.show("frames", on));
-  toggle("com", "centre of mass", true, (on) => overlays.show("com", on));
-  toggle("inertia", "inertia ellipsoids", false, (on) => overlays.show("inertia", on));
-  toggle("contacts", "contacts and forces", true, (on) => overlays.show("contacts", on));
-  if (overlays.groups.tendons.length) toggle("tendons", "tendons", true, (on) => overlays.show("tendons", on));
+  const layer = (name, label, on) => toggle(name, label, on, (yes) => robots.forEach((robot) => robot.show(name, yes)));
+  const drawn = (name, label, on) => toggle(name, label, on, (yes) => overlays.forEach((each) => each.show(name, yes)));
+  const { visual, collision } = robots[0].layers;
+  if (visual.length) layer("visual", "visual shapes", true);
+  for (const robot of robots)
+    if (!robot.hasVisual) robot.drawCollisionAsVisual();
+  if (collision.length) layer("collision", "collision shapes", !visual.length);
+  layer("skeleton", "joints as lines", !visual.length && !collision.length);
+  drawn("frames", "frames", false);
+  drawn("com", "centre of mass", true);
+  drawn("inertia", "inertia ellipsoids", false);
+  drawn("contacts", "contacts and forces", true);
+  if (overlays[0].groups.tendons.length) drawn("tendons", "tendons", true);
+  if (beside) toggle("beside", "one beside the other", true, (on) => beside.moveAside(on));
   toggle("follow", "camera follows", follow, (on) => (scene.follow = on));
   const row = (...buttons) => make("div", { className: "row" }, ...buttons);
   element.append(
