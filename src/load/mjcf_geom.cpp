@@ -91,7 +91,6 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
                     "xyaxes",   "zaxis",  "hfield",  "mesh",    "fitscale",    "user",  "friction",  "condim",
                     "priority", "solmix", "solref",  "solimp",  "margin",      "gap",   "surfacevel"},
                 {"plugin"});
-  count_unused(reader, e, "geom", {"solmix", "solref", "solimp"});
   const std::optional<ShapeForm> type = type_of(reader, e);
   if (!type) {
     file.robot.lost_mass = true;
@@ -102,6 +101,9 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.shape.contype = mask(reader, e, "contype"), geom.shape.conaffinity = mask(reader, e, "conaffinity");
   geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_SHAPE_ROLE_VISUAL : DYN_SHAPE_ROLE_COLLISION;
   geom.shape.material = material_of(reader, e), geom.shape.colour = file.assets.colour(e);
+  geom.shape.compliance = read_mjcf_compliance(reader, e, "solref", "solimp");
+  geom.shape.compliance.mix = reader.optional_number(e, "solmix").value_or(1);
+  if (!(geom.shape.compliance.mix >= 0)) reader.bad_numbers(e, "solmix", "it is negative");
   geom.group = int(reader.optional_number(e, "group").value_or(0));
   geom.priority = int(reader.optional_number(e, "priority").value_or(0));
   geom.margin = reader.optional_number(e, "margin").value_or(0);

@@ -97,6 +97,11 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
     if (!(*x > 0)) reader.bad_numbers(e, "timestep", "a positive number of seconds is expected");
     file.robot.timestep = *x;
   }
+  if (const auto x = reader.optional_number(e, "impratio")) {
+    if (!(*x > 0)) reader.bad_numbers(e, "impratio", "a positive number is expected");
+    file.robot.impratio = *x;
+  }
+  if (const char* cone = e.Attribute("cone")) file.robot.pyramidal = std::string_view(cone) != "elliptic";
   if (const auto magnetic = reader.vector3(e, "magnetic")) file.robot.magnetic = *magnetic;
   read_integrator(reader, file.robot, e);
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
@@ -105,7 +110,7 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
       reader.report.physics(a->GetLineNum(),
                             "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
     else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" &&
-             name != "integrator" && name != "magnetic")
+             name != "integrator" && name != "magnetic" && name != "impratio" && name != "cone")
       reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
   }
   for (const Element* flag : file.source.children(e, "flag")) read_flags(reader, file.robot, *flag);

@@ -1,0 +1,191 @@
+// Rows of a step as an MJCF file states them for MuJoCo (its documentation, "Computation": constraint model, solver parameters).
+// With the row's error r, its velocity v at the beginning of the step and its impulse lambda = h f:
+//   a_ref = -b v - k d(r) r        R = (1 - d(r)) / d(r) W        J a + R f = a_ref, f within its bounds or its cone
+// so c + R lambda + bias = 0 with bias = -(1 - h b) v + h k d(r) r. W is the inverse inertia of the model's initial configuration.
+#include "simulation/island.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+constexpr double least_impedance = 1e-4, largest_impedance = 0.9999, least_R = 1e-15;  // MuJoCo's
+
+// d(r): dmin at r = 0, dmax from |r| = width on.
+double impedance(const Compliance& law, double r) {
+  const auto within = [](double x) { return std::clamp(x, least_impedance, largest_impedance); };
+  const double low = within(law.impedance[0]), high = within(law.impedance[1]), width = law.impedance[2],
+               middle = within(law.impedance[3]), power = std::max(1.0, law.impedance[4]);
+  if (low == high || !(width > least_R)) return (low + high) / 2;
+  const double x = std::min(1.0, std::abs(r) / width);
+  const double y = x <= middle ? std::pow(x, power) / std::pow(middle, power - 1)
+                               : 1 - std::pow(1 - x, power) / std::pow(1 - middle, power - 1);
+  return low + y * (high - low);
+}
+
+// Acceleration per error and per velocity, and the inverse stiffness of the row's impulse.
+struct Soft {
+  double k, b, d, R;
+  // r: by which the impedance goes. weight: W.
+  Soft(const Compliance& law, const double (&reference)[2], double r, double weight, double h) {
+    const double high = std::clamp(law.impedance[1], least_impedance, largest_impedance);
+    const bool times = reference[0] > 0;  // a time constant: two steps at least
+    const double time = times ? std::max(reference[0], 2 * h) : 0;
+    k = times ? 1 / std::max(least_R, high * high * time * time * reference[1] * reference[1]) : -reference[0] / (high * high);
+    b = reference[1] > 0 ? 2 / std::max(least_R, high * time) : -reference[1] / high;
+    d = impedance(law, r), R = std::max(least_R, (1 - d) / d * weight);
+  }
+  double bias(double h, double error, double rate) const { return h * k * d * error - (1 - h * b) * rate; }
+};
+
+// Numbers of two shapes: those of higher priority, or a mean by their weights (solmix).
+Compliance mixed(const Compliance& x, const Compliance& y) {
+  constexpr double none = 1e-15;
+  const double share = x.mix > none && y.mix > none ? x.mix / (x.mix + y.mix) : x.mix > none ? 1 : y.mix > none ? 0 : 0.5;
+  Compliance out = x;
+  const bool times = x.reference[0] > 0 && y.reference[0] > 0;
+  for (int k = 0; k < 2; ++k)
+    out.reference[k] = times ? share * x.reference[k] + (1 - share) * y.reference[k] : std::min(x.reference[k], y.reference[k]);
+  for (int k = 0; k < 5; ++k) out.impedance[k] = share * x.impedance[k] + (1 - share) * y.impedance[k];
+  return out;
+}
+
+struct AsFile {
+  Island& x;
+  const Model& m = x.m;
+  Data<double>& d = x.d;
+  const Workspace& w = x.w;
+
+  Motion<double> velocity(Index body) const {
+    return body_motion(m, d, body, x.v_before, static_cast<const double*>(nullptr)).V;
+  }
+  // Velocities of an instance's rows at the beginning of the step.
+  void rates(const ConstraintInstance<double>& s, double* out) const {
+    if (of_path(s.c) || of_ball(s.c)) {
+      out[0] = box_rate(m, d, s, x.v_before);
+    } else if (between_joints(s.c.type)) {
+      out[0] = s.g1 * x.v_before[s.c.v1] + (s.c.body2 ? s.g2 * x.v_before[s.c.v2] : 0);
+    } else {
+      using Six = SixEights<double>;
+      (Six::load(s.F1).dot(velocity(s.c.body1)) + Six::load(s.F2).dot(velocity(s.c.body2))).store(out);
+    }
+  }
+  // A constraint that the caller made has MuJoCo's defaults and the inverse inertia of its own rows.
+  struct Law {
+    ComplianceRecord record;
+    bool own = false;
+  };
+  Law law_of(const ActiveConstraint& a) const {
+    const ConstraintInstance<double>& s = *a.s;
+    if (of_path(s.c)) {
+      const Index path = s.c.path - 1;
+      return {path < m.n.tendons ? m.tendon_compliances()[path] : m.coupling_compliances()[path - m.n.tendons]};
+    }
+    if (a.index >= 0) return {m.limit_compliances()[a.index]};
+    const Index slot = Index(&s - d.slots);
+    if (slot < m.n.constraints && s.c.type == m.constraints()[slot].spec.type) return {m.constraint_compliances()[slot]};
+    return {{Compliance(), {0, 0}, 1, 0}, true};
+  }
+  // Largest entry of the diagonal of G of some rows.
+  double largest_diagonal(const ActiveConstraint& a, Index first, Index end) const {
+    const double* Dinv = inverse_pivots(m, d);
+    const PropagatedRows of = x.rows_of(a);
+    double most = 0;
+    for (Index r = first; r < end; ++r) {
+      double sum = 0;
+      for (Index n = 0; n < a.support_count; ++n) sum += of.Y[row_lanes * n + r] * of.Y[row_lanes * n + r] * Dinv[of.support[n]];
+      most = std::max(most, sum);
+    }
+    return most;
+  }
+
+  void equality(const ActiveConstraint& a) const {
+    const ConstraintInstance<double>& s = *a.s;
+    if (s.c.stiffness > 0 || s.c.damping > 0) return;  // the caller's gains
+    const Law law = law_of(a);
+    alignas(64) double rate[row_lanes];
+    rates(s, rate);
+    const Index turns = s.c.type == DYN_CONSTRAINT_TYPE_WELD ? 3 : s.rows;  // the first row that is an angle
+    const double scale = 0.5 * law.record.law.scale;  // MuJoCo's row is the vector of the quaternion, times torquescale
+    double size = 0;
+    for (Index r = 0; r < s.rows; ++r) size += s.error[r] * s.error[r] * (r < turns ? 1 : scale * scale);
+    for (Index r = 0; r < s.rows; ++r) {
+      const bool turn = r >= turns;
+      const double weight = law.own ? largest_diagonal(a, turn ? turns : 0, turn ? s.rows : turns)
+                                    : law.record.weight[turn] / (turn ? std::max(1e-12, scale * scale) : 1);
+      set(s.first + r, Soft(law.record.law, law.record.law.reference, std::sqrt(size), weight, x.h), s.error[r], rate[r]);
+    }
+  }
+  void limit(const ActiveConstraint& a, Index k) const {
+    const ConstraintInstance<double>& s = *a.s;
+    if (s.c.type != DYN_CONSTRAINT_TYPE_LIMIT) return;
+    if (s.error[0] >= 0) {
+      x.lower[k] = x.upper[k] = x.lambda[a.first] = x.bias[a.first] = 0;
+      return;
+    }
+    const Law law = law_of(a);
+    alignas(64) double rate[row_lanes];
+    rates(s, rate);
+    const double weight = law.own ? largest_diagonal(a, 0, 1) : law.record.weight[0];
+    set(a.first, Soft(law.record.law, law.record.law.reference, s.error[0], weight, x.h), s.error[0], rate[0]);
+  }
+  void contact(const ActiveConstraint& a, Index k) const {
+    const ContactLaw& c = w.laws[a.index];
+    const dynContact& point = w.contacts[a.index].contact;
+    const ComplianceRecord &A = m.geom_compliances()[c.geom_a], &B = m.geom_compliances()[c.geom_b];
+    const Index own = point.pair >= 0 ? m.pairs()[point.pair].material() : 0;
+    const int first = w.materials[c.geom_a].priority, second = w.materials[c.geom_b].priority;
+    const Compliance law = own              ? m.material_compliances()[own - 1].law
+                           : first > second ? A.law
+                           : first < second ? B.law
+                                            : mixed(A.law, B.law);
+    const double weight = A.weight[0] + B.weight[0], gap = point.distance, mu = c.material.friction;
+    const Index normal = normal_row(a.rows);
+    // pyramid: each of 2 (rows - 1) edges n + mu t has R = 2 mu^2 / ratio R0, and R0 counts mu
+    const bool pyramid = A.pyramidal != 0 && a.rows > 1;
+    const Soft soft(law, law.reference, gap, pyramid ? weight * (1 + mu * mu) : weight, x.h);
+    const bool has_across = law.across[0] != 0 || law.across[1] != 0;
+    const Soft across(law, has_across && !pyramid ? law.across : law.reference, gap, weight, x.h);
+    alignas(64) double rate[row_lanes];
+    rates(contact_wrenches(m, d, a), rate);
+    for (Index r = 0; r < a.rows; ++r) {
+      const Index i = a.first + r;
+      if (r == normal) {
+        set(i, soft, gap, rate[r]);
+        if (pyramid) x.compliance[i] *= mu * mu / (A.ratio * double(a.rows - 1));
+        continue;
+      }
+      const double own_mu = r < 2 ? mu : r == a.rows - 1 ? c.material.torsion : c.material.rolling;
+      set(i, across, 0, rate[r] + (r < 2 ? c.slip[r] : 0));
+      x.compliance[i] = soft.R / A.ratio * mu * mu / (own_mu * own_mu);
+    }
+    x.restitution[k] = 0;
+  }
+  void set(Index i, const Soft& soft, double error, double rate) const {
+    x.compliance[i] = soft.R, x.bias[i] = soft.bias(x.h, error, rate);
+  }
+};
+
+}  // namespace
+
+void keep_touching(Workspace& w) {
+  Index count = 0;
+  for (Index k = 0; k < w.contact_count; ++k) {
+    if (!(w.contacts[k].contact.distance < 0)) continue;
+    w.contacts[count] = w.contacts[k], w.laws[count] = w.laws[k];
+    ContactLaw& law = w.laws[count++];
+    law.idle = false, law.material.restitution = law.material.stiffness = law.material.damping = 0;
+  }
+  w.contact_count = count;
+}
+
+void Island::fill_as_file() {
+  const AsFile as{*this};
+  for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
+    if (a.kind == RowKind::Equality) as.equality(a);
+    else if (a.kind == RowKind::Box) as.limit(a, in_boxes++);
+    else as.contact(a, in_contacts++);
+  }
+}
+
+}  // namespace dyn::simulation
