@@ -25,7 +25,6 @@ class InverseInertia {
     forward_kinematics<0>(m, d_);
     if (m.n.paths > 0) measure_paths(m, d_);
     defined_ = constraint_factor(m, d_) == 0;
-    articulated_columns(m, d_);
   }
   // Whether forward dynamics is defined.
   explicit operator bool() const { return defined_; }

@@ -145,7 +145,7 @@ void add_mjcf_equalities(Builder& builder, MjcfRobot& robot) {
     } else {  // a weld's anchor is in the second body
       const bool given =
           e.numbers.size() == 7 && (e.numbers[3] != 0 || e.numbers[4] != 0 || e.numbers[5] != 0 || e.numbers[6] != 0);
-      in_a = (given ? relative_pose(e.numbers) : X_ab) * in_b;
+      in_a = given ? relative_pose(e.numbers) : X_ab * in_b;
     }
     store_se3(in_a, c.placement1), store_se3(in_b, c.placement2);
     // exchange the two if the first is fixed to the world, which gives the same constraint

@@ -26,8 +26,7 @@ void check_coefficient(const std::string& who, const char* what, double x) {
 }
 
 // Sites, a wrap between two of them at most, branches of two sites at least.
-void check_branches(const std::string& who, const std::vector<TendonElement>& elements,
-                     const Compliance& compliance) {
+void check_branches(const std::string& who, const std::vector<TendonElement>& elements) {
   std::size_t sites = 0;
   bool wraps = false;
   const auto end_branch = [&](const std::string& where) {
@@ -83,7 +82,8 @@ int Builder::Impl::find_tendon(const std::string& name, const std::string& who) 
   refuse(DYN_ERROR_NAME, who + ": there is no tendon '" + name + "': add it first");
 }
 
-void Builder::tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements) {
+void Builder::tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements,
+                     const Compliance& compliance) {
   impl->check_tendon_name(name);
   const std::string who = "tendon '" + name + "'";
   check_tendon_numbers(who, spec);

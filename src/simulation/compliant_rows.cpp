@@ -1,7 +1,7 @@
 // Rows of a step as an MJCF file states them for MuJoCo (its documentation, "Computation": constraint model, solver parameters).
 // With the row's error r, its velocity v at the beginning of the step and its impulse lambda = h f:
 //   a_ref = -b v - k d(r) r        R = (1 - d(r)) / d(r) W        J a + R f = a_ref, f within its bounds or its cone
-// so c + R lambda + bias = 0 with bias = -(1 - h b) v + h k d(r) r. W is the inverse inertia of the model's initial configuration.
+// so c + R lambda + bias = 0 with bias = -(1 - h b) v + h k d(r) r. The bias of a connect or weld has h J' v, too. W is the inverse inertia of the model's initial configuration.
 #include "simulation/island.hpp"
 
 namespace dyn::simulation {
@@ -48,6 +48,46 @@ Compliance mixed(const Compliance& x, const Compliance& y) {
   for (int k = 0; k < 5; ++k) out.impedance[k] = share * x.impedance[k] + (1 - share) * y.impedance[k];
   return out;
 }
+
+// Rows of a connect or weld as MuJoCo has them: each end is pulled at its own anchor, and a rotation's error is twice the vector x
+// of its quaternion (w, x), whose rate is w omega + omega x x.
+struct FileRows {
+  MovingFrame<double> A, B;
+  Vec3<double> x = Vec3<double>::zero();
+  double w = 1;
+
+  FileRows(const Model& m, const Data<double>& d, const ConstraintInstance<double>& s, const double* v, const double* a)
+      : A(moving_frame(m, d, s.c.body2, s.c.X2, v, a)), B(moving_frame(m, d, s.c.body1, s.c.X1, v, a)) {
+    if (a) A.a -= turned(m, d, s.c.body2, v), B.a -= turned(m, d, s.c.body1, v);
+    if (s.c.type != DYN_CONSTRAINT_TYPE_WELD) return;
+    const Quaternion<double> q = quaternion(transpose(A.R) * B.R);
+    const double sign = q.w < 0 ? -1 : 1;
+    x = q.v * sign, w = q.w * sign;
+  }
+  static bool are_of(const ConstraintInstance<double>& s) {
+    return s.c.type == DYN_CONSTRAINT_TYPE_CONNECT || s.c.type == DYN_CONSTRAINT_TYPE_WELD;
+  }
+  Vec3<double> force(int i) const { return A.R * unit3<double>(i); }
+  Vec3<double> moment(int i) const { return A.R * (unit3<double>(i) * w + cross(x, unit3<double>(i))); }
+  // Acceleration of a free flyer whose velocity is constant in its own axes: a = 0 is one that is constant in the world's.
+  static Vec3<double> turned(const Model& m, const Data<double>& d, Index body, const double* v) {
+    if (body == 0) return Vec3<double>::zero();
+    while (m.bodies()[body].parent != 0) body = m.bodies()[body].parent;
+    const Body& b = m.bodies()[body];
+    if (b.type != BodyType::FreeFlyer) return Vec3<double>::zero();
+    return d.R[body] * cross(load3(v + b.idx_v + 3), load3(v + b.idx_v));
+  }
+  // Second rates of the errors: where a is zero, J' v.
+  void second_rates(Index rows, double* out) const {
+    for (int i = 0; i < 3; ++i) out[i] = dot(force(i), B.a - A.a);
+    if (rows == 3) return;
+    const Mat3<double> Rt = transpose(A.R);
+    const Vec3<double> omega = Rt * (B.w - A.w), turning = Rt * (B.dw - A.dw - cross(A.w, B.w));
+    const Vec3<double> dx = (omega * w + cross(omega, x)) * 0.5;
+    const Vec3<double> rate = turning * w + cross(turning, x) + omega * (-0.5 * dot(omega, x)) + cross(omega, dx);
+    for (int i = 0; i < 3; ++i) out[3 + i] = rate[i];
+  }
+};
 
 struct AsFile {
   Island& x;
@@ -102,8 +142,9 @@ struct AsFile {
     const ConstraintInstance<double>& s = *a.s;
     if (s.c.stiffness > 0 || s.c.damping > 0) return;  // the caller's gains
     const Law law = law_of(a);
-    alignas(64) double rate[row_lanes];
+    alignas(64) double rate[row_lanes], drift[row_lanes] = {};
     rates(s, rate);
+    if (FileRows::are_of(s)) FileRows(m, d, s, x.v_before, d.zero).second_rates(s.rows, drift);
     const Index turns = s.c.type == DYN_CONSTRAINT_TYPE_WELD ? 3 : s.rows;  // the first row that is an angle
     const double scale = 0.5 * law.record.law.scale;  // MuJoCo's row is the vector of the quaternion, times torquescale
     double size = 0;
@@ -113,6 +154,7 @@ struct AsFile {
       const double weight = law.own ? largest_diagonal(a, turn ? turns : 0, turn ? s.rows : turns)
                                     : law.record.weight[turn] / (turn ? std::max(1e-12, scale * scale) : 1);
       set(s.first + r, Soft(law.record.law, law.record.law.reference, std::sqrt(size), weight, x.h), s.error[r], rate[r]);
+      x.bias[s.first + r] += x.h * drift[r];
     }
   }
   void limit(const ActiveConstraint& a, Index k) const {
@@ -176,6 +218,21 @@ void keep_touching(Workspace& w) {
     law.idle = false, law.material.restitution = law.material.stiffness = law.material.damping = 0;
   }
   w.contact_count = count;
+}
+
+void set_file_rows(const Model& m, const Data<double>& d, ConstraintInstance<double>& s, const double* v) {
+  if (!FileRows::are_of(s)) return;
+  const FileRows rows(m, d, s, v, nullptr);
+  const Vec3<double> none = Vec3<double>::zero();
+  for (int i = 0; i < 3; ++i) {
+    const Vec3<double> force = rows.force(i), moment = rows.moment(i);
+    if (s.c.body2) store_lane(Force<double>{-force, -cross(rows.A.x, force)}, s.F2, i);
+    s.rate[i] = dot(force, rows.B.v - rows.A.v);
+    if (s.rows == 3) continue;
+    if (s.c.body1) store_lane(Force<double>{none, moment}, s.F1, 3 + i);
+    if (s.c.body2) store_lane(Force<double>{none, -moment}, s.F2, 3 + i);
+    s.error[3 + i] = 2 * rows.x[i], s.rate[3 + i] = dot(moment, rows.B.w - rows.A.w);
+  }
 }
 
 void Island::fill_as_file() {

@@ -51,6 +51,8 @@ struct Finder {
     if (active_rows(m, d) == 0) return;
     ensure_all_columns(m, d);
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
+    if (w.options.contact_model == DYN_CONTACT_MODEL_AS_FILE) [[unlikely]]
+      for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index) { set_file_rows(m, d, s, v); });
     for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
       if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = box_rate(m, d, s, v);
