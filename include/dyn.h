@@ -2363,8 +2363,8 @@ typedef enum dynIntegrator {
 
 /* How contacts, limits and equalities of a model give way. */
 typedef enum dynContactModel {
-  DYN_CONTACT_MODEL_RIGID = 0, /* Not at all; contacts give way by the stiffness of their materials alone. */
-  /* As the MJCF file states it for MuJoCo: solref, solimp, solmix and impratio, and its defaults elsewhere. */
+  DYN_CONTACT_MODEL_RIGID = 0, /* Not at all, but for contacts of materials with a stiffness or damping. */
+  /* As the MJCF file states it for MuJoCo (solref, solimp, solmix, impratio), and its defaults elsewhere. */
   DYN_CONTACT_MODEL_AS_FILE = 1
 } dynContactModel;
 
@@ -2395,10 +2395,11 @@ typedef struct dynStepOptions {
      and one sweep are always made. Steps chosen by accuracy have no such limit. No other option lets results
      depend on a clock. Default 0: none, and no clock is read. */
   double time_budget;
-  /* default RIGID. AS_FILE is for comparisons with MuJoCo: rows are springs and dampers of the file. It needs
-     a model from an MJCF file, without mimic joints; an Euler step (SEMI_IMPLICIT_EULER, IMPLICIT_FAST); no
-     accuracy. Rebounds and soft materials are then those of the file, and nothing corrects positions. Friction
-     is Coulomb's, and dry friction of joints rigid. */
+  /* default RIGID. AS_FILE is for comparisons with MuJoCo: rows are springs and dampers of the file, and
+     impulses those of MuJoCo's convex problem, in which sliding contacts rise. It needs a model from an MJCF
+     file, without mimic joints; an Euler step (SEMI_IMPLICIT_EULER, IMPLICIT_FAST); no accuracy. Nothing
+     corrects positions. Restitution, stiffness and damping of materials have no effect. Dry friction of
+     joints and tendons stays rigid. */
   dynContactModel contact_model;
 } dynStepOptions;
 /* Sleep (DYN_EFFECT_SLEEPING, off in new data) works in steps of SEMI_IMPLICIT_EULER and IMPLICIT_FAST

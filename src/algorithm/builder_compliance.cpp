@@ -82,7 +82,10 @@ class InverseInertia {
     else propagate(m_, d_, s, support_.data(), Y);
     std::fill_n(out, row_lanes, 0.0);
     for (Index n = 0; n < s.support_count; ++n)
-      for (Index r = 0; r < s.rows; ++r) out[r] += Y[row_lanes * n + r] * Y[row_lanes * n + r] * d_.Dinv[support_[std::size_t(n)]];
+      for (Index r = 0; r < s.rows; ++r) {
+        const double y = Y[row_lanes * n + r];
+        out[r] += y * y * d_.Dinv[support_[std::size_t(n)]];
+      }
   }
 
   const Model& m_;

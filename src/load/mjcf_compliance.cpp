@@ -6,7 +6,8 @@ namespace dyn::load {
 Compliance read_mjcf_compliance(const Reader& reader, const Element& e, const char* reference, const char* impedance) {
   Compliance out;
   if (e.Attribute(reference) || e.Attribute(impedance))
-    reader.report.count("solref and solimp: not used in rigid steps, the default; steps with contact_model as_file use them", line(e));
+    reader.report.count("solref and solimp: not used in rigid steps, the default; steps with contact_model as_file use them",
+                        line(e));
   if (const auto given = reader.numbers(e, reference)) {
     for (size_t k = 0; k < std::min<size_t>(given->size(), 2); ++k) out.reference[k] = (*given)[k];
     if ((out.reference[0] > 0) != (out.reference[1] > 0) && out.reference[0] * out.reference[1] != 0)

@@ -1,5 +1,6 @@
 // <equality> as constraints, and <contact> <pair>. MuJoCo's are springs (solref, solimp); these are rigid unless
 // steps take them as the file has them.
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -175,6 +176,7 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (const auto across = reader.numbers(e, "solreffriction"))
     std::copy_n(across->begin(), std::min<size_t>(across->size(), 2), pair.compliance.across);
   pair.margin = reader.optional_number(e, "margin").value_or(0);
+  pair.compliance.margin = std::max(0.0, pair.margin);
   file.robot.pairs.push_back(std::move(pair));
 }
 
@@ -189,7 +191,8 @@ void mark_mjcf_pairs(MjcfRobot& robot) {
       if (g.shape.role == DYN_SHAPE_ROLE_VISUAL && named.count(g.shape.name)) g.shape.role = DYN_SHAPE_ROLE_COLLISION;
   for (const MjcfPair& p : robot.pairs)
     if (const double of_geoms = margins[p.geoms[0]] + margins[p.geoms[1]]; p.margin != of_geoms)
-      p.place.physics("its margin is not used: the sum of its geoms' margins acts instead");
+      p.place.physics("its margin is not used: the sum of its geoms' margins acts instead, but in steps as the file has it the "
+                      "smaller one");
 }
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {

@@ -101,9 +101,6 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.shape.contype = mask(reader, e, "contype"), geom.shape.conaffinity = mask(reader, e, "conaffinity");
   geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_SHAPE_ROLE_VISUAL : DYN_SHAPE_ROLE_COLLISION;
   geom.shape.material = material_of(reader, e), geom.shape.colour = file.assets.colour(e);
-  geom.shape.compliance = read_mjcf_compliance(reader, e, "solref", "solimp");
-  geom.shape.compliance.mix = reader.optional_number(e, "solmix").value_or(1);
-  if (!(geom.shape.compliance.mix >= 0)) reader.bad_numbers(e, "solmix", "it is negative");
   geom.group = int(reader.optional_number(e, "group").value_or(0));
   geom.priority = int(reader.optional_number(e, "priority").value_or(0));
   geom.margin = reader.optional_number(e, "margin").value_or(0);
@@ -111,6 +108,10 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     geom.place.physics("margin is negative, which is not supported: 0 is used");
     geom.margin = 0;
   }
+  Compliance& law = geom.shape.compliance;
+  law = read_mjcf_compliance(reader, e, "solref", "solimp");
+  law.mix = reader.optional_number(e, "solmix").value_or(1), law.margin = geom.margin;
+  if (!(law.mix >= 0)) reader.bad_numbers(e, "solmix", "it is negative");
   geom.mass = reader.optional_number(e, "mass");
   geom.density = reader.optional_number(e, "density").value_or(1000);
   if (geom.mass.value_or(0) < 0) reader.bad_numbers(e, "mass", "it is negative");

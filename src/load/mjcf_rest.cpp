@@ -47,10 +47,11 @@ void read_integrator(const Reader& reader, MjcfRobot& robot, const Element& e) {
   const std::string_view name = given;
   const char* ours = "semi_implicit_euler";
   if (name == "RK4") robot.integrator = DYN_INTEGRATOR_RK4, ours = "rk4";
-  else if (name == "implicit" || name == "implicitfast") robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
+  else if (name == "implicit" || name == "implicitfast" || name == "discrete")
+    robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
   else if (name != "Euler")
     reader.fail(DYN_ERROR_PARSE, e,
-                "<option integrator> is " + load::in_quotes(given) + ": Euler, RK4, implicit or implicitfast is expected");
+                "<option integrator> is " + load::in_quotes(given) + ": Euler, RK4, implicit, implicitfast or discrete is expected");
   reader.report.info(line(e),
                      "<option integrator> is " + std::string(name) + ": steps are those of " + ours + ", the nearest integrator");
 }

@@ -452,7 +452,8 @@ void Builder::stepping(double dt, dynIntegrator integrator, std::uint32_t effect
 }
 
 void Builder::compliant(double impratio, bool pyramidal) {
-  if (!(impratio > 0 && impratio <= 1e15)) refuse(DYN_ERROR_INVALID, "impratio is " + number(impratio) + ": give a positive number");
+  if (!(impratio > 0 && impratio <= 1e15))
+    refuse(DYN_ERROR_INVALID, "impratio is " + number(impratio) + ": give a positive number");
   impl->compliant = true, impl->impratio = impratio, impl->pyramidal = pyramidal;
 }
 

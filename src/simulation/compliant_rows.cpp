@@ -1,7 +1,8 @@
 // Rows of a step as an MJCF file states them for MuJoCo (its documentation, "Computation": constraint model, solver parameters).
 // With the row's error r, its velocity v at the beginning of the step and its impulse lambda = h f:
 //   a_ref = -b v - k d(r) r        R = (1 - d(r)) / d(r) W        J a + R f = a_ref, f within its bounds or its cone
-// so c + R lambda + bias = 0 with bias = -(1 - h b) v + h k d(r) r. The bias of a connect or weld has h J' v, too. W is the inverse inertia of the model's initial configuration.
+// so c + R lambda + bias = 0 with bias = -(1 - h b) v + h k d(r) r. The bias of a connect or weld has h J' v, too. W is
+// the inverse inertia of the model's initial configuration.
 #include "simulation/island.hpp"
 
 namespace dyn::simulation {
@@ -49,8 +50,8 @@ Compliance mixed(const Compliance& x, const Compliance& y) {
   return out;
 }
 
-// Rows of a connect or weld as MuJoCo has them: each end is pulled at its own anchor, and a rotation's error is twice the vector x
-// of its quaternion (w, x), whose rate is w omega + omega x x.
+// Rows of a connect or weld as MuJoCo has them: each end is pulled at its own anchor, and a rotation's error is twice the
+// vector x of its quaternion (w, x), whose rate is w omega + omega x x.
 struct FileRows {
   MovingFrame<double> A, B;
   Vec3<double> x = Vec3<double>::zero();
@@ -209,10 +210,16 @@ struct AsFile {
 
 }  // namespace
 
-void keep_touching(Workspace& w) {
+void keep_touching(const Model& m, Workspace& w) {
   Index count = 0;
   for (Index k = 0; k < w.contact_count; ++k) {
-    if (!(w.contacts[k].contact.distance < 0)) continue;
+    dynContact& c = w.contacts[k].contact;
+    const double a = m.geom_compliances()[w.laws[k].geom_a].law.margin, b = m.geom_compliances()[w.laws[k].geom_b].law.margin;
+    const Index own = c.pair >= 0 ? m.pairs()[c.pair].material() : 0;
+    // surfaces are raised by the shapes' margins, and a pair's own may be less; the point is in the middle between the real ones
+    if (own) c.distance += std::max(0.0, a + b - m.material_compliances()[own - 1].law.margin);
+    if (!(c.distance < 0)) continue;
+    for (int i = 0; i < 3; ++i) c.position[i] -= 0.5 * (a - b) * c.normal[i];
     w.contacts[count] = w.contacts[k], w.laws[count] = w.laws[k];
     ContactLaw& law = w.laws[count++];
     law.idle = false, law.material.restitution = law.material.stiffness = law.material.damping = 0;

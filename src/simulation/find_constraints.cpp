@@ -135,7 +135,7 @@ struct Finder {
     if (m.n.contacts == 0) return;
     find_contacts(m, d, h, min_distance);
     for (Index k = 0; k < w.contact_count; ++k) init_contact(m, d, k, h);
-    if (w.options.contact_model == DYN_CONTACT_MODEL_AS_FILE) [[unlikely]] keep_touching(w);
+    if (w.options.contact_model == DYN_CONTACT_MODEL_AS_FILE) [[unlikely]] keep_touching(m, w);
     fit_contact_rows(m, d);
     const auto tree = [&](Index geom) { return d.geoms[geom].body == 0 ? -1 : w.tree_of[d.geoms[geom].body]; };
     for (Index k = 0; k < w.contact_count; ++k) {

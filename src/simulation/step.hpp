@@ -103,7 +103,7 @@ void take_previous_forces(const Model& m, Data<double>& d);  // first_guess.cpp
 void init_contact(const Model& m, Data<double>& d, Index contact, double h);
 void assemble_contact(const Model& m, Data<double>& d, ActiveConstraint& x);
 // For rows as the file has them (compliant_rows.cpp): keeps the contacts that touch; sets a constraint's rows as MuJoCo has them.
-void keep_touching(Workspace& w);
+void keep_touching(const Model& m, Workspace& w);
 void set_file_rows(const Model& m, const Data<double>& d, ConstraintInstance<double>& s, const double* v);
 // Drops the contacts with the largest distances while the rows of all exceed their room.
 void fit_contact_rows(const Model& m, Data<double>& d);
