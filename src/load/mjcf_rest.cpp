@@ -51,7 +51,8 @@ void read_integrator(const Reader& reader, MjcfRobot& robot, const Element& e) {
     robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
   else if (name != "Euler")
     reader.fail(DYN_ERROR_PARSE, e,
-                "<option integrator> is " + load::in_quotes(given) + ": Euler, RK4, implicit, implicitfast or discrete is expected");
+                "<option integrator> is " + load::in_quotes(given) +
+                    ": Euler, RK4, implicit, implicitfast or discrete is expected");
   reader.report.info(line(e),
                      "<option integrator> is " + std::string(name) + ": steps are those of " + ours + ", the nearest integrator");
 }

@@ -20,6 +20,12 @@ inline bool has_constraints(const Model& m, const Data<double>& d) {
   return m.n.path_rows > 0 && (d.acting & driving_effects);
 }
 bool paths_may_jump(const Model& m, const Data<double>& d);  // path_rows.hpp
+// Whether rows are as an MJCF file has them (compliant_rows.cpp).
+template <class T>
+bool has_file_rows(const Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>) return d.step->options.contact_model == DYN_CONTACT_MODEL_AS_FILE;
+  return false;
+}
 
 // Returns whether velocities may jump: contacts, limits or dry friction. Bilateral constraints do not make them jump.
 inline bool may_jump(const Model& m, const Data<double>& d) {

@@ -158,7 +158,7 @@ class SimulationCalls(DataHandle):
         sleep_speed     m/s, rad/s, with the effect SLEEPING: an island sleeps after sleep_time (s) below this speed
         visit_sleepers  steps compute islands that sleep, too
         ledger          steps keep the error ledger; data needs the part ENERGY
-        contact_model   "rigid", or "as_file": contacts, limits and equalities give way as the MJCF file says (solref, solimp), for
+        contact_model   "rigid", or "as_file": contacts, limits and equalities give way by the MJCF file's solref and solimp, for
                         comparisons with MuJoCo; in Euler steps of dt
         """
         options = self.step_options
