@@ -1,5 +1,7 @@
 // Inverse inertias of compliances, as MuJoCo's regularisation has them: at the initial configuration, J M^-1 J^T of a limit, a
 // joint or a tendon, and the mean over three directions of forces and of moments at a link's centre of mass.
+#include <algorithm>
+#include <cmath>
 #include <new>
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
@@ -56,6 +58,7 @@ class InverseInertia {
     const FrameRecord& f = m_.frames()[frame];
     if (f.body == 0) return {0, 0};
     if (f.link < 0 && f.parent > 0) return of_link(f.parent);
+    if (slides_along_axes(f)) return {1 / m_.links()[f.link].mass, 0};
     const Vec3<double> at = f.X.act(f.link < 0 ? Vec3<double>::zero() : load3(m_.links()[f.link].com)),
                        arm = d_.rel[f.body] + d_.R[f.body] * at;
     ConstraintInstance<double> s = row(DYN_CONSTRAINT_TYPE_POINT);
@@ -71,6 +74,20 @@ class InverseInertia {
   }
 
  private:
+  // What MuJoCo takes for a free mass: a link of its own that slides along its axes alone, with its centre of mass at the origin.
+  bool slides_along_axes(const FrameRecord& f) const {
+    if (f.link < 0 || m_.subtree_end()[f.body] != f.body + 1) return false;
+    const LinkRecord& link = m_.links()[f.link];
+    if (!(link.mass > 0) || link.mass != m_.bodies()[f.body].m || dot(load3(link.com), load3(link.com)) > 0) return false;
+    const Mat3<double> R = d_.R[f.body] * f.X.R;
+    for (Index i = f.body; i != 0; i = m_.bodies()[i].parent) {
+      const Body& b = m_.bodies()[i];
+      if (b.type != BodyType::Prismatic) return false;
+      const Vec3<double> axis = transpose(R) * d_.S[b.idx_v].linear;
+      if (std::max({std::abs(axis[0]), std::abs(axis[1]), std::abs(axis[2])}) < 1 - 1e-12) return false;
+    }
+    return true;
+  }
   static ConstraintInstance<double> row(dynConstraintType type) {
     ConstraintInstance<double> s{};
     s.c.type = type, s.rows = 1, s.g1 = 1;

@@ -152,20 +152,21 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   s.keep(m, d, part);
   T *const hv = s.y, *const v0 = s.y0 + m.n.nv;
   bool batched = false;
+  const bool plain = simulation::has_file_rows(d);
   if constexpr (std::is_same_v<T, double>)
     if ((batched = d.step->free_bodies.batched)) simulation::integrate_velocity(m, d, h);
   with_unbatched_trees(d, part, [&](const auto& others) {
     others.for_each_group(m, [&](const Trees& t) {
       for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
     });
-    free_flight(m, others, v0, d.ddq, h, d.v);
+    free_flight(m, others, v0, d.ddq, h, d.v, plain);
   });
   const ConstraintOutcome met = apply_constraints(m, d, s, h);
   if (met == ConstraintOutcome::Sleeper) {
     part.for_each_group(m, [&](const Trees& t) { std::copy(v0 + t.v, v0 + t.v_end, d.v + t.v); });
     return false;
   }
-  if (simulation::has_file_rows(d)) [[unlikely]]
+  if (plain) [[unlikely]]
     with_unbatched_trees(d, part, [&](const auto& others) { damp_change(m, d, static_cast<const T*>(v0), h, others, s.f); });
   const T* const correction = met == ConstraintOutcome::Correction ? s.f : nullptr;
   if constexpr (std::is_same_v<T, double>)
@@ -175,7 +176,7 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   });
   with_unbatched_trees(d, part, [&](const auto& others) {
     integrate(m, others, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
-    end_flight(m, others, s.q0, h, correction, d.q, d.v);
+    end_flight(m, others, s.q0, h, correction, d.q, d.v, plain);
   });
   if constexpr (std::is_same_v<T, double>)
     if (batched) simulation::integrate_position(d, h, correction);
@@ -190,7 +191,9 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
 // Free bodies are integrated in batches within this scope.
 struct FreeBodyScope {
   simulation::Workspace* w = nullptr;
-  explicit FreeBodyScope(Data<double>& d) : w(d.step) { simulation::begin_free_body_step(d); }
+  explicit FreeBodyScope(Data<double>& d) : w(d.step) {
+    if (!simulation::has_file_rows(d)) [[likely]] simulation::begin_free_body_step(d);
+  }
   template <class T>
   explicit FreeBodyScope(const Data<T>&) {}
   FreeBodyScope(const FreeBodyScope&) = delete;
