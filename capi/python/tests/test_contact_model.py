@@ -155,6 +155,9 @@ SCENES = {
     "an equality of tendons": (scene(TWO, rest='<tendon><spatial name="t"><site site="s1"/><site site="s2"/></spatial><fixed name="u">'
                                                '<joint joint="j" coef="1"/><joint joint="k" coef="-.5"/></fixed></tendon><equality>'
                                                '<tendon tendon1="t" tendon2="u" polycoef="0 .1" solref=".1 .7"/></equality>'), None),
+    "a box falls askew": (scene(box(z=0.15, pose='euler="20 30 10"')), [0.5, 0, 0, 3, 2, 1]),
+    "a ball slides on rails": (scene('<body pos="0 0 .099"><joint type="slide" axis="1 0 0" damping=".3"/><joint type="slide" '
+                                     'axis="0 0 1" stiffness="50" armature=".1"/><geom size=".1"/></body>'), [1, -0.3]),
     "spheres welded": (scene(SPHERES, rest=f'<equality><weld body1="a" body2="b" {SOFT} relpose="0 .1 -.3 1 .3 .2 .1"/></equality>'),
                        [0, 0, 0, 1, 2, 3, 0, 0, 0, -1, -2, 3]),
     "spheres welded at an anchor": (scene(SPHERES, rest='<equality><weld body1="a" body2="b" torquescale="3" anchor=".1 0 .2" '
@@ -184,8 +187,7 @@ def turned(mm, q, v):
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.filterwarnings("ignore::libdyn.LoadWarning")
 def test_steps_are_mujocos(name):
-    """Each of 300 steps from MuJoCo's state ends at its velocity. (From a common beginning, bodies that spin part by their
-    integrators.)"""
+    """Each of 300 steps from MuJoCo's state ends at its velocity."""
     mujoco = pytest.importorskip("mujoco", reason="package mujoco is not installed")
     text, v = SCENES[name]
     d = as_file(text)
@@ -204,6 +206,44 @@ def test_steps_are_mujocos(name):
         np.testing.assert_allclose(d.v, expected, rtol=0, atol=1e-8)
         assert d.step_report.unsolved == 0
     assert rows > 0
+
+
+FILES = [("gymnasium", f"envs/mujoco/assets/{x}.xml") for x in ("ant", "humanoid", "pusher", "walker2d")] + [
+    ("dm_control", f"suite/{x}.xml") for x in ("ball_in_cup", "cheetah", "finger", "manipulator", "stacker", "walker")]
+
+
+@pytest.mark.parametrize("package, name", FILES)
+@pytest.mark.filterwarnings("ignore::libdyn.LoadWarning")
+def test_motions_of_files_are_mujocos(package, name):
+    """Half a second from the file's start with random controls."""
+    mujoco = pytest.importorskip("mujoco", reason="package mujoco is not installed")
+    folder = pytest.importorskip(package, reason=f"package {package} is not installed").__path__[0]
+    spec = mujoco.MjSpec.from_file(f"{folder}/{name}")
+    spec.option.cone, spec.option.integrator = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtIntegrator.mjINT_EULER
+    spec.compile()
+    text = spec.to_xml()
+    mm = mujoco.MjModel.from_xml_string(text)
+    mm.opt.solver, mm.opt.tolerance, mm.opt.iterations, mm.opt.ls_iterations = mujoco.mjtSolver.mjSOL_NEWTON, 1e-14, 200, 100
+    md = mujoco.MjData(mm)
+    d = as_file(text, integrator="semi_implicit_euler", dt=mm.opt.timestep)
+    d.set_state(*turned(mm, md.qpos, md.qvel))
+    random = np.random.RandomState(1)
+    low, high = np.where(mm.actuator_ctrllimited[:, None], mm.actuator_ctrlrange, [-1.0, 1.0]).T
+    rows = 0
+    for k in range(int(0.5 / mm.opt.timestep)):
+        if k % 50 == 0:
+            u = random.uniform(low, high)
+        md.ctrl[:] = u
+        d.set_control(u)
+        d.step()
+        mujoco.mj_step(mm, md)
+        rows += md.nefc
+    q, _ = turned(mm, md.qpos, md.qvel)
+    for j in np.flatnonzero(mm.jnt_type < 2):
+        at = mm.jnt_qposadr[j] + (3 if mm.jnt_type[j] == 0 else 0)
+        q[at : at + 4] *= np.sign(q[at : at + 4] @ d.q[at : at + 4])
+    assert rows > 0
+    np.testing.assert_allclose(d.q, q, rtol=0, atol=1e-7)
 
 
 # ------------------------------------------------------------------------------------------------ the option
