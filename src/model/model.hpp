@@ -231,7 +231,7 @@ struct ModelSizes {
   Index mocaps;
   Index sensors, sensor_values;
   Index force_limits, adhesions;  // adhesions: paths of this kind
-  Index compliances;  // 0: the model states none
+  Index compliances, padding;  // compliances 0: the model states none. padding: an even number of sizes, as before them
 };
 
 struct Model {
