@@ -3,6 +3,7 @@
 //   a_ref = -b v - k d(r) r        R = (1 - d(r)) / d(r) W        J a + R f = a_ref, f within its bounds or its cone
 // so c + R lambda + bias = 0 with bias = -(1 - h b) v + h k d(r) r. The bias of a connect or weld has h J' v, too. W is
 // the inverse inertia of the model's initial configuration.
+#include "base/portable.hpp"
 #include "simulation/island.hpp"
 
 namespace dyn::simulation {
@@ -18,8 +19,8 @@ double impedance(const Compliance& law, double r) {
                middle = within(law.impedance[3]), power = std::max(1.0, law.impedance[4]);
   if (low == high || !(width > least_R)) return (low + high) / 2;
   const double x = std::min(1.0, std::abs(r) / width);
-  const double y = x <= middle ? std::pow(x, power) / std::pow(middle, power - 1)
-                               : 1 - std::pow(1 - x, power) / std::pow(1 - middle, power - 1);
+  const auto curve = [&](double part, double of) { return part > 0 ? part * math::pow(part / of, power - 1) : 0; };
+  const double y = x <= middle ? curve(x, middle) : 1 - curve(1 - x, 1 - middle);
   return low + y * (high - low);
 }
 
