@@ -124,6 +124,23 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   return answer || !has_finite_state(m, d) ? explain(m, d, answer, function, d.time[0]) : DYN_OK;
 }
 
+dynStatus check_contact_model(const Model& m, const dynStepOptions& options) {
+  constexpr const char* function = "dyn_data_set_step_options";
+  if (const dynStatus s = check_value(options.contact_model, function, "contact_model")) return s;
+  if (options.contact_model == DYN_CONTACT_MODEL_RIGID) return DYN_OK;
+  if (m.n.compliances == 0)
+    return fail(DYN_ERROR_UNSUPPORTED,
+                "%s: contact_model is AS_FILE, and the model states no solref and solimp: load it from an MJCF file, without "
+                "mimic joints",
+                function);
+  if (options.integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && options.integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
+    return fail(DYN_ERROR_UNSUPPORTED,
+                "%s: contact_model AS_FILE needs the integrator SEMI_IMPLICIT_EULER or IMPLICIT_FAST", function);
+  if (options.accuracy > 0)
+    return fail(DYN_ERROR_UNSUPPORTED, "%s: contact_model AS_FILE needs steps of dt: set accuracy to 0", function);
+  return DYN_OK;
+}
+
 }  // namespace
 
 template <>
@@ -163,12 +180,13 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
     return fail(DYN_ERROR_ARGUMENT,
                 "dyn_data_set_step_options: time_budget is %g s: give what the solver may take, or 0 for no limit",
                 options->time_budget);
+  if (const dynStatus s = check_contact_model(call.m(), *options)) return s;
   if (options->ledger && !(call.d().parts & DYN_PART_ENERGY))
     return fail(DYN_ERROR_PART, "dyn_data_set_step_options: ledger needs data with DYN_PART_ENERGY");
   const dynStepOptions& now = call.d().step->options;  // a step knows its length
   if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations ||
       now.tolerance != options->tolerance || now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time ||
-      now.time_budget != options->time_budget)
+      now.time_budget != options->time_budget || now.contact_model != options->contact_model)
     simulation::invalidate_sleep(call.d());
   call.d().step->options = *options;
   call.d().step->options.struct_size = sizeof *options;

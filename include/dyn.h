@@ -2433,6 +2433,13 @@ typedef enum dynIntegrator {
   DYN_INTEGRATOR_REFERENCE = 5
 } dynIntegrator;
 
+/* How contacts, limits and equalities of a model give way. */
+typedef enum dynContactModel {
+  DYN_CONTACT_MODEL_RIGID = 0, /* Not at all, but for contacts of materials with a stiffness or damping. */
+  /* As the MJCF file states it for MuJoCo (solref, solimp, solmix, impratio), and its defaults elsewhere. */
+  DYN_CONTACT_MODEL_AS_FILE = 1
+} dynContactModel;
+
 /* Options of steps, kept in the data. */
 typedef struct dynStepOptions {
   uint32_t struct_size;        /* set by dyn_step_options_init */
@@ -2460,6 +2467,12 @@ typedef struct dynStepOptions {
      and one sweep are always made. Steps chosen by accuracy have no such limit. No other option lets results
      depend on a clock. Default 0: none, and no clock is read. */
   double time_budget;
+  /* default RIGID. AS_FILE is for comparisons with MuJoCo: rows are springs and dampers of the file, and
+     impulses those of MuJoCo's convex problem, in which sliding contacts rise. It needs a model from an MJCF
+     file, without mimic joints; an Euler step (SEMI_IMPLICIT_EULER, IMPLICIT_FAST); no accuracy. Nothing
+     corrects positions. Restitution, stiffness and damping of materials have no effect. Dry friction of
+     joints and tendons stays rigid. */
+  dynContactModel contact_model;
 } dynStepOptions;
 /* Sleep (DYN_EFFECT_SLEEPING, off in new data) works in steps of SEMI_IMPLICIT_EULER and IMPLICIT_FAST
    without error control. An island is a tree of bodies and all that contacts, limits and constraints join it

@@ -25,9 +25,10 @@ struct Numbers {
 constexpr bool is_path_field(Model::Field field) {
   using F = Model::Field;
   return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs ||
-         field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps || field == F::sensors || field == F::force_limits;
+         field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps || field == F::sensors || field == F::force_limits ||
+         field == F::compliances;
 }
-constexpr std::size_t path_fields = 9;
+constexpr std::size_t path_fields = 10;
 constexpr std::size_t old_actuator_spec_size = offsetof(dynActuator, transmission);
 constexpr std::size_t old_actuator_size =
     old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);

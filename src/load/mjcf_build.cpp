@@ -139,6 +139,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots),
         builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind),
         builder.stepping(robot.timestep, robot.integrator, robot.effects);
+    builder.compliant(robot.impratio, robot.pyramidal);
     if (massless) builder.allow_massless_joints();
   });
   add_mechanism(builder, robot, masses), add_frames(builder, robot);

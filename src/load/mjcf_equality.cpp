@@ -1,4 +1,6 @@
-// <equality> as constraints, and <contact> <pair>. MuJoCo's are springs (solref, solimp); these are rigid.
+// <equality> as constraints, and <contact> <pair>. MuJoCo's are springs (solref, solimp); these are rigid unless
+// steps take them as the file has them.
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -55,7 +57,7 @@ void add_tendon_equality(Builder& builder, MjcfRobot& robot, const MjcfEquality&
   if (!robot.closed) return;
   std::array<double, 5> polynomial;
   std::copy_n(e.numbers.begin(), 5, polynomial.begin());
-  with_location(e.place, [&] { builder.couple_tendons(e.name, e.first, e.second, polynomial); });
+  with_location(e.place, [&] { builder.couple_tendons(e.name, e.first, e.second, polynomial, e.compliance); });
 }
 
 Pose relative_pose(const std::vector<double>& x) { return {from_quaternion(x[3], x[4], x[5], x[6]), load3(x.data())}; }
@@ -77,7 +79,9 @@ void read_mjcf_equality(MjcfFile& file, Element& e, const MjcfContext& context) 
                 {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose",
                  "torquescale", "joint1", "joint2", "tendon1", "tendon2", "polycoef"},
                 {});
-  count_unused(reader, e, kind.c_str(), {"solref", "solimp", "torquescale"});
+  x.compliance = read_mjcf_compliance(reader, e, "solref", "solimp");
+  x.compliance.scale = reader.optional_number(e, "torquescale").value_or(1);
+  if (!(x.compliance.scale >= 0)) reader.bad_numbers(e, "torquescale", "it is negative");
   x.enabled = read_switch(reader, e, "active", true).value_or(true);
   const auto end = [&](const char* of, const std::string& part) { return file.copies.name(context, of, part); };
   if (kind == "joint" || kind == "tendon") {
@@ -121,12 +125,12 @@ void add_mjcf_equalities(Builder& builder, MjcfRobot& robot) {
       else shift_polynomial(e.numbers, joint_named(robot, e, e.second).reference, c.coefficients);
       c.coefficients[0] += first.reference;
       const std::string second = e.second.empty() ? "universe" : e.second;
-      with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {second, 0}); });
+      with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {second, 0}, e.compliance); });
       continue;
     }
     if (e.sites) {
       const auto frame = [&](const std::string& site) { return Parent{site_frame(robot, e, site), DYN_FRAME_TYPE_OP_FRAME}; };
-      with_location(e.place, [&] { builder.constraint(e.name, c, frame(e.first), frame(e.second)); });
+      with_location(e.place, [&] { builder.constraint(e.name, c, frame(e.first), frame(e.second), e.compliance); });
       continue;
     }
     const MjcfBody &a = body_named(robot, e, e.first), &b = body_named(robot, e, e.second);
@@ -142,11 +146,11 @@ void add_mjcf_equalities(Builder& builder, MjcfRobot& robot) {
     } else {  // a weld's anchor is in the second body
       const bool given =
           e.numbers.size() == 7 && (e.numbers[3] != 0 || e.numbers[4] != 0 || e.numbers[5] != 0 || e.numbers[6] != 0);
-      in_a = (given ? relative_pose(e.numbers) : X_ab) * in_b;
+      in_a = given ? relative_pose(e.numbers) : X_ab * in_b;
     }
     store_se3(in_a, c.placement1), store_se3(in_b, c.placement2);
     // exchange the two if the first is fixed to the world, which gives the same constraint
-    with_location(e.place, [&] { builder.constraint(e.name, c, frame_of(a), frame_of(b)); });
+    with_location(e.place, [&] { builder.constraint(e.name, c, frame_of(a), frame_of(b), e.compliance); });
   }
 }
 
@@ -155,7 +159,6 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   const Reader reader = file.source.reader(e, "<pair>");
   reader.unread(
       e, {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solreffriction", "solimp", "gap", "margin"}, {});
-  count_unused(reader, e, "pair", {"solref", "solreffriction", "solimp"});
   const auto geom = [&](const char* end) { return file.copies.name(context, "geom", reader.name(e, end)); };
   MjcfPair pair{{&reader.report, line(e), reader.owner},
                 {geom("geom1"), geom("geom2")},
@@ -169,7 +172,11 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   pair.material.restitution = mjcf_rebound(reader, e);
   pair.material.friction = f[0], pair.material.torsion = f[2], pair.material.rolling = f[3];
   pair.material = shape::acting(pair.material, mjcf_latent(reader, e));
+  pair.compliance = read_mjcf_compliance(reader, e, "solref", "solimp");
+  if (const auto across = reader.numbers(e, "solreffriction"))
+    std::copy_n(across->begin(), std::min<size_t>(across->size(), 2), pair.compliance.across);
   pair.margin = reader.optional_number(e, "margin").value_or(0);
+  pair.compliance.margin = std::max(0.0, pair.margin);
   file.robot.pairs.push_back(std::move(pair));
 }
 
@@ -184,7 +191,8 @@ void mark_mjcf_pairs(MjcfRobot& robot) {
       if (g.shape.role == DYN_SHAPE_ROLE_VISUAL && named.count(g.shape.name)) g.shape.role = DYN_SHAPE_ROLE_COLLISION;
   for (const MjcfPair& p : robot.pairs)
     if (const double of_geoms = margins[p.geoms[0]] + margins[p.geoms[1]]; p.margin != of_geoms)
-      p.place.physics("its margin is not used: the sum of its geoms' margins acts instead");
+      p.place.physics("its margin is not used: the sum of its geoms' margins acts instead, but in steps as the file has it the "
+                      "smaller one");
 }
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
@@ -198,7 +206,7 @@ void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
     else if (p.geoms[0] != p.geoms[1] && carriers.count(p.geoms[0]) && carriers.count(p.geoms[1]) &&
              carriers[p.geoms[0]] == carriers[p.geoms[1]])
       p.place.info("it has no effect: both geoms are fixed to one another");
-    else with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], &p.material); });
+    else with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], &p.material, p.compliance); });
 }
 
 }  // namespace dyn::load

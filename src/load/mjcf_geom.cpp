@@ -91,7 +91,6 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
                     "xyaxes",   "zaxis",  "hfield",  "mesh",    "fitscale",    "user",  "friction",  "condim",
                     "priority", "solmix", "solref",  "solimp",  "margin",      "gap",   "surfacevel"},
                 {"plugin"});
-  count_unused(reader, e, "geom", {"solmix", "solref", "solimp"});
   const std::optional<ShapeForm> type = type_of(reader, e);
   if (!type) {
     file.robot.lost_mass = true;
@@ -109,6 +108,10 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     geom.place.physics("margin is negative, which is not supported: 0 is used");
     geom.margin = 0;
   }
+  Compliance& law = geom.shape.compliance;
+  law = read_mjcf_compliance(reader, e, "solref", "solimp");
+  law.mix = reader.optional_number(e, "solmix").value_or(1), law.margin = geom.margin;
+  if (!(law.mix >= 0)) reader.bad_numbers(e, "solmix", "it is negative");
   geom.mass = reader.optional_number(e, "mass");
   geom.density = reader.optional_number(e, "density").value_or(1000);
   if (geom.mass.value_or(0) < 0) reader.bad_numbers(e, "mass", "it is negative");

@@ -47,10 +47,12 @@ void read_integrator(const Reader& reader, MjcfRobot& robot, const Element& e) {
   const std::string_view name = given;
   const char* ours = "semi_implicit_euler";
   if (name == "RK4") robot.integrator = DYN_INTEGRATOR_RK4, ours = "rk4";
-  else if (name == "implicit" || name == "implicitfast") robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
+  else if (name == "implicit" || name == "implicitfast" || name == "discrete")
+    robot.integrator = DYN_INTEGRATOR_IMPLICIT_FAST, ours = "implicit_fast";
   else if (name != "Euler")
     reader.fail(DYN_ERROR_PARSE, e,
-                "<option integrator> is " + load::in_quotes(given) + ": Euler, RK4, implicit or implicitfast is expected");
+                "<option integrator> is " + load::in_quotes(given) +
+                    ": Euler, RK4, implicit, implicitfast or discrete is expected");
   reader.report.info(line(e),
                      "<option integrator> is " + std::string(name) + ": steps are those of " + ours + ", the nearest integrator");
 }
@@ -97,6 +99,11 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
     if (!(*x > 0)) reader.bad_numbers(e, "timestep", "a positive number of seconds is expected");
     file.robot.timestep = *x;
   }
+  if (const auto x = reader.optional_number(e, "impratio")) {
+    if (!(*x > 0)) reader.bad_numbers(e, "impratio", "a positive number is expected");
+    file.robot.impratio = *x;
+  }
+  if (const char* cone = e.Attribute("cone")) file.robot.pyramidal = std::string_view(cone) != "elliptic";
   if (const auto magnetic = reader.vector3(e, "magnetic")) file.robot.magnetic = *magnetic;
   read_integrator(reader, file.robot, e);
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
@@ -105,7 +112,7 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
       reader.report.physics(a->GetLineNum(),
                             "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
     else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" &&
-             name != "integrator" && name != "magnetic")
+             name != "integrator" && name != "magnetic" && name != "impratio" && name != "cone")
       reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
   }
   for (const Element* flag : file.source.children(e, "flag")) read_flags(reader, file.robot, *flag);

@@ -114,6 +114,7 @@ struct MjcfTendon {
   dynTendon spec;
   std::vector<TendonElement> elements;
   std::optional<std::array<double, 2>> force;  // total of all its actuators
+  Compliance compliance = {};
 };
 
 struct MjcfActuator {
@@ -142,6 +143,7 @@ struct MjcfEquality {
   std::optional<std::array<double, 3>> anchor;
   std::vector<double> numbers;
   bool enabled, sites;
+  Compliance compliance = {};
 };
 
 // Of the sum of the actuators on a joint or tendon.
@@ -158,6 +160,7 @@ struct MjcfPair {
   std::string geoms[2];
   dynMaterial material;
   double margin = 0;
+  Compliance compliance = {};
 };
 
 struct MjcfKey {
@@ -189,6 +192,8 @@ struct MjcfRobot {
   double timestep = 0.002;
   dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
   std::uint32_t effects = SimulationRecord().effects;             // less those that flags switch off
+  double impratio = 1;
+  bool pyramidal = true;
   bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
   bool lost_mass = false;            // something that is not supported would give a body mass
   std::set<std::string> lost_names;  // what bodies and joints that it would make begin with
@@ -326,6 +331,8 @@ void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_joint.cpp, mjcf_geom.cpp
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context);
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
+// mjcf_compliance.cpp. reference, impedance: the attributes' names.
+Compliance read_mjcf_compliance(const Reader& reader, const Element& e, const char* reference, const char* impedance);
 std::uint32_t mjcf_latent(const Reader& reader, const Element& e);  // ShapeMaterial::latent, of condim
 double mjcf_rebound(const Reader& reader, const Element& e);  // restitution, of solref
 void set_mjcf_priorities(MjcfRobot& robot);

@@ -63,6 +63,11 @@ XmlElement& MjcfWriter::section(const char* name) {
 void MjcfWriter::add_option() {
   XmlElement& option = section("option");
   put(option, "gravity", std::span(m.gravity)), put(option, "timestep", m.simulation()->dt);
+  if (m.n.compliances > 0) {
+    const ComplianceRecord& x = m.compliances()[0];
+    if (x.ratio != 1) put(option, "impratio", x.ratio);
+    if (x.pyramidal == 0) put(option, "cone", std::string("elliptic"));
+  }
   switch (m.simulation()->integrator) {
     case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
       break;

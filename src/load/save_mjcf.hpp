@@ -57,6 +57,8 @@ class MjcfWriter {
   double height_asset(const ShapeRecord& s, std::string& name);  // height of its lowest point over its origin
   std::set<std::pair<Index, Index>> untested_links();
   void add_contacts();
+  // What differs from MuJoCo's defaults. reference, impedance: the attributes' names. (save_mjcf_laws.cpp)
+  static void put_compliance(XmlElement& e, const Compliance& law, const char* reference, const char* impedance);
   // save_mjcf_mesh.cpp
   std::string mesh_asset(const ShapeRecord& s);  // empty: it cannot be read
   std::string mesh_file(const ShapeRecord& s);

@@ -31,6 +31,17 @@ void put_restitution(XmlElement& e, double restitution) {
   put(e, "solref", {-stiffness, -2 * std::sqrt(stiffness) * decay / std::sqrt(pi * pi + decay * decay)});
 }
 
+Compliance compliance_of_shape(const Model& m, Index shape) {
+  for (Index g = 0; m.n.compliances > 0 && g < m.n.geoms; ++g)
+    if (m.geoms()[g].shape == shape) return m.geom_compliances()[g].law;
+  return {};
+}
+
+bool is_usual_reference(const Compliance& x) {
+  const Compliance usual;
+  return std::equal(x.reference, x.reference + 2, usual.reference);
+}
+
 }  // namespace
 
 void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
@@ -87,7 +98,10 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   const shape::ShapeMaterial material = material_of(m, s);
   put_friction(e, material);
   if (s.radius > 0) put(e, "margin", s.radius);
-  put_restitution(e, material.restitution);
+  const Compliance law = compliance_of_shape(m, k);
+  if (is_usual_reference(law)) put_restitution(e, material.restitution);
+  put_compliance(e, law, "solref", "solimp");
+  if (law.mix != 1) put(e, "solmix", law.mix);
   dynMaterial rest = material;
   std::fill_n(rest.surface_velocity, 3, 0.0), rest.restitution = 0;
   if (std::any_of(material.surface_velocity, material.surface_velocity + 3, [](double v) { return v != 0; }))
@@ -171,7 +185,12 @@ void MjcfWriter::add_contacts() {
     const dynMaterial x = p.material() ? m.materials()[p.material() - 1]
                                        : shape::combined(material_of(m, m.shapes()[a]), material_of(m, m.shapes()[b]));
     put(e, "condim", condim(x)), put(e, "friction", {x.friction, x.friction, x.torsion, x.rolling, x.rolling});
-    put_restitution(e, x.restitution);
+    const Compliance law =
+        m.n.compliances > 0 && p.material() ? m.material_compliances()[p.material() - 1].law : Compliance();
+    if (is_usual_reference(law)) put_restitution(e, x.restitution);
+    put_compliance(e, law, "solref", "solimp");
+    if (law.across[0] != 0 || law.across[1] != 0) put(e, "solreffriction", std::span(law.across));
+    if (law.margin != 0) put(e, "margin", law.margin);
     dynMaterial rest = x;
     rest.restitution = 0;
     if (!is_default(rest, false)) losses.loss("stiffness, damping and surface velocity of materials", geom_names[a]);

@@ -59,6 +59,11 @@ void MjcfWriter::put_coefficient(XmlElement& e, double c, const std::string& joi
 
 void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
   const SimpleJoint& s = p.simple;
+  for (Index k = m.n.compliances > 0 ? m.n.limits - 1 : -1; k >= 0; --k)
+    if (m.bodies()[m.limits()[k].body].joint == p.joint) {
+      put_compliance(e, m.limit_compliances()[k].law, "solreflimit", "solimplimit");
+      break;
+    }
   const JointSpec spec = spec_of(m, m.joints()[p.joint]);
   if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
     const int nv = joint_nv(s.type), nq = joint_nq(s.type);

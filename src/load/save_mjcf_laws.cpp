@@ -76,6 +76,12 @@ const ForceLimitRecord* MjcfWriter::force_limit(Index joint, Index tendon) const
   return at == end ? nullptr : at;
 }
 
+void MjcfWriter::put_compliance(XmlElement& e, const Compliance& law, const char* reference, const char* impedance) {
+  const Compliance usual;
+  if (!std::equal(law.reference, law.reference + 2, usual.reference)) put(e, reference, std::span(law.reference));
+  if (!std::equal(law.impedance, law.impedance + 5, usual.impedance)) put(e, impedance, std::span(law.impedance));
+}
+
 // PID or DC motor.
 void MjcfWriter::put_driver(XmlElement& e, const dynActuator& a) {
   const dynDcMotor& x = a.motor;
@@ -186,6 +192,11 @@ void MjcfWriter::add_constraints() {
                                                                                      : "connect");
     put(e, "name", name);
     if (!c.enabled) put(e, "active", std::string("false"));
+    if (m.n.compliances > 0) {
+      const Compliance& law = m.constraint_compliances()[k].law;
+      put_compliance(e, law, "solref", "solimp");
+      if (c.type == DYN_CONSTRAINT_TYPE_WELD && law.scale != 1) put(e, "torquescale", law.scale);
+    }
     if (coupling) {
       const Piece& first = piece(c.first, 0);
       std::array<double, 5> polynomial = {c.coefficients[0]};  // of the coordinates from where they are drawn

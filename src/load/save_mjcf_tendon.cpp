@@ -50,6 +50,7 @@ void MjcfWriter::add_tendons() {
     const bool fixed = t.type == DYN_TENDON_TYPE_FIXED;
     XmlElement& tendon = *section("tendon").InsertNewChildElement(fixed ? "fixed" : "spatial");
     put(tendon, "name", std::string(m.string(m.tendons()[k].name)));
+    if (m.n.compliances > 0) put_compliance(tendon, m.tendon_compliances()[k].law, "solreflimit", "solimplimit");
     if (t.range[0] < t.range[1]) put_range(tendon, "range", t.range);
     else losses.loss("ranges of a single point", m.string(m.tendons()[k].name));
     // two -1 would stand for the length that the file draws
@@ -69,6 +70,7 @@ void MjcfWriter::add_tendons() {
     put(e, "name", std::string(m.string(p.name))), put(e, "tendon1", name(p.first));
     if (p.elements >= 0) put(e, "tendon2", name(p.elements));
     put(e, "polycoef", std::span(p.polynomial));
+    if (m.n.compliances > 0) put_compliance(e, m.coupling_compliances()[k - m.n.tendons].law, "solref", "solimp");
   }
 }
 

@@ -162,7 +162,17 @@ bool BlockChecker::constraints() {
     counted.type = c.spec.type, counted.joint_type = c.spec.joint_type;
     rows += constraint_rows(counted);
     return true;
-  }) && require(rows == n.constraint_rows, "rows of the constraints");
+  }) && require(rows == n.constraint_rows, "rows of the constraints") && compliances();
+}
+
+bool BlockChecker::compliances() {
+  const std::int64_t all = std::int64_t(n.geoms) + n.limits + n.constraints + n.tendons + n.couplings + n.materials;
+  return require(n.compliances == 0 || n.compliances == all, "the number of compliances") && each(n.compliances, [&](Index k) {
+           const ComplianceRecord& x = m.compliances()[k];
+           return require(is_valid(x.law) && is_coefficient(x.weight[0]) && is_coefficient(x.weight[1]) && x.ratio > 0 &&
+                              std::isfinite(x.ratio) && (x.pyramidal == 0 || x.pyramidal == 1),
+                          "a compliance");
+         });
 }
 
 bool BlockChecker::actuators() {

@@ -26,7 +26,7 @@ class BlockChecker {
   bool frames();             // and links, weights, drag boxes
   bool surfaces();
   bool shapes();             // and pairs
-  bool constraints();
+  bool constraints(), compliances();
   bool actuators();
   bool tendons();            // and all paths
   bool sensors();            // after actuators and tendons

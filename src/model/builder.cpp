@@ -451,6 +451,11 @@ void Builder::stepping(double dt, dynIntegrator integrator, std::uint32_t effect
   impl->simulation.dt = dt, impl->simulation.integrator = integrator, impl->simulation.effects = effects;
 }
 
+void Builder::compliant(double impratio, bool pyramidal) {
+  if (!(impratio > 0 && impratio <= 1e15))
+    refuse(DYN_ERROR_INVALID, "impratio is " + number(impratio) + ": give a positive number");
+  impl->compliant = true, impl->impratio = impratio, impl->pyramidal = pyramidal;
+}
 
 void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
   const std::string who = "pair '" + body1 + "', '" + body2 + "'";

@@ -14,6 +14,7 @@
 
 #include "dyn.h"
 #include "effect/driver.hpp"
+#include "model/compliance.hpp"
 #include "model/pair_filter.hpp"
 #include "shape/material.hpp"
 
@@ -54,6 +55,7 @@ struct JointSpec {
   std::string mimic;  // leader's name; "" for none
   double mimic_ratio = 1, mimic_offset = 0;
   std::vector<JointSpec> parts;  // composite
+  Compliance compliance = {};    // of its limits
 };
 
 struct Shape {
@@ -70,6 +72,7 @@ struct Shape {
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
   std::uint32_t colour = 0;                              // colour.hpp
   PairFilter filter = PairFilter::Guess;
+  Compliance compliance = {};
 };
 
 // An element of a tendon, as dynTendonElement.
@@ -146,14 +149,16 @@ class Builder {
   void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);
   // first and second name frames, or joints; "": the universe, or none.
-  void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second);
+  void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second,
+                  const Compliance& compliance = {});
   void allow_massless_joints();  // finish() reports joints that move no inertia; without this it throws
   void constraint_slots(int spare);
   void contact_capacity(int contacts);  // of a step; 0: by its shapes
   // (builder_tendon.cpp)
-  void tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements);
+  void tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements,
+              const Compliance& compliance = {});
   void couple_tendons(const std::string& name, const std::string& tendon1, const std::string& tendon2,
-                      const std::array<double, 5>& coefficients);
+                      const std::array<double, 5>& coefficients, const Compliance& compliance = {});
   // target: the name of a joint, tendon or frame; reference: of a frame, or "". (builder_actuator.cpp)
   void actuator(const std::string& name, const dynActuator& spec, const std::string& target, const std::string& reference = "");
   // object: the name of a joint, tendon, actuator or frame, by spec.quantity; reference: of a frame, or "". (builder_sensor.cpp)
@@ -164,7 +169,10 @@ class Builder {
   void mocap(const std::string& body);  // a link fixed to the world, whose pose data sets
   void medium(double density, double viscosity, const std::array<double, 3>& wind);
   // Two collision shapes, by their names, that are tested whatever the filter says. material: nullptr, that of the shapes.
-  void pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material);
+  void pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material,
+            const Compliance& compliance = {});
+  // The model states compliances: of what is added, the defaults where it is silent. impratio, pyramidal: of MuJoCo's cones.
+  void compliant(double impratio, bool pyramidal);
 
   // Operations on the whole; one that throws changes nothing. (builder_lock.cpp, builder_attach.cpp, builder_subtree.cpp)
   // Fixes joints, and their followers, at q (nq numbers in the order of the model that would be made).

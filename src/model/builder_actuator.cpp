@@ -233,7 +233,8 @@ int Builder::Impl::find_shape(const std::string& name, const std::string& who) c
   return at == names.shapes.end() ? -1 : at->second[0];
 }
 
-void Builder::pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material) {
+void Builder::pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material,
+                   const Compliance& compliance) {
   const std::string who = "pair of '" + shape1 + "' and '" + shape2 + "'";
   const auto find = [&](const std::string& name) {
     const int found = impl->find_shape(name, who);
@@ -249,7 +250,7 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
     if (const shape::BadNumber bad = shape::bad_number(*material); bad.name)
       refuse(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE,
              who + ": " + bad.name + " is " + number(bad.value));
-  impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt});
+  impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt, compliance});
 }
 
 std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators,

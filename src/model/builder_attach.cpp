@@ -138,7 +138,10 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.check_sensor_name(s.name);
     next.sensors.push_back(std::move(s));
   }
-  for (const PairEntry& p : other.pairs) next.pairs.push_back({p.shape1 + shapes_before, p.shape2 + shapes_before, p.material});
+  for (const PairEntry& p : other.pairs) 
+    next.pairs.push_back({p.shape1 + shapes_before, p.shape2 + shapes_before, p.material, p.compliance});
+  if (other.compliant && !next.compliant)
+    next.compliant = true, next.impratio = other.impratio, next.pyramidal = other.pyramidal;
   next.allow_massless |= other.allow_massless;
   next.constraint_slots = std::max(next.constraint_slots, other.constraint_slots);
   if (next.contact_capacity > 0) next.contact_capacity = std::min(next.contact_capacity + other.contact_capacity, max_contacts);

@@ -36,7 +36,8 @@ struct Compiler {
   Text text = {};
   ModelSizes n = {};
   WantedPairs wanted = {};
-  std::unordered_map<std::string, std::size_t> materials = {};  // by their bytes
+  std::unordered_map<std::string, std::size_t> materials = {};  // by their bytes and those of a pair's compliance
+  std::vector<Compliance> material_compliances = {};
   Index name = 0;               // of the model, in text
   bool mimic = false;
   ModelPtr model = {};
@@ -55,7 +56,7 @@ struct Compiler {
   // builder_links.cpp
   void place_on_mocap(const FrameEntry& f, FrameRecord& r);
   void add_frames();            // and the inertia of links
-  std::uint16_t number_of(const dynMaterial& x);
+  std::uint16_t number_of(const dynMaterial& x, const Compliance* own = nullptr);
   void add_wanted_pairs();      // before shapes: their materials come first
   void add_shapes();
   void add_pairs();
@@ -66,6 +67,7 @@ struct Compiler {
   // builder_indices.cpp
   void add_runs();
   void add_limits();
+  void add_compliances();  // builder_compliance.cpp: after all that they are of
   // builder_tendon.cpp: after the actuators
   void add_paths();
   void add_sensors();  // builder_sensor.cpp

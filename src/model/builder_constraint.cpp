@@ -14,14 +14,15 @@ void Builder::Impl::check_constraint_name(const std::string& name) const {
     refuse(DYN_ERROR_NAME, "constraint '" + name + "' exists already: choose another name");
 }
 
-void Builder::constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second) {
+void Builder::constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second,
+                         const Compliance& compliance) {
   impl->check_constraint_name(name);
   const std::string who = "constraint '" + name + "'";
   char message[256];
   if (const dynStatus status = check_constraint_numbers(spec, message, sizeof message)) refuse(status, who + ": " + message);
   if (spec.type == DYN_CONSTRAINT_TYPE_NONE)
     refuse(DYN_ERROR_ARGUMENT, who + ": its type is NONE: spare slots are empty by themselves");
-  ConstraintEntry entry{name, spec, -1, -1};
+  ConstraintEntry entry{name, spec, -1, -1, compliance};
   if (between_joints(spec.type)) {
     const auto joint = [&](const std::string& of) {
       const int j = impl->find_joint(of);

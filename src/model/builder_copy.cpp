@@ -19,6 +19,24 @@ Placement placement_of(const double* x) {
 }
 Axis axis_of(const double* x) { return {x[0], x[1], x[2]}; }
 
+template <class Impl>
+void copy_compliances(const Model& m, Impl& to) {
+  if (m.n.compliances == 0) return;
+  to.compliant = true, to.impratio = m.compliances()[0].ratio, to.pyramidal = m.compliances()[0].pyramidal != 0;
+  for (Index k = 0; k < m.n.geoms; ++k) to.shapes[std::size_t(m.geoms()[k].shape)].shape.compliance = m.geom_compliances()[k].law;
+  for (Index k = 0; k < m.n.limits; ++k)
+    to.joints[std::size_t(m.bodies()[m.limits()[k].body].joint) - 1].spec.compliance = m.limit_compliances()[k].law;
+  for (Index k = 0; k < m.n.constraints; ++k) to.constraints[std::size_t(k)].compliance = m.constraint_compliances()[k].law;
+  for (Index k = 0; k < m.n.tendons; ++k) to.tendons[std::size_t(k)].compliance = m.tendon_compliances()[k].law;
+  for (Index k = 0; k < m.n.couplings; ++k) to.couplings[std::size_t(k)].compliance = m.coupling_compliances()[k].law;
+  std::size_t pair = 0;
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    const PairRecord& r = m.pairs()[k];
+    if (r.material()) to.pairs[pair].compliance = m.material_compliances()[r.material() - 1].law;
+    pair += r.wanted();
+  }
+}
+
 }  // namespace
 
 JointSpec spec_of(const Model& m, const JointRecord& r) {
@@ -149,6 +167,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     if (r.material()) pair.material = m.materials()[r.material() - 1];
     impl->pairs.push_back(pair);
   }
+  copy_compliances(m, *impl);
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
     const double *q = m.configurations() + std::ptrdiff_t(k) * m.n.nq, *v = m.configuration_state(k), *u = v + m.n.nv,
                  *act = u + m.n.nu;

@@ -30,6 +30,7 @@ ModelPtr Compiler::compile() {
   add_paths();
   add_sensors();
   add_limits();
+  add_compliances();
   add_subtrees();
   sort_names();
   close_text();
@@ -44,6 +45,7 @@ ModelPtr Compiler::compile() {
   massless = check_dynamics(*model, order, in.joints, in.frames, in.allow_massless);
   check_constraints(*model);
   if (model->n.paths > 0) settle_tendons(*model);
+  if (model->n.compliances > 0) settle_compliances(*model);
   model->n.contacts = Index(contact_capacity_of(*model));
   return std::move(model);
 }

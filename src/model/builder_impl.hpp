@@ -84,6 +84,7 @@ struct ConstraintEntry {
   std::string name;
   dynConstraint spec;
   int first, second;
+  Compliance compliance = {};
 };
 
 // Indices of a joint (JOINT) or frames; -1: none.
@@ -96,12 +97,14 @@ struct TendonEntry {
   std::string name;
   dynTendon spec;
   std::vector<TendonElementEntry> elements;
+  Compliance compliance = {};
 };
 // Of two tendons, by their indices; tendon2 -1: of one.
 struct TendonCoupling {
   std::string name;
   int tendon1, tendon2;
   std::array<double, 5> coefficients;
+  Compliance compliance = {};
 };
 
 struct ActuatorEntry {
@@ -130,6 +133,7 @@ struct SensorEntry {
 struct PairEntry {
   int shape1, shape2;
   std::optional<dynMaterial> material;
+  Compliance compliance = {};  // with a material
 };
 
 // Numbers of a list's entries by name, the first of equals. Entries that were added since the last call are looked at then.
@@ -173,6 +177,8 @@ struct Builder::Impl {
   bool allow_massless = false;  // joints that move no inertia: a warning; forward dynamics then fails when it is called
   int constraint_slots = 8;  // spare ones
   int contact_capacity = 0;  // 0: by the shapes
+  bool compliant = false, pyramidal = true;
+  double impratio = 1;
   std::vector<TendonEntry> tendons;
   std::vector<TendonCoupling> couplings;
   std::vector<ActuatorEntry> actuators;
@@ -291,6 +297,8 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
                                          const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n);
 // Lengths at rest that the entries leave open, and those of couplings, in the finished model. (algorithm/builder_paths.cpp)
 void settle_tendons(Model& m);
+// Inverse inertias of compliances, in the finished model. (algorithm/builder_compliance.cpp)
+void settle_compliances(Model& m);
 // On which a medium drags; X: the link's frame in its body's internal one. None of a link without mass.
 std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);
 

@@ -91,17 +91,18 @@ void Compiler::add_frames() {
 }
 
 // Where x is, one of them if it is new.
-std::uint16_t Compiler::number_of(const dynMaterial& x) {
-  const std::string bytes(reinterpret_cast<const char*>(&x), sizeof x);
+std::uint16_t Compiler::number_of(const dynMaterial& x, const Compliance* own) {
+  std::string bytes(reinterpret_cast<const char*>(&x), sizeof x);
+  if (own && in.compliant) bytes.append(reinterpret_cast<const char*>(own), sizeof *own);
   const auto [at, added] = materials.try_emplace(bytes, a.materials.size());
   if (at->second > UINT16_MAX) throw Error(DYN_ERROR_LIMIT, "more than 65536 different materials");
-  if (added) a.materials.push_back(x);
+  if (added) a.materials.push_back(x), material_compliances.push_back(own ? *own : Compliance());
   return std::uint16_t(at->second);
 }
 
 void Compiler::add_wanted_pairs() {
   for (const PairEntry& p : in.pairs)
-    wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(*p.material) : 0;
+    wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(*p.material, &p.compliance) : 0;
   if (a.materials.size() > std::size_t(PairRecord::max_own))
     throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
 }

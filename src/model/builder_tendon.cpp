@@ -82,12 +82,13 @@ int Builder::Impl::find_tendon(const std::string& name, const std::string& who) 
   refuse(DYN_ERROR_NAME, who + ": there is no tendon '" + name + "': add it first");
 }
 
-void Builder::tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements) {
+void Builder::tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements,
+                     const Compliance& compliance) {
   impl->check_tendon_name(name);
   const std::string who = "tendon '" + name + "'";
   check_tendon_numbers(who, spec);
   if (elements.empty()) refuse(DYN_ERROR_INVALID, who + ": it has no element");
-  TendonEntry entry{name, spec, {}};
+  TendonEntry entry{name, spec, {}, compliance};
   for (std::size_t k = 0; k < elements.size(); ++k) {
     const TendonElement& e = elements[k];
     const std::string at = who + ": element " + std::to_string(k);
@@ -120,14 +121,14 @@ void Builder::tendon(const std::string& name, const dynTendon& spec, const std::
 }
 
 void Builder::couple_tendons(const std::string& name, const std::string& tendon1, const std::string& tendon2,
-                             const std::array<double, 5>& coefficients) {
+                             const std::array<double, 5>& coefficients, const Compliance& compliance) {
   impl->check_coupling_name(name);
   const std::string who = "coupling '" + name + "'";
   const int one = impl->find_tendon(tendon1, who), two = tendon2.empty() ? -1 : impl->find_tendon(tendon2, who);
   if (one == two) refuse(DYN_ERROR_INVALID, who + ": that is one tendon");
   for (const double c : coefficients)
     if (!std::isfinite(c)) refuse(DYN_ERROR_NONFINITE, who + ": a coefficient is " + number(c) + ": give a finite number");
-  impl->couplings.push_back({name, one, two, coefficients});
+  impl->couplings.push_back({name, one, two, coefficients, compliance});
 }
 
 void Compiler::add_paths() {

@@ -8,6 +8,7 @@
 #include "dyn.h"
 #include "effect/driver.hpp"
 #include "joint/body.hpp"
+#include "model/compliance.hpp"
 #include "model/pair_filter.hpp"
 #include "model/stored.hpp"
 #include "shape/height_field.hpp"
@@ -230,6 +231,7 @@ struct ModelSizes {
   Index mocaps;
   Index sensors, sensor_values;
   Index force_limits, adhesions;  // adhesions: paths of this kind
+  Index compliances, padding;  // compliances 0: the model states none. padding: an even number of sizes, as before them
 };
 
 struct Model {
@@ -271,6 +273,13 @@ struct Model {
   const double* configuration_state(Index k) const {
     return configuration_states() + std::ptrdiff_t(k) * (n.nv + n.nu + n.na + 1);
   }
+  // Parts of compliances().
+  const ComplianceRecord* geom_compliances() const { return compliances(); }
+  const ComplianceRecord* limit_compliances() const { return compliances() + n.geoms; }
+  const ComplianceRecord* constraint_compliances() const { return limit_compliances() + n.limits; }
+  const ComplianceRecord* tendon_compliances() const { return constraint_compliances() + n.constraints; }
+  const ComplianceRecord* coupling_compliances() const { return tendon_compliances() + n.tendons; }
+  const ComplianceRecord* material_compliances() const { return coupling_compliances() + n.couplings; }
   // Share of a link's weight that is held from outside.
   double compensation(Index link) const {
     for (const GravityCompensation *w = gravity_compensations(), *end = w + n.gravity_compensations; w != end; ++w)

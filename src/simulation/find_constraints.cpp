@@ -51,6 +51,8 @@ struct Finder {
     if (active_rows(m, d) == 0) return;
     ensure_all_columns(m, d);
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
+    if (w.options.contact_model == DYN_CONTACT_MODEL_AS_FILE) [[unlikely]]
+      for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index) { set_file_rows(m, d, s, v); });
     for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
       if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = box_rate(m, d, s, v);
@@ -133,6 +135,7 @@ struct Finder {
     if (m.n.contacts == 0) return;
     find_contacts(m, d, h, min_distance);
     for (Index k = 0; k < w.contact_count; ++k) init_contact(m, d, k, h);
+    if (w.options.contact_model == DYN_CONTACT_MODEL_AS_FILE) [[unlikely]] keep_touching(m, w);
     fit_contact_rows(m, d);
     const auto tree = [&](Index geom) { return d.geoms[geom].body == 0 ? -1 : w.tree_of[d.geoms[geom].body]; };
     for (Index k = 0; k < w.contact_count; ++k) {

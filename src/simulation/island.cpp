@@ -133,7 +133,7 @@ void Island::assign_rows() {
 }
 
 void Island::fill() {
-  drop_redundant();
+  if (!is_as_file()) [[likely]] drop_redundant();
   if (is_exact()) tolerance = w.has_tolerance() ? w.tolerance() : tuning::island::fine;
   if (!is_exact()) slack = tuning::island::slack * shape::norm(load3(d.world_gravity)) * h * h;
   for (Index k = 0; k < constraint_count && w.closed_gap > 0; ++k)
@@ -144,6 +144,7 @@ void Island::fill() {
     else if (x.kind == RowKind::Box) fill_box(*this, x, in_boxes++);
     else fill_contact(*this, x, in_contacts++);
   }
+  if (is_as_file()) [[unlikely]] fill_as_file();
   enough = w.has_tolerance() || contacts == 0 ? tolerance : tuning::island::tolerance;
   if (bounces) tolerance = enough = std::min(tolerance, tuning::island::fine);  // else impacts may gain energy
 }

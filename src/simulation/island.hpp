@@ -59,6 +59,10 @@ struct Island {
   // island.cpp: numbers rows, fills vectors
   void assign_rows();
   void fill();
+  // rows as the file has them: compliant_rows.cpp, convex_solve.cpp
+  void fill_as_file();
+  bool solve_as_file(dynContactReport& report);  // returns false, and does nothing, where it has no room
+  bool is_as_file() const { return w.options.contact_model == DYN_CONTACT_MODEL_AS_FILE; }
   double wanted(double residual, double usual) const;  // residual with which the solve from a guess of `residual` ends
   void drop_redundant();
   void keep_all();

@@ -61,12 +61,43 @@ void implicit_springs(const Model& m, const Data<T>& d, T h, Springs which, F&& 
   }
 }
 
+// d.armature += h D
+template <class T, class Part>
+void add_damping(const Model& m, Data<T>& d, T h, const Part& part) {
+  if (!(d.acting & DYN_EFFECT_DAMPING)) return;
+  for_each_dof_range(m, part, [&](Index first, Index end) {
+    for (Index k = first; k < end; ++k) d.armature[k] += h * d.damping[k];
+  });
+}
+
+// Rows as the file has them meet the inertia M without damping, as in MuJoCo's Euler step, and damping acts on the change
+// x of the velocity that follows: v' = v + (M + h D)^-1 M x = v + x - (M + h D)^-1 h D x.
+template <class T, class Part>
+[[gnu::cold, gnu::noinline]] void damp_change(const Model& m, Data<T>& d, const T* v0, T h, const Part& part, T* without) {
+  if (!(d.acting & DYN_EFFECT_DAMPING)) return;
+  T *const armature = d.armature, *const tau = d.constraint_step, *const with = d.constraint_ddq;
+  const std::uint32_t acting = d.acting;
+  d.armature = d.net + m.n.nv, d.acting |= DYN_EFFECT_ARMATURE;  // as the step's forward dynamics left it
+  add_damping(m, d, h, part);
+  for_each_dof_range(m, part, [&](Index first, Index end) {
+    for (Index k = first; k < end; ++k) tau[k] = d.damping[k] * (d.v[k] - v0[k]);
+  });
+  const T *const rest = d.zero, *const no_forces = nullptr;
+  forward_dynamics(m, d, part, rest, static_cast<const T*>(tau), no_forces, with);
+  forward_dynamics(m, d, part, rest, rest, no_forces, without);
+  for_each_dof_range(m, part, [&](Index first, Index end) {
+    for (Index k = first; k < end; ++k) d.v[k] -= h * (with[k] - without[k]);
+  });
+  d.armature = armature, d.acting = acting;
+}
+
 // d.armature = armature plus the implicit terms of a step of h. The same bits in every call.
 template <class T, class Part>
 [[gnu::noinline]] void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
                                              const Part& part) {
   implicit_armature(m, d, armature, h, part);
   implicit_springs(m, d, h, springs, [&](Index k, T stiffness) { d.armature[k] += h * h * stiffness; });
+  if (simulation::has_file_rows(d)) [[unlikely]] add_damping(m, d, -h, part);
 }
 
 // Forward dynamics under tau and the actuators at the end of a step of h.
@@ -94,6 +125,7 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   const std::uint32_t acting = d.acting;
   Springs which = !(acting & DYN_EFFECT_SPRINGS) ? Springs::None : springs ? Springs::All : Springs::Stiff;
   bool some = which == Springs::All;
+  if (which == Springs::Stiff && simulation::has_file_rows(d)) [[unlikely]] which = Springs::None;  // as MuJoCo's
   if (which == Springs::Stiff) implicit_springs(m, d, h, which, [&](Index, T stiffness) { some = some || stiffness > T(0); });
   if (!some) which = Springs::None;
   if (some || (acting & always)) {
@@ -120,19 +152,22 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   s.keep(m, d, part);
   T *const hv = s.y, *const v0 = s.y0 + m.n.nv;
   bool batched = false;
+  const bool plain = simulation::has_file_rows(d);
   if constexpr (std::is_same_v<T, double>)
     if ((batched = d.step->free_bodies.batched)) simulation::integrate_velocity(m, d, h);
   with_unbatched_trees(d, part, [&](const auto& others) {
     others.for_each_group(m, [&](const Trees& t) {
       for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
     });
-    free_flight(m, others, v0, d.ddq, h, d.v);
+    free_flight(m, others, v0, d.ddq, h, d.v, plain);
   });
   const ConstraintOutcome met = apply_constraints(m, d, s, h);
   if (met == ConstraintOutcome::Sleeper) {
     part.for_each_group(m, [&](const Trees& t) { std::copy(v0 + t.v, v0 + t.v_end, d.v + t.v); });
     return false;
   }
+  if (plain) [[unlikely]]
+    with_unbatched_trees(d, part, [&](const auto& others) { damp_change(m, d, static_cast<const T*>(v0), h, others, s.f); });
   const T* const correction = met == ConstraintOutcome::Correction ? s.f : nullptr;
   if constexpr (std::is_same_v<T, double>)
     if (rests) simulation::detect_rest(m, d, v0, correction, h);
@@ -141,7 +176,7 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   });
   with_unbatched_trees(d, part, [&](const auto& others) {
     integrate(m, others, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
-    end_flight(m, others, s.q0, h, correction, d.q, d.v);
+    end_flight(m, others, s.q0, h, correction, d.q, d.v, plain);
   });
   if constexpr (std::is_same_v<T, double>)
     if (batched) simulation::integrate_position(d, h, correction);
@@ -156,7 +191,9 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
 // Free bodies are integrated in batches within this scope.
 struct FreeBodyScope {
   simulation::Workspace* w = nullptr;
-  explicit FreeBodyScope(Data<double>& d) : w(d.step) { simulation::begin_free_body_step(d); }
+  explicit FreeBodyScope(Data<double>& d) : w(d.step) {
+    if (!simulation::has_file_rows(d)) [[likely]] simulation::begin_free_body_step(d);
+  }
   template <class T>
   explicit FreeBodyScope(const Data<T>&) {}
   FreeBodyScope(const FreeBodyScope&) = delete;

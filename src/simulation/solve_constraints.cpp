@@ -140,7 +140,9 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   const double asked = tolerance;
-  if (bounces && !has_room_for_matrix()) {
+  if (is_as_file() && solve_as_file(report)) [[unlikely]] {
+    residual();  // sets by_dof and c
+  } else if (bounces && !has_room_for_matrix()) {
     solve_restitution(report);
   } else if (uses_sweeps_only()) {
     accelerated_sweeps(report);
@@ -186,7 +188,9 @@ bool Island::is_angle(const ActiveConstraint& x, Index row) const {
 // In steps that follow from an accuracy: the error where the step ends (simulation/extrapolated.hpp), less half of h times
 // the closing rate of rolling surfaces, once for each drift. That part is no error: it falls as h^2, and extrapolation
 // over steps of different lengths would turn it into one.
+// Rows as the file has them are springs: no error is theirs to correct.
 bool Island::correct() {
+  if (is_as_file()) [[unlikely]] return false;
   const double most = correction_speed(d, h) * h / w.length;  // of the length scale, or rad
   const double ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;
   double largest = 0;

@@ -20,6 +20,12 @@ inline bool has_constraints(const Model& m, const Data<double>& d) {
   return m.n.path_rows > 0 && (d.acting & driving_effects);
 }
 bool paths_may_jump(const Model& m, const Data<double>& d);  // path_rows.hpp
+// Whether rows are as an MJCF file has them (compliant_rows.cpp).
+template <class T>
+bool has_file_rows(const Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>) return d.step->options.contact_model == DYN_CONTACT_MODEL_AS_FILE;
+  return false;
+}
 
 // Returns whether velocities may jump: contacts, limits or dry friction. Bilateral constraints do not make them jump.
 inline bool may_jump(const Model& m, const Data<double>& d) {
@@ -102,6 +108,9 @@ void take_previous_forces(const Model& m, Data<double>& d);  // first_guess.cpp
 // contact_rows.cpp: the bodies and the material of a contact, then its rows.
 void init_contact(const Model& m, Data<double>& d, Index contact, double h);
 void assemble_contact(const Model& m, Data<double>& d, ActiveConstraint& x);
+// For rows as the file has them (compliant_rows.cpp): keeps the contacts that touch; sets a constraint's rows as MuJoCo has them.
+void keep_touching(const Model& m, Workspace& w);
+void set_file_rows(const Model& m, const Data<double>& d, ConstraintInstance<double>& s, const double* v);
 // Drops the contacts with the largest distances while the rows of all exceed their room.
 void fit_contact_rows(const Model& m, Data<double>& d);
 void order_by_islands(const Model& m, Data<double>& d, Index slots);  // islands.cpp

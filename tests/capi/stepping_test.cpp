@@ -97,6 +97,9 @@ TEST(Stepping, BadOptions) {
   dynStepOptions budget = options_of(DYN_INTEGRATOR_RK4, 1);
   budget.time_budget = -1e-3, expect(DYN_ERROR_ARGUMENT, budget, "time_budget");
   budget.time_budget = nan, expect(DYN_ERROR_NONFINITE, budget, "time_budget");
+  dynStepOptions rows = options_of(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1);
+  rows.contact_model = static_cast<dynContactModel>(2), expect(DYN_ERROR_ARGUMENT, rows, "contact_model");
+  rows.contact_model = DYN_CONTACT_MODEL_AS_FILE, expect(DYN_ERROR_UNSUPPORTED, rows, "contact_model");  // no MJCF file
   dynStepOptions small = options_of(DYN_INTEGRATOR_RK4, 1);
   small.struct_size = 4;
   expect(DYN_ERROR_SIZE, small, "struct_size");

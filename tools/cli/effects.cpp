@@ -26,7 +26,7 @@ Data start(const Robot& robot, const State& state, const SteppingOptions& option
   Data data(robot, DYN_PART_SIMULATION, on);
   set_start(robot, data, state);
   set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0,
-               {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget});
+               contact_solver_of(options));
   return data;
 }
 

@@ -210,7 +210,7 @@ void run_sim(const SimOptions& given) {
   check_stepping(options);
   if (options.accuracy_given && (!(options.accuracy > 0) || !std::isfinite(options.accuracy)))
     bad_usage("--accuracy must be a positive number.");
-  const ContactSolver solver{solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget};
+  const ContactSolver solver = contact_solver_of(options);
   const bool adaptive = options.accuracy > 0;
   const bool page = !options.html.empty();
   const double rows = options.duration / 100;

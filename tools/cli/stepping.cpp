@@ -84,12 +84,17 @@ const Integrator& integrator_named(const std::string& name) {
 
 const Solver& solver_named(const std::string& name) { return solvers()[value_of("dynContactSolverType", "--solver", name)]; }
 
+ContactSolver contact_solver_of(const SteppingOptions& options) {
+  return {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget,
+          static_cast<dynContactModel>(value_of("dynContactModel", "--contact-model", options.contact_model))};
+}
+
 void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy,
                   const ContactSolver& solver, bool ledger) {
   dynStepOptions options;
   dyn_step_options_init(&options);
   options.solver = solver.type, options.tolerance = solver.tolerance, options.max_iterations = solver.max_iterations,
-  options.time_budget = solver.time_budget;
+  options.time_budget = solver.time_budget, options.contact_model = solver.model;
   options.integrator = integrator, options.dt = dt, options.accuracy = accuracy, options.ledger = ledger;
   check(dyn_data_set_step_options(robot, data, &options));
 }
@@ -113,6 +118,11 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
       .add_option("--time-budget", options.time_budget,
                   "Seconds of the solver in a step; then the best impulses act; 0: no limit, and repeatable results")
       ->check(decimal)
+      ->capture_default_str();
+  command
+      .add_option("--contact-model", options.contact_model,
+                  "How contacts, limits and equalities give way: " + one_of("dynContactModel") +
+                      "; as_file: by the MJCF file's solref and solimp, for comparisons with MuJoCo")
       ->capture_default_str();
   command.add_flag("--ground", options.ground, "Add the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);

@@ -28,7 +28,9 @@ struct ContactSolver {
   double tolerance;
   int max_iterations = 0;
   double time_budget = 0;  // s a step; 0: none
+  dynContactModel model = DYN_CONTACT_MODEL_RIGID;
 };
+ContactSolver contact_solver_of(const struct SteppingOptions& options);
 void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy,
                   const ContactSolver& solver, bool ledger = false);
 
@@ -37,7 +39,7 @@ struct SteppingOptions {
   RobotOptions robot;
   StateOptions state;
   EffectOptions effects{"stated", ""};
-  std::string integrator, solver = "admm", configuration;  // integrator "": the file's
+  std::string integrator, solver = "admm", contact_model = "rigid", configuration;  // integrator "": the file's
   double duration = 0, dt = std::numeric_limits<double>::quiet_NaN(), tolerance = 0, time_budget = 0;
   int max_iterations = 0;
   bool ground = false;

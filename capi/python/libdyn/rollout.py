@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .arrays import Integers, Numbers
-    from .enums import ContactSolverTypeLike, IntegratorLike
+    from .enums import ContactModelLike, ContactSolverTypeLike, IntegratorLike
     from .model import Model
 
 Sensors = Mapping[str, Any]
@@ -160,6 +160,7 @@ class Rollouts:
         solver: ContactSolverTypeLike | None = None,
         tolerance: float | None = None,
         max_iterations: int | None = None,
+        contact_model: ContactModelLike | None = None,
         sensors: Sensors | None = None,
         model_sensors: bool = False,
         sensor_noise: int | None = None,
@@ -179,7 +180,7 @@ class Rollouts:
         tau         (N, R, nv), or (R, nv): generalised forces, N m or N, in the same way
         every       steps between records
         n, steps    where no array says them
-        integrator, solver, tolerance, max_iterations  as in Data.set_step_options
+        integrator, solver, tolerance, max_iterations, contact_model  as in Data.set_step_options
         sensors     {name: type or (type, frame)}: see dyn.SensorType
         model_sensors  record the model's own sensors, too, by their names; accelerations are the mean ones of the last step
         sensor_noise   a seed: those have noise, of simulation k with the seed plus k, of record r with the count r
@@ -205,7 +206,8 @@ class Rollouts:
             raise ArgumentError(f"contacts is {contacts!r}, but must be a number of contact points.")
 
         stepping, x = model.step_options, abi.initialized(abi.Rollout)
-        fill_stepping(stepping, integrator, solver, dt=dt, tolerance=tolerance, max_iterations=max_iterations)
+        fill_stepping(stepping, integrator, solver, dt=dt, tolerance=tolerance, max_iterations=max_iterations,
+                      contact_model=contact_model)
         x.steps, x.every, x.sensors, x.contact_capacity = plan.steps, every, len(types), contacts
         x.stepping, x.sensor, x.sensor_frame = ctypes.addressof(stepping), address(types), address(frames)
         keep = {name: plan.rows(name, value) for name, value in given.items()}

@@ -11,7 +11,7 @@ import numpy as np
 from . import abi
 from .choices import member, text, whole
 from .contact import Contact, to_contact
-from .enums import ContactSolverType, Integrator
+from .enums import ContactModel, ContactSolverType, Integrator
 from .errors import ArgumentError, ContactWarning
 from .guard import nested
 from .handles import DataHandle
@@ -20,7 +20,7 @@ from .material import Material
 
 if TYPE_CHECKING:
     from .arrays import Numbers
-    from .enums import ContactSolverTypeLike, IntegratorLike
+    from .enums import ContactModelLike, ContactSolverTypeLike, IntegratorLike
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
 _step = lib.dyn_step
@@ -107,13 +107,15 @@ class ContactForce(NamedTuple):
     """(3,): N m, world: of torsion and rolling."""
 
 
-def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numbers: Any) -> None:
+def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, contact_model: Any = None, **numbers: Any) -> None:
     """Sets the arguments of Data.set_step_options that are not None."""
     if integrator is not None:
         kind = _INTEGRATORS.get(integrator)
         options.integrator = member(Integrator, integrator, "integrator") if kind is None else kind
     if solver is not None:
         options.solver = member(ContactSolverType, solver, "solver")
+    if contact_model is not None:
+        options.contact_model = member(ContactModel, contact_model, "contact_model")
     for name, x in numbers.items():
         if x is not None:
             try:
@@ -142,6 +144,7 @@ class SimulationCalls(DataHandle):
         visit_sleepers: bool | None = None,
         ledger: bool | None = None,
         time_budget: float | None = None,
+        contact_model: ContactModelLike | None = None,
     ) -> None:
         """Sets how step and advance go. None leaves a value as it is.
 
@@ -155,11 +158,14 @@ class SimulationCalls(DataHandle):
         sleep_speed     m/s, rad/s, with the effect SLEEPING: an island sleeps after sleep_time (s) below this speed
         visit_sleepers  steps compute islands that sleep, too
         ledger          steps keep the error ledger; data needs the part ENERGY
+        contact_model   "rigid", or "as_file": contacts, limits and equalities give way by the MJCF file's solref and solimp, for
+                        comparisons with MuJoCo; in Euler steps of dt
         """
         options = self.step_options
         fill_stepping(
             options, integrator, dt=dt, accuracy=accuracy, solver=solver, tolerance=tolerance, max_iterations=max_iterations,
             sleep_speed=sleep_speed, sleep_time=sleep_time, visit_sleepers=visit_sleepers, ledger=ledger, time_budget=time_budget,
+            contact_model=contact_model,
         )  # fmt: skip
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 

@@ -162,7 +162,7 @@ GIVEN = {
     "collision 1": """
 origins, directions = np.array([[0, 0, 5.0]] * 2), np.array([[0, 0, -1.0]] * 2)
 a, b, X_a, X_b, motion_a, motion_b = ("box", (1, 1, 1)), ("sphere", 0.5), (np.eye(3), (0, 0, 0)), (np.eye(3), (3, 0, 0)), np.zeros(6), np.r_[-1, np.zeros(5)]""",
-    "contact 2": "G, g = np.eye(12), np.tile([0.1, 0, -1], 4); mu, e, R, b = [0.5] * 4, [0.1] * 4, np.full(12, 1e-6), "
+    "contact 3": "G, g = np.eye(12), np.tile([0.1, 0, -1], 4); mu, e, R, b = [0.5] * 4, [0.1] * 4, np.full(12, 1e-6), "
                  "np.zeros(12)",
     "effects 1": "m = dyn.load('models/robots/panda.urdf', base='fixed'); d = m.data(); q = m.neutral(); v = a = tau = "
                  "np.zeros(m.nv)",

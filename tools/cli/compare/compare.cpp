@@ -44,7 +44,7 @@ std::unique_ptr<Side> side_of(const std::string& file, SteppingOptions options, 
   side->stepping = {options.dt,
                     integrator_named(options.integrator).id,
                     effects_on(side->robot(), options.effects),
-                    {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget}};
+                    contact_solver_of(options)};
   side->start = start_of(side->robot(), options, warnings);
   return side;
 }
