@@ -124,6 +124,7 @@ dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double*
                              const double* tau) {
   Call call(model, data, 0, "dyn_data_set_state");
   if (call) call.inputs(q, v, a, tau);
+  if (call && (q || v) && call.d().step) call.d().step->growth = 0, call.d().step->ends_fast = true;
   return call.status;
 }
 

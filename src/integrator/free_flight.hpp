@@ -73,8 +73,8 @@ Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const
 
 // v holds v0 + h ddq. It becomes the velocity after all forces, still in the axes before the step.
 // plain: as MuJoCo, which moves the origin with its acceleration at the beginning of the step, and turns in the same way.
-template <class T, class Part>
-void free_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T h, T* v, bool plain = false) {
+template <bool plain, class T, class Part>
+void free_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T h, T* v) {
   for_each_free_flyer<T>(m, part, [&](const Body& b, Index i, const Vec3<T>& center) {
     const Vec3<T> c = plain ? Vec3<T>::zero() : center;
     const Vec3<T> u = load3(v0 + b.user_v), w = load3(v0 + b.user_v + 3), dw = load3(ddq + b.user_v + 3);
@@ -91,8 +91,8 @@ void free_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T 
 
 // After q = q0 (+) (h v + correction): moves the centre of mass by its own velocity and expresses v in the axes at the end.
 // correction: nullptr if there is none.
-template <class T, class Part>
-void end_flight(const Model& m, const Part& part, const T* q0, T h, const T* correction, T* q, T* v, bool plain = false) {
+template <bool plain, class T, class Part>
+void end_flight(const Model& m, const Part& part, const T* q0, T h, const T* correction, T* q, T* v) {
   for_each_free_flyer<T>(m, part, [&](const Body& b, Index, const Vec3<T>& center) {
     const Vec3<T> c = plain ? Vec3<T>::zero() : center;
     const Mat3<T> R0 = rotation(load_quaternion(q0 + b.user_q + 3)), R = rotation(load_quaternion(q + b.user_q + 3));

@@ -354,7 +354,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
   const Stages<T> s(m, d);
   Index failed = single_step(m, d, s, integrator, h, report);
   if constexpr (std::is_same_v<T, double>)
-    if (!failed && start && simulation::may_gain_energy(m, d, start + m.n.nq, h) && simulation::energy_numbers(m) <= 12 * s.n) [[unlikely]]
+    if (!failed && start && simulation::may_gain_energy(m, d, h) && simulation::energy_numbers(m) <= 12 * s.n) [[unlikely]]
       failed = repeat_without_gain(m, d, s, integrator, h, report, start);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);

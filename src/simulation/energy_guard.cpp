@@ -31,7 +31,7 @@ bool flies_alone(const Model& m, Index i) {
 }
 
 // Whether joints turn by more than guarded_motion rad, or slide by that share of the length scale. Free bodies keep their momentum.
-[[gnu::cold, gnu::noinline]] bool moves_far(const Model& m, const Data<double>& d, const double* v, double h) {
+bool moves_far(const Model& m, const Data<double>& d, const double* v, double h) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // degrees of freedom by BodyType
   const double motion = d.step->guarded_motion;
   for (Index i = 1; i < m.n.bodies; ++i) {
@@ -43,6 +43,10 @@ bool flies_alone(const Model& m, Index i) {
       if (!(std::abs(v[k]) * h <= motion * unit)) return true;
   }
   return false;
+}
+
+[[gnu::cold, gnu::noinline]] bool may_gain_at_speed(const Model& m, const Data<double>& d, double h) {
+  return d.step->rows_add_energy || moves_far(m, d, d.v, h) || moves_far(m, d, d.backup + m.n.nq, h);
 }
 
 // Gains and damping of an actuator's force at its end, as those of a joint.
@@ -78,17 +82,17 @@ double guarded_motion(const Model& m, double* subtree) {
   return tuning::guard::motion * std::clamp(tuning::guard::usual_ratio / ratio, tuning::guard::least_motion, 1.0);
 }
 
-bool may_gain_energy(const Model& m, Data<double>& d, const double* v0, double h) {
+bool may_gain_energy(const Model& m, Data<double>& d, double h) {
   Workspace& w = *d.step;
-  const bool began_fast = w.ends_fast;
+  const bool looks = w.ends_fast | w.rows_add_energy;
   const double most = w.guarded_motion / h;
   bool slow = true;
   with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) { slow &= all_within(d.v + t.v, t.v_end - t.v, most); });
   });
   w.ends_fast = !slow;
-  if (w.rows_add_energy) return true;
-  return (!slow && moves_far(m, d, d.v, h)) || (began_fast && moves_far(m, d, v0, h));
+  if (slow && !looks) [[likely]] return false;
+  return may_gain_at_speed(m, d, h);
 }
 
 bool moves(const Model& m, const Data<double>& d, double h) {
@@ -149,8 +153,9 @@ void add_gain(const Model& m, const Data<double>& d, const StepEnergy& before, c
   const double rounding = tuning::guard::rounding * (std::abs(before.potential()) + std::abs(after.potential()));
   const double rise = stored ? std::max(0.0, after.springs + after.actuators - before.springs - before.actuators) : 0;
   const double fallen = std::max({before.gravity - after.gravity, h * before.falling, h * after.falling});
-  sum.base += given + std::max(0.0, fallen), sum.gain += after.kinetic - before.kinetic + rise - given - fallen - rounding;
-  if (!stored && !d.step->corrected) sum.stretch += std::max(0.0, -released);
+  given += std::max(0.0, fallen);
+  sum.base += given, sum.gain += after.kinetic - before.kinetic + rise - given - rounding, sum.taken += std::max(0.0, -fallen);
+  if (!stored && !d.step->corrected) sum.taken += std::max(0.0, -released);
 }
 
 void forget_forces(Workspace& w) {

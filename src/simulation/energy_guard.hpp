@@ -28,8 +28,8 @@ inline std::ptrdiff_t energy_numbers(const Model& m) { return 8 * std::ptrdiff_t
 // move heavy ones, as M then changes by many times itself in a small motion.
 // subtree: memory of a number a body.
 double guarded_motion(const Model& m, double* subtree);
-// Returns whether a step of h from the velocity v0 to the state in d may have gained energy: the cheap test.
-bool may_gain_energy(const Model& m, Data<double>& d, const double* v0, double h);
+// Returns whether a step of h from d.backup to the state in d may have gained energy: the cheap test.
+bool may_gain_energy(const Model& m, Data<double>& d, double h);
 // Returns whether anything moves by more than rounding in a step of h: work of rows at rest has any sign.
 bool moves(const Model& m, const Data<double>& d, double h);
 // Energies of the state in d. The memory of the integrator's stages, from `memory` on, is overwritten.
@@ -37,13 +37,13 @@ StepEnergy step_energy(const Model& m, Data<double>& d, double* memory);
 // Sum over the parts of a step.
 struct EnergyGain {
   double gain, base;       // unexplained; K0 and what was given
-  double springs, stretch;  // their energy at the beginning, and by how much it grew where no correction stretched them
+  double springs, taken;   // their energy at the beginning, and what they and gravity took, but where a correction stretched them
   // share: of the base
   bool exceeds(double share) const { return !(gain <= share * base); }
   // of the kinetic energy, after `so_far`
   double growth(double so_far) const {
     const double kept = (so_far > tuning::guard::growth ? tuning::guard::fading : 1) * so_far;
-    return std::max(0.0, kept + (base > 0 ? (gain + stretch) / (base + springs) : 0));
+    return std::max(0.0, kept + (base > 0 ? (gain + taken) / (base + springs) : 0));
   }
 };
 // Adds a part of h that ended at the state in d. v0: its velocity at the beginning. stored: what V rises by counts, too; not

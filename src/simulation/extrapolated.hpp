@@ -22,7 +22,7 @@ inline void drift(const Model& m, Data<double>& d, const Stages<double>& s, doub
   s.begin(m, d);
   for (Index k = 0; k < m.n.nv; ++k) s.y[k] = h * d.v[k];
   integrate(m, static_cast<const double*>(s.q0), static_cast<const double*>(s.y), d.q);
-  end_flight(m, AllTrees{}, s.q0, h, static_cast<const double*>(nullptr), d.q, d.v);
+  end_flight<false>(m, AllTrees{}, s.q0, h, static_cast<const double*>(nullptr), d.q, d.v);
   for_each_single_flyer(m, [&](const Body& b, const Vec3<double>& c, const Mat3<double>& I) {
     const Vec3<double> w = load3(d.v + b.user_v + 3), turned = solve3(I, exp3(w * -h) * (I * w));
     store3(load3(d.v + b.user_v) + cross(w - turned, c), d.v + b.user_v), store3(turned, d.v + b.user_v + 3);
@@ -47,7 +47,7 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
   });
   if (apply_constraints(m, d, s, h) == ConstraintOutcome::Correction) {
     integrate(m, static_cast<const double*>(s.q0), static_cast<const double*>(s.f), d.q);
-    end_flight(m, AllTrees{}, s.q0, 0.0, static_cast<const double*>(s.f), d.q, d.v);
+    end_flight<false>(m, AllTrees{}, s.q0, 0.0, static_cast<const double*>(s.f), d.q, d.v);
     if (simulation::has_open_ledger(d)) simulation::record_correction(m, d, s.q0, s.f, s.f);
   }
   advance_activations(m, d, s.y0 + 2 * m.n.nv, h);

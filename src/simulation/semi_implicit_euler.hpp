@@ -145,6 +145,17 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   return joint;
 }
 
+// Apart, so that steps of rigid rows have no part in them.
+template <class Part, class T>
+[[gnu::cold, gnu::noinline]] void plain_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T h, T* v) {
+  free_flight<true>(m, part, v0, ddq, h, v);
+}
+template <class Part, class T>
+[[gnu::cold, gnu::noinline]] void end_plain_flight(const Model& m, const Part& part, const T* q0, T h, const T* correction, T* q,
+                                                   T* v) {
+  end_flight<true>(m, part, q0, h, correction, q, v);
+}
+
 // Ends an Euler step of some trees. rests: slow trees may come to rest. Returns false if a sleeping body was touched: v is then
 // as before.
 template <class T, class Part>
@@ -159,7 +170,8 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
     others.for_each_group(m, [&](const Trees& t) {
       for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
     });
-    free_flight(m, others, v0, d.ddq, h, d.v, plain);
+    if (plain) [[unlikely]] plain_flight(m, others, v0, d.ddq, h, d.v);
+    else free_flight<false>(m, others, v0, d.ddq, h, d.v);
   });
   const ConstraintOutcome met = apply_constraints(m, d, s, h);
   if (met == ConstraintOutcome::Sleeper) {
@@ -176,7 +188,8 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   });
   with_unbatched_trees(d, part, [&](const auto& others) {
     integrate(m, others, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
-    end_flight(m, others, s.q0, h, correction, d.q, d.v, plain);
+    if (plain) [[unlikely]] end_plain_flight(m, others, s.q0, h, correction, d.q, d.v);
+    else end_flight<false>(m, others, s.q0, h, correction, d.q, d.v);
   });
   if constexpr (std::is_same_v<T, double>)
     if (batched) simulation::integrate_position(d, h, correction);

@@ -136,7 +136,7 @@ inline constexpr double high_order_share = 1e-3;  // the same by methods of orde
 inline constexpr double part_share = 0.1;       // the same of all parts so far, and of the finest parts
 // Of the kinetic energy, in all steps so far: above `growth` steps are made in parts, and it fades by this factor in each;
 // above the other they are refused.
-inline constexpr double growth = 0.1, fading = 0.99, most_growth = 0.25;
+inline constexpr double growth = 0.15, fading = 0.99, most_growth = 0.3;
 inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy
 inline constexpr double amplification = 1.01;   // of oscillations in an explicit step: above it the method is unstable

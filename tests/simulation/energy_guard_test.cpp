@@ -40,7 +40,7 @@ TEST(EnergyGuard, RepeatsStepsThatGain) {
   }
 }
 
-// A thousand steps of less than 0.2 rad: each may gain 2 %, all together a tenth. Without the sum they end at 4.3 times the energy.
+// A thousand steps of less than 0.2 rad: each may gain 2 %, all together 15 %. Without the sum they end at 4.3 times the energy.
 TEST(EnergyGuard, BoundsWhatManyStepsGain) {
   Simulation run(two_rods(0), 0.01);
   run.set({0, 1.5}, {20, -20});
@@ -49,7 +49,7 @@ TEST(EnergyGuard, BoundsWhatManyStepsGain) {
   int tries = 0;
   for (int k = 0; k < 1000; ++k) run.steps(1), tries += int(run.report().rejected), most = std::max(most, run.energy() / begun);
   EXPECT_LE(most, 1.1);
-  EXPECT_NEAR(1514, tries, 60);
+  EXPECT_NEAR(1427, tries, 60);
 }
 
 // Two spheres of 1 g with stiff springs, half sunk into each other: they may take what the springs hold, in parts of the step, too.
