@@ -153,7 +153,7 @@ SCENES = {
     "boxes": (lambda: heap(5, 5, 'type="box" size=".06 .06 .06"', 0.5, 0.19), 2.0),
     "capsules": (lambda: heap(5, 5, 'type="capsule" size=".045 .06"', 0.5, 0.22), 2.0),
     "rocks": (rocks, 2.0),
-    "spheres": (lambda: heap(6, 6, 'type="sphere" size=".07"', 0.5, 0.16), 2.0),
+    "spheres": (lambda: heap(6, 6, 'type="sphere" size=".07"', 0.5, 0.16), 3.0),  # the columns fall into one heap after 1.8 s
     "wall30": (lambda: wall(6, 5), 1.0),
     "wall100": (lambda: wall(10, 10), 0.6),
     "wall225": (lambda: wall(15, 15), 0.4),
