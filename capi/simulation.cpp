@@ -181,6 +181,8 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
                 "dyn_data_set_step_options: time_budget is %g s: give what the solver may take, or 0 for no limit",
                 options->time_budget);
   if (const dynStatus s = check_contact_model(call.m(), *options)) return s;
+  if (options->reserved != 0)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: reserved is %d: it must be 0", options->reserved);
   if (options->ledger && !(call.d().parts & DYN_PART_ENERGY))
     return fail(DYN_ERROR_PART, "dyn_data_set_step_options: ledger needs data with DYN_PART_ENERGY");
   const dynStepOptions& now = call.d().step->options;  // a step knows its length

@@ -2473,6 +2473,7 @@ typedef struct dynStepOptions {
      corrects positions. Restitution, stiffness and damping of materials have no effect. Dry friction of
      joints and tendons stays rigid. */
   dynContactModel contact_model;
+  int32_t reserved; /* 0 */
 } dynStepOptions;
 /* Sleep (DYN_EFFECT_SLEEPING, off in new data) works in steps of SEMI_IMPLICIT_EULER and IMPLICIT_FAST
    without error control. An island is a tree of bodies and all that contacts, limits and constraints join it
