@@ -193,7 +193,7 @@ Workspace* place(const Model& m, Data<double>& d, void* memory) {
   layout.shared.locate(m, d);
   for_each_array(m, w, layout);
   w.options = default_options(m), w.length = own_length(m);
-  w.guarded_motion = guarded_motion(m, w.by_dof);
+  w.guarded_motion = guarded_motion(m, w.tree_speeds);
   if (w.free_bodies.sets) set_up_free_bodies(m, w.free_bodies), list_free_bodies(m, w);
   if (step_constraints(m) == 0) return &w;
   w.limits = remembered_rows(m);
