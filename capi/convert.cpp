@@ -175,6 +175,11 @@ dynStateLayout capi::defaults() {
 }
 
 template <>
+dynStateInput capi::defaults() {
+  return {};
+}
+
+template <>
 dynStateOutput capi::defaults() {
   return {};
 }
@@ -189,14 +194,16 @@ dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* la
   return DYN_OK;
 }
 
-dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q,
-                                   const double* v, const double* a, const double* tau, const dynStateOutput* output) {
+dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction,
+                                   const dynStateInput* input, const dynStateOutput* output) {
   const Layout l(model, layout);
   if (l.status != DYN_OK) return l.status;
   if (const dynStatus s = check_value(direction, function, "direction")) return s;
-  const Arrays in = {q, v, a, tau};
+  const Given<dynStateInput> given(function, input);
+  if (given.status != DYN_OK) return given.status;
   const Given<dynStateOutput> wanted(function, output);
   if (wanted.status != DYN_OK) return wanted.status;
+  const Arrays in = {given->q, given->v, given->a, given->tau};
   const Outputs out = {wanted->q, wanted->v, wanted->a, wanted->tau};
   if (const dynStatus s = check_arrays(in, out)) return s;
   if (direction == DYN_DIRECTION_TO_PEER)

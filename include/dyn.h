@@ -1226,6 +1226,12 @@ DYN_API void dyn_state_layout_init(dynStateLayout* layout, uint32_t struct_size)
 /* Sizes of the peer's q and v. */
 DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* layout, int* nq,
                                          int* nv);
+typedef struct dynStateInput {
+  uint32_t struct_size; /* set by dyn_state_input_init */
+  const double *q, *v, *a, *tau;
+} dynStateInput;
+DYN_API void dyn_state_input_init(dynStateInput* in, uint32_t struct_size);
+#define dyn_state_input_init(x) dyn_state_input_init(x, sizeof(dynStateInput))
 typedef struct dynStateOutput {
   uint32_t struct_size; /* set by dyn_state_output_init */
   double *q, *v, *a, *tau;
@@ -1239,8 +1245,8 @@ DYN_API void dyn_state_output_init(dynStateOutput* out, uint32_t struct_size);
    numbers of the peer are neither read nor written. Outputs must not overlap inputs. Angles from (cos, sin)
    are in (-pi, pi]. */
 DYN_API dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout,
-                                           dynDirection direction, const double* q, const double* v,
-                                           const double* a, const double* tau, const dynStateOutput* out);
+                                           dynDirection direction, const dynStateInput* in,
+                                           const dynStateOutput* out);
 
 /* ------------------------------------------------------------------------------------- inverse kinematics */
 

@@ -466,14 +466,14 @@ class Model {
   }
   State convert_(const StateLayout& layout, dynDirection direction, std::pair<int, int> from, std::pair<int, int> to,
                  const std::array<Input, 4>& in) const {
-    const double *q = in[0].of(from.first, "q"), *v = in[1].of(from.second, "v"), *a = in[2].of(from.second, "a"),
-                 *tau = in[3].of(from.second, "tau");
+    const dynStateInput given = {sizeof given, in[0].of(from.first, "q"), in[1].of(from.second, "v"), in[2].of(from.second, "a"),
+                                 in[3].of(from.second, "tau")};
     auto room = [](bool wanted, int n) { return Vector(wanted ? static_cast<std::size_t>(n) : 0); };
     State s{room(true, to.first), room(in[1].given(), to.second), room(in[2].given(), to.second), room(in[3].given(), to.second)};
     auto out = [](Vector& x) { return x.empty() ? nullptr : x.data(); };
     layout_(layout, [&](const dynStateLayout* l) {
       const dynStateOutput where = {sizeof where, out(s.q), out(s.v), out(s.a), out(s.tau)};
-      return dyn_state_layout_convert(get(), l, direction, q, v, a, tau, &where);
+      return dyn_state_layout_convert(get(), l, direction, &given, &where);
     });
     return s;
   }

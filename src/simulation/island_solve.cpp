@@ -68,8 +68,7 @@ bool Island::dense_matrix() {
       }
       for (int i = 0; i < columns && c + i < rows; ++i) sum[i].store(G + r + ld * (c + i));
     }
-  for (Index c = 0; c < rows; ++c)
-    for (Index r = c + 1; r < rows; ++r) G[c + ld * r] = G[r + ld * c];
+  mirror(G, ld, rows);
   return true;
 }
 

@@ -34,7 +34,8 @@ struct Peer {
 
 Peer to_peer(const dynModel* m, const Layout& l, const State& s) {
   Peer y{Sizes(m, l)};
-  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), s.a.data(), s.tau.data(),
+  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER,
+                                             with<dynStateInput>({0, s.q.data(), s.v.data(), s.a.data(), s.tau.data()}),
                                              with<dynStateOutput>({0, y.q.data(), y.v.data(), y.a.data(), y.tau.data()})))
       << dyn_last_error();
   return y;
@@ -45,7 +46,8 @@ State from_peer(const dynModel* m, const Layout& l, const Peer& y) {
              Numbers(std::size_t(dyn_model_nv(m))),
              Numbers(std::size_t(dyn_model_nv(m))),
              {}};
-  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_FROM_PEER, y.q.data(), y.v.data(), y.a.data(), y.tau.data(),
+  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_FROM_PEER,
+                                             with<dynStateInput>({0, y.q.data(), y.v.data(), y.a.data(), y.tau.data()}),
                                              with<dynStateOutput>({0, s.q.data(), s.v.data(), s.a.data(), s.tau.data()})))
       << dyn_last_error();
   return s;
@@ -197,7 +199,8 @@ TEST(Convert, OrderAndPlaces) {
   l.nq = 13, l.nv = 10;
   Peer y(Sizes(m, l), 77);
   ASSERT_EQ(13u, y.q.size());
-  ASSERT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr,
+  ASSERT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER,
+                                             with<dynStateInput>({0, s.q.data(), s.v.data(), nullptr, nullptr}),
                                              with<dynStateOutput>({0, y.q.data(), y.v.data(), nullptr, nullptr})));
   EXPECT_EQ((Numbers{77, std::cos(s.q[7]), std::sin(s.q[7]), 77, s.q[0], s.q[1], s.q[2], s.q[3], s.q[4], s.q[5], s.q[6], 77, 77}),
             y.q);
@@ -241,8 +244,10 @@ class ConvertRefused : public ::testing::Test {
   void refuse(const Refusal& r, dynDirection direction, const double* q) {
     Numbers out(100, -3.0), before = out;
     EXPECT_EQ(r.status,
-              dyn_state_layout_convert(m, &l, direction, q, direction == DYN_DIRECTION_TO_PEER ? s.v.data() : y.v.data(), nullptr,
-                                       nullptr, with<dynStateOutput>({0, out.data(), out.data() + 50, nullptr, nullptr})))
+              dyn_state_layout_convert(
+                  m, &l, direction,
+                  with<dynStateInput>({0, q, direction == DYN_DIRECTION_TO_PEER ? s.v.data() : y.v.data(), nullptr, nullptr}),
+                  with<dynStateOutput>({0, out.data(), out.data() + 50, nullptr, nullptr})))
         << r.what;
     EXPECT_TRUE(dyn_test::says(r.says)) << r.what;
     EXPECT_EQ(before, out) << r.what;
@@ -298,7 +303,8 @@ TEST_F(ConvertRefused, Layouts) {
     refuse({"convention", DYN_ERROR_ARGUMENT, {"convention"}});
   }
   EXPECT_EQ(DYN_ERROR_ARGUMENT,
-            dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr));
+            dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER,
+                                     with<dynStateInput>({0, s.q.data(), nullptr, nullptr, nullptr}), nullptr));
 }
 
 TEST_F(ConvertRefused, Arrays) {
@@ -317,10 +323,12 @@ TEST_F(ConvertRefused, Arrays) {
   y.q[7] = inf;
   refuse({"infinite", DYN_ERROR_NONFINITE, {"q[7]", "'hinge'", "infinite"}}, DYN_DIRECTION_FROM_PEER);
   double out[100];
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, s.a.data(), nullptr,
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER,
+                                                         with<dynStateInput>({0, s.q.data(), nullptr, s.a.data(), nullptr}),
                                                          with<dynStateOutput>({0, nullptr, nullptr, out, nullptr})));
   EXPECT_TRUE(says({"a is given without v"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr,
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER,
+                                                         with<dynStateInput>({0, s.q.data(), nullptr, nullptr, nullptr}),
                                                          with<dynStateOutput>({0, nullptr, nullptr, nullptr, out})));
   EXPECT_TRUE(says({"tau", "output", "without tau"}));
 }

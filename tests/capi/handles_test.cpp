@@ -206,7 +206,8 @@ TEST(Handles, TablesAreComplete) {
           "dyn_state_layout_init",
           // structs_test.cpp
           "dyn_save_options_init", "dyn_centroidal_derivatives_init", "dyn_second_order_derivatives_init",
-          "dyn_aba_derivatives_init", "dyn_state_output_init", "dyn_ik_output_init", "dyn_constrained_output_init",
+          "dyn_aba_derivatives_init", "dyn_state_input_init", "dyn_state_output_init", "dyn_ik_output_init",
+          "dyn_constrained_output_init",
           "dyn_constraint_derivatives_init", "dyn_geometry_pair_init", "dyn_rays_init", "dyn_qp_init", "dyn_height_field_init",
           // numbers alone: inertial_parameters_test.cpp
           "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia",

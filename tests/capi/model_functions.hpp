@@ -176,7 +176,7 @@ inline const ModelFunction model_functions[] = {
      [](auto* m) {
        dynStateLayout layout;
        dyn_state_layout_init(&layout);
-       return dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, out, out, out, out,
+       return dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, with<dynStateInput>({0, out, out, out, out}),
                                        with<dynStateOutput>({0, out, out, out, out})) == DYN_ERROR_HANDLE;
      }},
 };

@@ -107,9 +107,12 @@ const std::map<std::string, Row> rows = {
     READ(dynShapeSpec, dyn_shape_spec_init, surface, (void)r; Builder b; s.body = "universe";
          s.size[0] = s.size[1] = s.size[2] = 1; return dyn_builder_add_shape(b, &s);),
     READ(dynStateLayout, dyn_state_layout_init, child_frame, return dyn_state_layout_sizes(r.m, &s, nullptr, nullptr);),
+    READ(dynStateInput, dyn_state_input_init, tau, s.q = r.out; dynStateLayout l; dyn_state_layout_init(&l);
+         return dyn_state_layout_convert(r.m, &l, DYN_DIRECTION_TO_PEER, &s,
+                                         with<dynStateOutput>({0, r.out, nullptr, nullptr, nullptr}));),
     READ(dynStateOutput, dyn_state_output_init, tau, s.q = r.out; const double q[2] = {}; dynStateLayout l;
-         dyn_state_layout_init(&l);
-         return dyn_state_layout_convert(r.m, &l, DYN_DIRECTION_TO_PEER, q, nullptr, nullptr, nullptr, &s);),
+         dyn_state_layout_init(&l); return dyn_state_layout_convert(r.m, &l, DYN_DIRECTION_TO_PEER,
+                                                                    with<dynStateInput>({0, q, nullptr, nullptr, nullptr}), &s);),
     READ(dynCentroidalDerivatives, dyn_centroidal_derivatives_init, dhdot_da, s.dh_dq = r.out;
          return dyn_centroidal_derivatives(r.m, r.d, nullptr, nullptr, nullptr, &s);),
     READ(dynSecondOrderDerivatives, dyn_second_order_derivatives_init, dadq, s.dqdq = r.out;

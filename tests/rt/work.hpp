@@ -209,15 +209,17 @@ struct Work {
         int nq = 0, nv = 0;
         if (dyn_state_layout_sizes(m, &layout, &nq, &nv) != DYN_OK || std::size_t(nq + nv) > peer.size())
           continue;  // ROS: joints of one coordinate
-        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr,
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER,
+                                 with<dynStateInput>({0, s.q.data(), s.v.data(), nullptr, nullptr}),
                                  with<dynStateOutput>({0, peer.data(), peer.data() + nq, nullptr, nullptr}));
-        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr,
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_FROM_PEER,
+                                 with<dynStateInput>({0, peer.data(), peer.data() + nq, nullptr, nullptr}),
                                  with<dynStateOutput>({0, J1.data(), J2.data(), nullptr, nullptr}));
       }
       layout.joints = names.data(), layout.joints_count = names.size();
-      dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr,
+      dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, with<dynStateInput>({0, s.q.data(), nullptr, nullptr, nullptr}),
                                with<dynStateOutput>({0, peer.data(), nullptr, nullptr, nullptr}));
-      dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, nullptr, nullptr, nullptr, nullptr, nullptr);
+      dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, nullptr, nullptr);
     });
     add("configurations", [this] {
       double* out = J1.data();

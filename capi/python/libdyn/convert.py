@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .arrays import Numbers
     from .enums import AngleLike, ConventionLike
 
+_inputs = abi.outputs_of(abi.StateInput)
 _outputs = abi.outputs_of(abi.StateOutput)
 
 
@@ -157,6 +158,6 @@ class States(Configurations):
                     raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
             given.append(x)
         out = [None if x is None else np.zeros(n) for x, n in zip(given, (nq_out, nv_out, nv_out, nv_out))]
-        check(lib.dyn_state_layout_convert(self._m, byref(layout._layout), towards, *map(address, given),
+        check(lib.dyn_state_layout_convert(self._m, byref(layout._layout), towards, _inputs(*map(address, given)),
                                            _outputs(*map(address, out))))
         return State(*out)

@@ -208,8 +208,7 @@ void delassus(const Model& m, Data<T>& d, Index rows, T* G) {
       with_row_count(s.rows, block);
     }
   });
-  for (Index c = 0; c < rows; ++c)
-    for (Index r = c + 1; r < rows; ++r) G[c + ld * r] = G[r + ld * c];
+  mirror(G, ld, rows);
 }
 
 // x = Y^T lambda by degrees of freedom.

@@ -40,9 +40,7 @@ Index pivoted_factor(const T* G, std::ptrdiff_t ld, Index n, T tolerance, T* R, 
   first = last = T(1);
   Index rank = 0;
   for (; rank < n; ++rank) {
-    Index best = 0;
-    for (Index i = 1; i < n; ++i)
-      if (remaining[i] > remaining[best]) best = i;
+    const Index best = largest_entry(remaining, n);
     const T pivot = remaining[best];
     if (!(pivot > tolerance)) break;
     if (rank == 0) first = pivot;
@@ -51,6 +49,7 @@ Index pivoted_factor(const T* G, std::ptrdiff_t ld, Index n, T tolerance, T* R, 
     for (Index i = 0; i < n; ++i) row[i] = G[ld * best + i];
     for (Index k = 0; k < rank; ++k) {
       const T x = R[ld * k + best];
+      if (x == T(0)) continue;
       for (Index i = 0; i < n; ++i) row[i] -= R[ld * k + i] * x;
     }
     const T scale = T(1) / sqrt(pivot);
@@ -158,7 +157,8 @@ Index separate_inert_rows(const T* G, std::ptrdiff_t ld, Index n, const T* b, T 
   std::copy(G, G + ld * n, S), std::copy(b, b + n, wanted);
   for (Index i = 0; i < n; ++i) {
     if (!inert(i)) continue;
-    for (Index j = 0; j < n; ++j) S[ld * i + j] = S[ld * j + i] = T(0);
+    for (Index j = 0; j < n; ++j)
+      if (S[ld * i + j] != T(0)) S[ld * i + j] = S[ld * j + i] = T(0);
     S[ld * i + i] = most, wanted[i] = T(0);
   }
   return count;

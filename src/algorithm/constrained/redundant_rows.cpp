@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "algorithm/constrained/dependence.hpp"
 #include "algorithm/constrained/redundant_rows_search.hpp"
 
@@ -42,27 +44,38 @@ void RedundantRows::terms(const EqualityRows& x) const {
     if (s.c.body2) enter(s.c.v2, 0, s.g2, std::abs(s.g2));
     return;
   }
-  const auto add = [&](Index body, const double* F) {
+  struct Wrench {
+    Vec3<double> force, moment, at;  // at: where it is a force and a couple along it
+    double size, couple;
+  };
+  const auto wrench = [&](const double* F, Index r) {
+    const Vec3<double> f = lane(F, 0, r), moment = lane(F, 3, r);
+    const double force2 = dot(f, f);
+    const Vec3<double> at = force2 > 0 ? cross(f, moment) * (1 / force2) : f;
+    return Wrench{f, moment, at, std::sqrt(force2), length_of(moment - cross(at, f))};
+  };
+  Wrench on_a[max_rows], on_b[max_rows];
+  for (Index r = 0; s.c.body1 && r < s.rows; ++r) on_a[r] = wrench(s.F1, r);
+  for (Index r = 0; s.c.body2 && r < s.rows; ++r) on_b[r] = wrench(s.F2, r);
+  const auto add = [&](Index body, const Wrench* wrenches) {
     for (Index k = m.bodies()[body].idx_v, end = first_dof(m, body + 1); k < end; ++k) {
       const Vec3<double>&v = d.S[k].linear, &w = d.S[k].angular;
-      const double unit = m.has_mimic || dot(w, w) > 0 ? 1 : length;
+      const double turn = length_of(w), unit = m.has_mimic || turn > 0 ? 1 : length;
       for (Index r = 0; r < s.rows; ++r) {
-        const Vec3<double> f = lane(F, 0, r), moment = lane(F, 3, r);
-        const double force2 = dot(f, f);
-        const Vec3<double> at = force2 > 0 ? cross(f, moment) * (1 / force2) : f, couple = moment - cross(at, f);
-        const double whole = std::sqrt(force2) * length_of(v + cross(w, at)) + length_of(couple) * length_of(w);
-        enter(k, r, unit * (dot(f, v) + dot(moment, w)), unit * whole);
+        const Wrench& x = wrenches[r];
+        enter(k, r, unit * (dot(x.force, v) + dot(x.moment, w)), unit * (x.size * length_of(v + cross(w, x.at)) + x.couple * turn));
       }
     }
   };
   for (Index a = s.c.body1, b = s.c.body2; a != b;) {
-    if (a > b) add(a, s.F1), a = m.bodies()[a].parent;
-    else add(b, s.F2), b = m.bodies()[b].parent;
+    if (a > b) add(a, on_a), a = m.bodies()[a].parent;
+    else add(b, on_b), b = m.bodies()[b].parent;
   }
 }
 
-// S = G scaled so that a diagonal entry is the square of the share of its terms that does not cancel.
-void RedundantRows::scale_rows_by_motion() {
+// The rows that something moves, until eliminate() in `state`. Scaled by `scale`, a diagonal entry of G is the square of the
+// share of its terms that does not cancel.
+void RedundantRows::find_acting_rows() {
   for_each_row([&](const EqualityRows& x, Index row) {
     terms(x);
     for (Index r = 0; r < x.s->rows; ++r) {
@@ -73,16 +86,24 @@ void RedundantRows::scale_rows_by_motion() {
       }
       const double entry = S[ld * (row + r) + row + r];
       double& share = d.row_share[x.s->first + r];
-      bound_of[row + r] = whole;
       share = whole > 0 ? most / whole : 0, least_share = std::min(least_share, share);
-      scale[row + r] = entry > 0 ? share / std::sqrt(entry) : 0;
+      place[row + r] = -1;
+      if (!(entry > 0 && share > 0)) continue;
+      state[acting] = row + r, bound_of[acting] = whole, scale[acting] = share / std::sqrt(entry);
+      place[row + r] = acting++;
     }
   });
-  for (Index j = 0; j < n; ++j)
-    for (Index i = 0; i < n; ++i) S[ld * j + i] *= scale[i] * scale[j];
 }
 
-// Lanes beyond a constraint's rows are overwritten by the next.
+// S: from the lower triangle of G.
+void RedundantRows::scale_acting_rows() const {
+  for (Index b = 0; b < acting; ++b) {
+    const double* const column = S + ld * state[b];
+    for (Index a = b; a < acting; ++a) S[ld * b + a] = S[ld * a + b] = column[state[a]] * (scale[a] * scale[b]);
+  }
+}
+
+// S: the lower triangle of G. Lanes beyond a constraint's rows are overwritten by the next.
 void RedundantRows::couple_rows() const {
   const double* Dinv = inverse_pivots(m, d);
   for_each_row([&](const EqualityRows& a, Index i) {
@@ -94,12 +115,10 @@ void RedundantRows::couple_rows() const {
       with_row_count(a.s->rows, block);
     });
   });
-  for (Index c = 0; c < n; ++c)
-    for (Index r = c + 1; r < n; ++r) S[c + ld * r] = S[r + ld * c];
 }
 
 bool RedundantRows::clearly_independent_rows() const {
-  return least_share > std::sqrt(suspicious) && factor_rows(S, ld, n, 0.0, 0.0, work.factor, work.vector(0)) > suspicious;
+  return acting == n && least_share > std::sqrt(suspicious) && factor_rows(S, ld, n, 0.0, 0.0, work.factor, work.vector(0)) > suspicious;
 }
 
 // Coefficients, in S, of the kept rows in a row that they determine: R_K c = R_row.
@@ -113,7 +132,7 @@ void RedundantRows::weights(Index row, Index rank) const {
 
 // Share of its terms by which the joints move a row less what the kept ones determine of it.
 double RedundantRows::moved(Index row, Index rank) const {
-  std::fill_n(weight, n, 0.0);
+  std::fill_n(weight, acting, 0.0);
   weights(row, rank);
   for (Index k = 0; k < rank; ++k) weight[pivots[k]] *= -scale[pivots[k]];
   weight[row] = scale[row];
@@ -123,11 +142,15 @@ double RedundantRows::moved(Index row, Index rank) const {
   });
   double most = 0, all = 0;
   for_each_row([&](const EqualityRows& x, Index first) {
+    double of[max_rows], most = 0;
+    for (Index r = 0; r < x.s->rows; ++r)
+      of[r] = place[first + r] < 0 ? 0 : weight[place[first + r]], most = std::max(most, std::abs(of[r]));
+    if (most == 0) return;
     terms(x);
     for (Index k = 0; k < x.s->support_count; ++k)
       for (Index r = 0; r < x.s->rows; ++r) {
         const Index at = row_lanes * x.support[k] + r;
-        sum[x.support[k]] += weight[first + r] * jacobian()[at], whole[x.support[k]] += std::abs(weight[first + r]) * bound()[at];
+        sum[x.support[k]] += of[r] * jacobian()[at], whole[x.support[k]] += std::abs(of[r]) * bound()[at];
       }
   });
   for_each_row([&](const EqualityRows& x, Index) {
@@ -140,12 +163,12 @@ double RedundantRows::moved(Index row, Index rank) const {
 // Pivoted Cholesky, R^T R = S. Returns the number of rows kept.
 Index RedundantRows::eliminate() {
   Index rank = 0;
-  for (Index i = 0; i < n; ++i) remaining[i] = S[ld * i + i], state[i] = 0;
-  for (Index k = 0; k < n; ++k) {
-    Index best = -1;
-    for (Index i = 0; i < n; ++i)
-      if (state[i] == 0 && (best < 0 || remaining[i] > remaining[best])) best = i;
+  for (Index i = 0; i < acting; ++i) remaining[i] = S[ld * i + i], state[i] = 0;
+  for (Index k = 0; k < acting; ++k) {
+    Index best = largest_entry(remaining, acting);
+    if (state[best] != 0) best = Index(std::find(state, state + acting, 0) - state);  // no number: some overflowed
     const double pivot = remaining[best];
+    remaining[best] = -HUGE_VAL;
     const double share = pivot > 0 && pivot < suspicious ? moved(best, rank) : pivot > 0;
     if (!(pivot > rounding * n) || (share < misalignment)) {
       moved_by[best] = share;
@@ -153,13 +176,14 @@ Index RedundantRows::eliminate() {
       continue;
     }
     double* row = R + ld * rank;
-    for (Index i = 0; i < n; ++i) row[i] = S[ld * best + i];
+    for (Index i = 0; i < acting; ++i) row[i] = S[ld * best + i];
     for (Index j = 0; j < rank; ++j) {
       const double x = R[ld * j + best];
-      for (Index i = 0; i < n; ++i) row[i] -= R[ld * j + i] * x;
+      if (x == 0) continue;
+      for (Index i = 0; i < acting; ++i) row[i] -= R[ld * j + i] * x;
     }
     const double factor = 1 / std::sqrt(pivot);
-    for (Index i = 0; i < n; ++i) row[i] *= factor, remaining[i] -= row[i] * row[i];
+    for (Index i = 0; i < acting; ++i) row[i] *= factor, remaining[i] -= row[i] * row[i];
     row[best] = std::sqrt(pivot);
     state[best] = 1, pivots[rank++] = best;
   }
@@ -171,18 +195,20 @@ Index RedundantRows::eliminate() {
 void RedundantRows::finish(Index rank) {
   Index& dropped = d.row_system[2];
   d.rows_dropped = 1;
+  const auto is_dropped = [&](Index row) { return place[row] < 0 || state[place[row]] == 2; };
   for (Index i = 0; i < n; ++i) {
-    if (state[i] != 2) continue;
+    if (!is_dropped(i)) continue;
     double* column = d.row_dependence + std::ptrdiff_t(rank) * dropped;
     d.row_system[3 + dropped++] = i;
-    std::fill_n(weight, n, 0.0);
-    if (scale[i] > 0) weights(i, rank);
-    for (Index j = 0; j < n; ++j)
-      if (state[j] != 2) *column++ = scale[i] > 0 ? weight[j] * scale[j] / scale[i] : 0;
+    const Index a = place[i];
+    std::fill_n(weight, acting, 0.0);
+    if (a >= 0) weights(a, rank);
+    for (Index b = 0; b < acting; ++b)
+      if (state[b] != 2) *column++ = a >= 0 ? weight[b] * scale[b] / scale[a] : 0;
   }
   for_each_row([&](const EqualityRows& x, Index row) {
     for (Index r = 0; r < x.s->rows; ++r)
-      if (state[row + r] == 2) x.s->dropped |= 1 << r;
+      if (is_dropped(row + r)) x.s->dropped |= 1 << r;
     clear_dropped(*x.s, x.Y);
   });
 }
@@ -191,12 +217,12 @@ Index RedundantRows::drop() {
   d.row_system[0] = count, d.row_system[1] = n, d.row_system[2] = 0, d.row_moved[0] = 0;
   if (n == 0) return 0;
   couple_rows();
-  scale_rows_by_motion();
+  find_acting_rows(), scale_acting_rows();
   if (clearly_independent_rows()) return 0;
   Index rank = eliminate();
   const auto misaligned = [&] {
     double most = 0;
-    for (Index i = 0; i < n; ++i)
+    for (Index i = 0; i < acting; ++i)
       if (state[i] == 2 && moved_by[i] < misalignment) most = std::max(most, moved_by[i]);
     return most;
   };

@@ -36,6 +36,7 @@ void share_errors(const Model& m, Data<double>& d, double* errors) {
     const Index row = dropped_rows[k];
     out[row] = 0;
     for_each_kept([&](Index i, Index a) {
+      if (C[a] == 0) return;
       out[i] += C[a] * own[row];
       for_each_kept([&](Index j, Index b) { A[ld * j + i] += C[a] * C[b]; });
     });

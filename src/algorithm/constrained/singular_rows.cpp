@@ -26,9 +26,7 @@ void RedundantRows::allowed_motion(Index rank, double* w) const {
   for (Index k = 0; k < m.n.nv; ++k) w[k] = random.uniform(-1, 1);
   evaluate(w);
   double *const rate = work.vector(0), *const taken = d.row_motion + m.n.nv;
-  for_each_row([&](const EqualityRows& x, Index row) {
-    for (Index r = 0; r < x.s->rows; ++r) rate[row + r] = scale[row + r] * x.s->rate[r];
-  });
+  for_each_acting_row([&](const EqualityRows& x, Index r, Index a) { rate[a] = scale[a] * x.s->rate[r]; });
   for (Index k = 0; k < rank; ++k) {  // R_K^T R_K impulse = rate
     for (Index j = 0; j < k; ++j) rate[pivots[k]] -= R[ld * j + pivots[k]] * rate[pivots[j]];
     rate[pivots[k]] /= R[ld * k + pivots[k]];
@@ -38,10 +36,9 @@ void RedundantRows::allowed_motion(Index rank, double* w) const {
     rate[pivots[k]] /= R[ld * k + pivots[k]];
   }
   std::fill_n(taken, m.n.nv, 0.0);
-  for_each_row([&](const EqualityRows& x, Index row) {
-    for (Index r = 0; r < x.s->rows; ++r)
-      for (Index k = 0; k < x.s->support_count && state[row + r] == 1; ++k)
-        taken[x.support[k]] += x.Y[row_lanes * k + r] * scale[row + r] * rate[row + r];
+  for_each_acting_row([&](const EqualityRows& x, Index r, Index a) {
+    for (Index k = 0; k < x.s->support_count && state[a] == 1; ++k)
+      taken[x.support[k]] += x.Y[row_lanes * k + r] * scale[a] * rate[a];
   });
   scatter(m, d, taken);
   double most = 0;
@@ -57,15 +54,14 @@ bool RedundantRows::is_singular(Index rank) {
   for_each_row([&](const EqualityRows& x, Index row) { std::copy_n(x.s->rate, x.s->rows, rates + row); });
   allowed_motion(rank, w);
   evaluate(w);
-  for_each_row([&](const EqualityRows& x, Index row) {
-    for (Index r = 0; r < x.s->rows; ++r) bend[row + r] = scale[row + r] * x.s->acceleration[r], x.s->rate[r] = rates[row + r];
-  });
-  for (Index i = 0; i < n; ++i) {
+  for_each_acting_row([&](const EqualityRows& x, Index r, Index a) { bend[a] = scale[a] * x.s->acceleration[r]; });
+  for_each_row([&](const EqualityRows& x, Index row) { std::copy_n(rates + row, x.s->rows, x.s->rate); });
+  for (Index i = 0; i < acting; ++i) {
     if (state[i] != 2 || !(moved_by[i] > aligned) || !(moved_by[i] < misalignment)) continue;
-    std::fill_n(weight, n, 0.0);
+    std::fill_n(weight, acting, 0.0);
     weights(i, rank);
     double sum = bend[i], whole = scale[i] * bound_of[i];
-    for (Index j = 0; j < n; ++j) sum -= weight[j] * bend[j], whole += std::abs(weight[j]) * scale[j] * bound_of[j];
+    for (Index j = 0; j < acting; ++j) sum -= weight[j] * bend[j], whole += std::abs(weight[j]) * scale[j] * bound_of[j];
     singular = singular || std::abs(sum) > bends * whole;
   }
   return singular;

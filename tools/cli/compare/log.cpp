@@ -125,10 +125,13 @@ Log read_log(const std::string& path, const Robot& robot, const std::string& lay
     out.t.push_back(row[time]);
     Vector mine_q(robot.nq), mine_v(robot.nv), mine_f(robot.nv);
     const Vector qs = picked(row, q), vs = picked(row, v), fs = f.empty() ? Vector(vs.size()) : picked(row, f);
+    dynStateInput from;
+    dyn_state_input_init(&from);
+    from.q = qs.data(), from.v = vs.data(), from.tau = fs.data();
     dynStateOutput to;
     dyn_state_output_init(&to);
     to.q = mine_q.data(), to.v = mine_v.data(), to.tau = mine_f.data();
-    if (dyn_state_layout_convert(robot, &peer, DYN_DIRECTION_FROM_PEER, qs.data(), vs.data(), nullptr, fs.data(), &to) != DYN_OK)
+    if (dyn_state_layout_convert(robot, &peer, DYN_DIRECTION_FROM_PEER, &from, &to) != DYN_OK)
       fail(path + ": row at t = " + short_number(row[time], 9) + ": " + library_error());
     out.q.push_back(std::move(mine_q)), out.v.push_back(std::move(mine_v));
     if (!f.empty()) out.tau.push_back(std::move(mine_f));
