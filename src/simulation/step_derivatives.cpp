@@ -142,7 +142,7 @@ struct ModeFinder {
     bool degenerate = std::abs(s.gap) < margin || s.normal < margin * largest;
     const double bound = law.material.friction * s.normal, e = law.material.restitution;
     if (!(s.normal > 0)) {
-      mode = DYN_CONTACT_MODE_OPEN, degenerate = s.gap + d.step->options.dt * s.opening < margin;
+      mode = DYN_CONTACT_MODE_OPEN, degenerate = std::max(0.0, s.gap) + d.step->options.dt * s.opening < margin && is_movable(k);
     } else if (e > 0 && s.before < 0 && std::abs(s.opening + e * s.before) < rounding * -s.before) {
       mode = DYN_CONTACT_MODE_IMPACT, degenerate = degenerate && s.normal < margin * largest;
     } else if (law.rows == 1 || bound == 0) {
@@ -153,6 +153,13 @@ struct ModeFinder {
       mode = DYN_CONTACT_MODE_STICK, degenerate = degenerate || s.tangential > bound * (1 - margin);
     }
     x.modes.degenerate[k] = degenerate;
+  }
+  // Whether an impulse along its normal would move anything (has_immovable_normal).
+  bool is_movable(Index k) const {
+    const Workspace& w = *d.step;
+    return std::none_of(w.active, w.active + w.constraint_count, [&](const ActiveConstraint& a) {
+      return a.kind == RowKind::Contact && a.index == k && !a.idle && a.support_count == 0;
+    });
   }
   static constexpr double rounding = 1e-7, still = 1e-9;  // of a solve to 1e-12; m/s
 };

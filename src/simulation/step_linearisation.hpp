@@ -421,10 +421,32 @@ struct StepJacobian {
       std::copy_n(y.wanted, rows * columns, y.rest);
       for (Index r = 0; r < rows; ++r)
         for (Index s = 0; s < (n ? rows : 0); ++s) add_row(y.rest + columns * r, y.lambda + columns * s, -y.K[rows * r + s], columns);
-      if (n > refinements) return largest(y.rest) <= consistent * largest(y.wanted);
+      if (n > refinements) return largest(y.rest) <= consistent * largest(y.wanted) && is_determined();
       substitute(y.rest);
       for (Index k = 0; k < rows * columns; ++k) y.lambda[k] += y.rest[k];
     }
+  }
+  // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body differently.
+  bool is_determined() const {
+    constexpr double open = 1e6, moves = 1e-4;
+    double size = 0, impulses = 0, motion = 0, moved = 0;
+    for (Index r = 0; r < rows; ++r) {
+      size = std::max(size, std::abs(y.K[(rows + 1) * r]));
+      y.rest[columns * r] = 1 + 0.37 * double((7 * r) % 11);  // of no symmetry
+      std::fill_n(y.rest + columns * r + 1, columns - 1, 0.0);
+    }
+    substitute(y.rest);
+    for (Index r = 0; r < rows; ++r) impulses = std::max(impulses, std::abs(y.rest[columns * r]));
+    if (!(impulses * size > open)) return true;
+    for (Index k = 0; k < nv; ++k) {
+      double sum = 0, all = 0;
+      for (Index r = 0; r < rows; ++r) {
+        const double by = y.Z[nv * r + k] * y.rest[columns * r];
+        sum += by, all += std::abs(by);
+      }
+      motion = std::max(motion, std::abs(sum)), moved = std::max(moved, all);
+    }
+    return motion <= moves * moved;
   }
   // Gauss with row pivots, in place.
   void factor_rows() const {

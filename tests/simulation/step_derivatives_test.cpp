@@ -44,18 +44,18 @@ double difference(const Numbers& a, const Numbers& b) {
   return most;
 }
 
-struct Run {
+struct Stepper {
   Model m;
   dynData* d = nullptr;
   dynStepOptions options;
-  explicit Run(Model model, double dt = 1e-3) : m(std::move(model)) {
+  explicit Stepper(Model model, double dt = 1e-3) : m(std::move(model)) {
     EXPECT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
     EXPECT_EQ(DYN_OK, dyn_model_step_options(m, (dyn_step_options_init(&options), &options)));
     options.dt = dt;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
   }
-  Run(const Run&) = delete;
-  ~Run() { dyn_data_free(d); }
+  Stepper(const Stepper&) = delete;
+  ~Stepper() { dyn_data_free(d); }
   void integrate_by(dynIntegrator by) {
     options.integrator = by;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
@@ -74,17 +74,14 @@ struct Run {
     return {a.data, a.data + a.rows};
   }
   Derivatives analytic() { return derivatives(m, d, DYN_DERIVATIVE_METHOD_ANALYTIC); }
-  Derivatives central(double epsilon = 1e-6) {
-    return derivatives(m, d, DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES, epsilon);
-  }
+  Derivatives central() { return derivatives(m, d, DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES); }
   // The two methods agree to `within` of the largest entry of each matrix, at least 1.
-  Derivatives agree(double within = 1e-6, double epsilon = 1e-6) {
-    const Derivatives a = analytic(), c = central(epsilon);
+  Derivatives agree(double within = 1e-6, bool strict = true) {
+    const Derivatives a = analytic(), c = central();
     EXPECT_EQ(DYN_OK, a.status) << dyn_last_error();
     EXPECT_EQ(DYN_OK, c.status) << dyn_last_error();
     if (a.status || c.status) return a;
-    EXPECT_EQ(0, a.report.degenerate);
-    EXPECT_EQ(0, c.report.degenerate);
+    EXPECT_TRUE(!strict || a.report.degenerate + c.report.degenerate == 0) << modes(a);
     EXPECT_LE(difference(a.A, c.A), within * std::max(1.0, largest(c.A)));
     EXPECT_LE(difference(a.B, c.B), within * std::max(1.0, largest(c.B)));
     EXPECT_LE(difference(a.B_control, c.B_control), within * std::max(1.0, largest(c.B_control)));
@@ -92,6 +89,14 @@ struct Run {
     EXPECT_EQ(a.v, c.v);
     if (::testing::Test::HasFailure()) locate(a, c);
     return a;
+  }
+  static std::string modes(const Derivatives& x) {
+    std::string out;
+    for (std::size_t k = 0; k < x.modes.size(); ++k)
+      out += "mode " + std::to_string(x.modes[k]) + " gap " + std::to_string(1e6 * x.contacts[k].contact.distance) + "e-6 force " +
+             std::to_string(std::hypot(x.contacts[k].force_on_b[0], x.contacts[k].force_on_b[1], x.contacts[k].force_on_b[2])) +
+             (x.degenerate[k] ? " degenerate\n" : "\n");
+    return out;
   }
   // Where A differs, by blocks.
   void locate(const Derivatives& a, const Derivatives& c) const {
@@ -121,9 +126,9 @@ Numbers upright(double x, double y, double z) { return {x, y, z, 0, 0, 0, 1}; }
 // ---------------------------------------------------------------------------------------------------- without contact
 
 TEST(StepDerivatives, OfASmoothArm) {
-  Run run(robot("panda"));
+  Stepper run(robot("panda"));
   Numbers q(static_cast<std::size_t>(run.m.nq())), v(static_cast<std::size_t>(run.m.nv())), tau(v.size());
-  for (std::size_t k = 0; k < q.size(); ++k) q[k] = k == 3 ? -1.5 : k == 5 ? 1.8 : 0.02 + 0.1 * double(k % 3);
+  for (std::size_t k = 0; k < q.size(); ++k) q[k] = k == 3 ? -1.5 : k == 5 ? 1.8 : k == 7 ? 0.02 : 0.02 + 0.1 * double(k % 3);
   for (std::size_t k = 0; k < v.size(); ++k) v[k] = 0.5 - 0.2 * double(k), tau[k] = double(k) - 3;
   run.set(q, v, tau);
   for (dynIntegrator by : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_IMPLICIT_FAST}) {
@@ -134,7 +139,7 @@ TEST(StepDerivatives, OfASmoothArm) {
 
 TEST(StepDerivatives, OfEveryJointType) {
   for (bool mimic : {false, true}) {
-    Run run(all_types(mimic), 2e-3);
+    Stepper run(all_types(mimic), 2e-3);
     for (unsigned seed : {1, 2, 3}) {
       const State s = random_state(run.m, seed);
       run.set(s.q, s.v, s.tau);
@@ -145,13 +150,13 @@ TEST(StepDerivatives, OfEveryJointType) {
 
 // A tumbling body with its centre of mass off its origin.
 TEST(StepDerivatives, OfAFreeBody) {
-  Run run(Scene().free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3}).finish(), 5e-3);
+  Stepper run(Scene().free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3}).finish(), 5e-3);
   run.set({0.1, 0.2, 1, 0.1, 0.2, 0.3, 0.9}, {1, 2, 3, 4, 5, -6}, {1, 2, 3, 0.4, 0.5, 0.6});
   run.agree(1e-7);
 }
 
 TEST(StepDerivatives, OtherIntegratorsHaveCentralDifferences) {
-  Run run(robot("panda"));
+  Stepper run(robot("panda"));
   run.integrate_by(DYN_INTEGRATOR_RK4);
   const Derivatives x = derivatives(run.m, run.d, DYN_DERIVATIVE_METHOD_AUTO);
   ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
@@ -171,7 +176,7 @@ Model ball_on_ground(double friction, double restitution = 0) {
 
 // The gap of 1e-5 m closes in the step; the ball rolls on.
 TEST(StepDerivatives, OfARollingBall) {
-  Run run(ball_on_ground(0.8));
+  Stepper run(ball_on_ground(0.8));
   run.set(upright(0, 0, 0.1 + 5e-6), {0.3, 0, 0, 0, 3, 0});
   const Derivatives x = run.agree();
   ASSERT_EQ(1u, x.modes.size());
@@ -179,7 +184,7 @@ TEST(StepDerivatives, OfARollingBall) {
 }
 
 TEST(StepDerivatives, OfASlidingBall) {
-  Run run(ball_on_ground(0.3));
+  Stepper run(ball_on_ground(0.3));
   run.set(upright(0, 0, 0.1 + 5e-6), {1, 0.5, 0, 0, 0, 2});
   const Derivatives x = run.agree();
   ASSERT_EQ(1u, x.modes.size());
@@ -187,7 +192,7 @@ TEST(StepDerivatives, OfASlidingBall) {
 }
 
 TEST(StepDerivatives, OfABallThatRebounds) {
-  Run run(ball_on_ground(0.5, 0.7));
+  Stepper run(ball_on_ground(0.5, 0.7));
   run.set(upright(0, 0, 0.1 + 1e-4), {0.3, 0.1, -1, 0, 1, 2});
   const Derivatives x = run.agree();
   ASSERT_EQ(1u, x.modes.size());
@@ -196,20 +201,19 @@ TEST(StepDerivatives, OfABallThatRebounds) {
 
 // Two equal balls on a line, elastic: they exchange their velocities.
 TEST(StepDerivatives, OfTwoElasticBallsAreExact) {
-  Scene scene({0, 0, 0});
   Builder b("balls");
   const double none[3] = {0, 0, 0};
   EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
   for (const char* name : {"one", "two"}) {
     const std::string joint = std::string(name) + "_joint";
-    b.joint(Spec(joint.c_str(), DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)).body(name, joint.c_str(), 1, {0, 0, 0});
+    b.joint(Spec(joint.c_str(), DYN_JOINT_TYPE_PRISMATIC, nullptr, {name[0] == 't' ? 1.0 : 0.0, 0, 0}).about(1, 0, 0)).body(name, joint.c_str(), 1, {0, 0, 0});
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
     s.body = name, s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = 0.1, s.material = material(0, 1);
     EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b, &s));
   }
-  Run run(b.finish());
-  run.set({0, 0.2}, {2, 0});
+  Stepper run(b.finish());
+  run.set({0, -0.8}, {2, 0});
   const Derivatives x = derivatives(run.m, run.d, DYN_DERIVATIVE_METHOD_ANALYTIC);
   ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
   ASSERT_EQ(1u, x.modes.size());
@@ -223,7 +227,7 @@ TEST(StepDerivatives, OfTwoElasticBallsAreExact) {
 // Depth: the correction of positions acts, too.
 TEST(StepDerivatives, OfABallThatSinksIn) {
   for (double friction : {0.0, 0.4}) {
-    Run run(ball_on_ground(friction));
+    Stepper run(ball_on_ground(friction));
     run.set(upright(0, 0, 0.1 - 1e-4), {0.3, 0, 0, 0, 3, 0});
     run.agree();
   }
@@ -234,7 +238,7 @@ TEST(StepDerivatives, OfASoftContact) {
   dynMaterial soft = material(0.5);
   soft.stiffness = 1e4, soft.damping = 50;
   scene.ground().sphere("ball", 1, 0.1, soft);
-  Run run(scene.finish());
+  Stepper run(scene.finish());
   run.set(upright(0, 0, 0.1 - 1e-3), {0.3, 0, 0, 0, 3, 0});
   run.agree();
 }
@@ -244,7 +248,7 @@ TEST(StepDerivatives, OfABelt) {
   dynMaterial belt = material(0.5);
   belt.surface_velocity[0] = 0.7;
   scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, belt).sphere("ball", 1, 0.1, material(0.5));
-  Run run(scene.finish());
+  Stepper run(scene.finish());
   run.set(upright(0, 0, 0.1 - 1e-5), {0.3, 0.1, 0, 0, 0, 2});
   run.agree();
 }
@@ -253,7 +257,7 @@ TEST(StepDerivatives, OfABelt) {
 TEST(StepDerivatives, OfBallsOnEachOther) {
   Scene scene;
   scene.sphere("lower", 1, 0.1, material(0.6)).sphere("upper", 0.5, 0.05, material(0.6));
-  Run run(scene.finish());
+  Stepper run(scene.finish());
   run.set(joined({upright(0, 0, 1), upright(0.09, 0, 1 + 0.12 - 1e-5)}),
           {0.1, 0.2, 0.3, 1, 2, 3, 0.1, -0.2, 0.1, -1, 2, 0.5});
   run.agree();
@@ -264,18 +268,18 @@ TEST(StepDerivatives, OfAStackOfBoxes) {
   Scene scene;
   scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.7));
   scene.box("lower", 2, {0.2, 0.2, 0.1}, material(0.7)).box("upper", 1, {0.15, 0.15, 0.1}, material(0.7));
-  Run run(scene.finish());
+  Stepper run(scene.finish());
   run.set(joined({upright(0, 0, 0.05 - 1e-5), upright(0.01, 0.02, 0.15 - 3e-5)}));
-  const Derivatives x = run.agree(1e-5);
+  const Derivatives x = run.agree();
   EXPECT_EQ(8u, x.modes.size());
 }
 
 TEST(StepDerivatives, OfASlidingBox) {
   Scene scene;
   scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.3)).box("box", 2, {0.2, 0.3, 0.1}, material(0.3));
-  Run run(scene.finish());
-  run.set(upright(0, 0, 0.05 - 1e-5), {1, 0.3, 0, 0, 0, 0.5});
-  const Derivatives x = run.agree(1e-5);
+  Stepper run(scene.finish());
+  run.set(upright(0, 0, 0.05 - 1e-5), {1, 0.3, 0, 0, 0, 0});
+  const Derivatives x = run.agree();
   ASSERT_EQ(4u, x.modes.size());
   for (dynContactMode mode : x.modes) EXPECT_EQ(DYN_CONTACT_MODE_SLIDE, mode);
 }
@@ -301,7 +305,14 @@ Model standing(const char* name, const Numbers& angles, Numbers& q, double depth
   dyn_builder_free(b);
   q.assign(static_cast<std::size_t>(dyn_model_nq(m)), 0);
   q[6] = 1;
-  for (std::size_t k = 7; k < q.size(); ++k) q[k] = angles.empty() ? 0 : angles[(k - 7) % angles.size()];
+  const double *const lower = dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), *const upper = dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT);
+  for (std::size_t k = 7; k < q.size(); ++k) q[k] = std::clamp(angles[(k - 7) % angles.size()], lower[k] + 0.02, upper[k] - 0.02);
+  int floor = 0;
+  for (dynShapeInfo shape{}; floor < dyn_model_nshapes(m); ++floor) {
+    shape.struct_size = sizeof shape;
+    EXPECT_EQ(DYN_OK, dyn_model_shape_info(m, floor, &shape));
+    if (shape.type == DYN_SHAPE_TYPE_HALF_SPACE) break;
+  }
   // the height at which the lowest contact is `depth` deep
   dynData* d = nullptr;
   EXPECT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
@@ -312,7 +323,8 @@ Model standing(const char* name, const Numbers& angles, Numbers& q, double depth
     int count = 0;
     EXPECT_EQ(DYN_OK, dyn_contacts(m, d, q.data(), 0.0, contacts, 64, &count)) << dyn_last_error();
     double gap = 1;
-    for (int k = 0; k < std::min(count, 64); ++k) gap = std::min(gap, contacts[k].distance);
+    for (int k = 0; k < std::min(count, 64); ++k)
+      if (contacts[k].shape_a == floor || contacts[k].shape_b == floor) gap = std::min(gap, contacts[k].distance);
     (gap < -depth ? low : high) = q[2];
   }
   dyn_data_free(d);
@@ -321,7 +333,7 @@ Model standing(const char* name, const Numbers& angles, Numbers& q, double depth
 
 TEST(StepDerivatives, OfAStandingQuadruped) {
   Numbers q;
-  Run run(standing("go2", {0, 0.9, -1.8}, q, 2e-5), 2e-3);
+  Stepper run(standing("go2", {0, 0.9, -1.8}, q, 2e-5), 2e-3);
   run.set(q);
   Numbers u(static_cast<std::size_t>(dyn_model_nu(run.m)));
   for (std::size_t k = 0; k < u.size(); ++k) u[k] = q[7 + k];
@@ -330,19 +342,34 @@ TEST(StepDerivatives, OfAStandingQuadruped) {
   EXPECT_EQ(4, x.report.active);
 }
 
+// A box that slides and turns: how its corners share the weight is open, and so is the moment of their friction.
+TEST(StepDerivatives, MotionThatForcesDoNotDetermineIsDegenerate) {
+  Scene scene;
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.3)).box("box", 2, {0.2, 0.3, 0.1}, material(0.3));
+  Stepper run(scene.finish());
+  run.set(upright(0, 0, 0.05 - 1e-5), {1, 0.3, 0, 0, 0, 0.5});
+  const Derivatives x = run.analytic();
+  ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+  EXPECT_EQ(4, x.report.degenerate);
+}
+
 TEST(StepDerivatives, OfAStandingHumanoid) {
   Numbers q;
-  Run run(standing("humanoid", {}, q, 2e-5), 2e-3);
+  Numbers angles(33, 0.0);
+  angles[29 - 7] = 0.2, angles[35 - 7] = -0.2;      // legs apart
+  angles[33 - 7] = -0.2, angles[39 - 7] = 0.2;      // soles level
+  for (int leg : {28, 34}) angles[std::size_t(leg + 3 - 7)] = 0.1, angles[std::size_t(leg + 4 - 7)] = -0.1;
+  Stepper run(standing("humanoid", angles, q, 1e-4), 2e-3);
   run.set(q);
-  const Derivatives x = run.agree(1e-5);
-  EXPECT_GE(x.report.active, 2);
+  const Derivatives x = run.agree(1e-5, false);  // some of the eight corners bear nothing
+  EXPECT_GE(x.report.active, 4);
 }
 
 TEST(StepDerivatives, OfAnArmAtItsLimit) {
-  Run run(robot("panda"));
+  Stepper run(robot("panda"));
   Numbers q(static_cast<std::size_t>(run.m.nq())), v(static_cast<std::size_t>(run.m.nv()));
   const double* const upper = dyn_model_array(run.m, DYN_MODEL_ARRAY_UPPER_LIMIT);
-  q[3] = -1.5, q[5] = 1.8, q[1] = upper[1] + 1e-5, v[1] = 0.5, v[0] = 0.3;
+  q[3] = -1.5, q[5] = 1.8, q[7] = 0.02, q[1] = upper[1] + 1e-5, v[1] = 0.5, v[0] = 0.3;
   run.set(q, v);
   run.agree();
 }
@@ -350,7 +377,7 @@ TEST(StepDerivatives, OfAnArmAtItsLimit) {
 // ---------------------------------------------------------------------------------------------------- forces
 
 TEST(StepDerivatives, OfWrenchesAndControls) {
-  Run run(all_types(false), 2e-3);
+  Stepper run(all_types(false), 2e-3);
   const State s = random_state(run.m, 5);
   run.set(s.q, s.v, s.tau);
   const double wrench[6] = {1, -2, 3, 0.3, 0.2, -0.1}, point[3] = {0.1, 0.2, 0.3};
@@ -365,8 +392,8 @@ TEST(StepDerivatives, OfWrenchesAndControls) {
 // A ball that slides at the speed at which it begins to roll, and one that just touches the ground at the end of the step.
 TEST(StepDerivatives, SwitchesAreDegenerate) {
   int found = 0;
-  for (int k = -50; k <= 50; ++k) {
-    Run run(ball_on_ground(0.5));
+  for (int k = -49; k <= 49; ++k) {
+    Stepper run(ball_on_ground(0.5));
     const double off = 2e-8 * k;  // m; degenerate within 1e-6
     run.set(upright(0, 0, 0.1 + off), {0.1, 0, 0, 0, 1, 0});
     const Derivatives x = run.analytic();
@@ -376,12 +403,12 @@ TEST(StepDerivatives, SwitchesAreDegenerate) {
     EXPECT_EQ(1, x.report.degenerate);
     found += x.degenerate[0];
   }
-  EXPECT_EQ(101, found);
+  EXPECT_EQ(99, found);
 }
 
 TEST(StepDerivatives, ModesThatHoldAreNotDegenerate) {
   for (int k = 1; k <= 50; ++k) {
-    Run run(ball_on_ground(0.5));
+    Stepper run(ball_on_ground(0.5));
     run.set(upright(0, 0, 0.1 - 1e-5 * k), {0.1, 0, 0, 0, 1, 0});
     const Derivatives x = run.analytic();
     ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
@@ -393,8 +420,8 @@ TEST(StepDerivatives, ModesThatHoldAreNotDegenerate) {
 
 TEST(StepDerivatives, LeaveTheStateAndTheNextStep) {
   for (dynDerivativeMethod method : {DYN_DERIVATIVE_METHOD_ANALYTIC, DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES}) {
-    Run run(ball_on_ground(0.5)), other(ball_on_ground(0.5));
-    for (Run* r : {&run, &other}) r->set(upright(0, 0, 0.13), {0.3, 0, -0.1, 0, 3, 0}), r->steps(100);
+    Stepper run(ball_on_ground(0.5)), other(ball_on_ground(0.5));
+    for (Stepper* r : {&run, &other}) r->set(upright(0, 0, 0.13), {0.3, 0, -0.1, 0, 3, 0}), r->steps(100);
     std::vector<unsigned char> before(dyn_model_state_size(run.m)), after(before.size());
     ASSERT_EQ(DYN_OK, dyn_data_save_state(run.m, run.d, before.data(), before.size()));
     const Derivatives x = derivatives(run.m, run.d, method);
@@ -408,7 +435,7 @@ TEST(StepDerivatives, LeaveTheStateAndTheNextStep) {
 }
 
 TEST(StepDerivatives, RefuseWhatIsWrong) {
-  Run run(ball_on_ground(0.5));
+  Stepper run(ball_on_ground(0.5));
   dynStepDerivatives out;
   dyn_step_derivatives_init(&out);
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_derivatives(run.m, run.d, nullptr, nullptr));
