@@ -14,6 +14,26 @@ inline void add_row(double* __restrict to, const double* __restrict from, double
   for (std::ptrdiff_t c = 0; c < n; ++c) to[c] += factor * from[c];
 }
 
+// to += sum of factors[stride l] from[l], rows of n numbers each `room` apart; rows with the factor 0 are left out.
+inline void add_rows(double* __restrict to, const double* __restrict from, std::ptrdiff_t room, const double* factors,
+                     std::ptrdiff_t stride, Index count, std::ptrdiff_t n) {
+  const double* row[4];
+  double by[4];
+  int kept = 0;
+  const auto flush = [&] {
+    for (; kept < 4; ++kept) row[kept] = row[0], by[kept] = 0;
+    const double *const a = row[0], *const b = row[1], *const c = row[2], *const e = row[3];
+    for (std::ptrdiff_t k = 0; k < n; ++k) to[k] += by[0] * a[k] + by[1] * b[k] + by[2] * c[k] + by[3] * e[k];
+    kept = 0;
+  };
+  for (Index l = 0; l < count; ++l) {
+    if (factors[stride * l] == 0) continue;
+    row[kept] = from + room * l, by[kept++] = factors[stride * l];
+    if (kept == 4) flush();
+  }
+  if (kept) flush();
+}
+
 struct StepJacobian {
   const Model& m;
   Data<double>& d;
@@ -220,8 +240,7 @@ struct StepJacobian {
       double* const to = state(k);
       const double* const row = d.Minv + nv * k;
       std::fill_n(to, mixed, 0.0);
-      for (Index l = 0; l < nv; ++l)
-        if (row[l] != 0) add_row(to, displacement(l), row[l], mixed);
+      add_rows(to, y.displacement, columns, row, 1, Index(nv), mixed);
       for (Index l = 0; l < nv; ++l) to[mixed + l] = h * row[l];
       to[nv + k] += 1;
     }
@@ -368,11 +387,10 @@ struct StepJacobian {
     for (Index r = 0; r < rows; ++r) {
       double *const z = y.Z + nv * r, *const b = y.wanted + columns * r;
       std::fill_n(z, nv, 0.0), std::fill_n(b, columns, 0.0);
-      for (Index k = 0; k < nv; ++k) {
-        if (J(r)[k] == 0) continue;
-        add_row(z, d.Minv + nv * k, J(r)[k], nv), add_row(b, state(k), -J(r)[k], columns);
-      }
-      add_row(b, E(r), -1, 2 * nv);
+      add_rows(z, d.Minv, nv, J(r), 1, Index(nv), nv);
+      add_rows(b, y.state, columns, J(r), 1, Index(nv), columns);
+      for (std::ptrdiff_t c = 0; c < 2 * nv; ++c) b[c] += E(r)[c];
+      for (std::ptrdiff_t c = 0; c < columns; ++c) b[c] = -b[c];
     }
     for (Index r = 0; r < rows; ++r)
       for (Index s = 0; s < rows; ++s) {
@@ -404,12 +422,20 @@ struct StepJacobian {
     K0[c.first] += mu * c.direction[0], K1[c.first] += mu * c.direction[1];
   }
 
-  // lambda = K^-1 wanted, refined. Returns whether the equations are consistent.
+  // lambda = K^-1 wanted. Where K is singular, with a little regularisation, refined. Returns whether the equations are consistent
+  // and determine the motion.
   bool solve_rows() const {
-    constexpr double softness = 1e-10, consistent = 1e-6;
+    constexpr double softness = 1e-10, floor = 1e-14, independent = 1e-9, consistent = 1e-6;
     constexpr int refinements = 2;
     std::copy_n(y.K, rows * rows, y.factor);
-    for (Index r = 0; r < rows; ++r) y.factor[(rows + 1) * r] *= 1 + softness;
+    if (factor_rows() > independent) {
+      std::copy_n(y.wanted, rows * columns, y.lambda);
+      return substitute(y.lambda), true;
+    }
+    double size = 0;
+    for (Index r = 0; r < rows; ++r) size = std::max(size, std::abs(y.K[(rows + 1) * r]));
+    std::copy_n(y.K, rows * rows, y.factor);
+    for (Index r = 0; r < rows; ++r) y.factor[(rows + 1) * r] += softness * y.K[(rows + 1) * r] + floor * size;
     factor_rows();
     const auto largest = [&](const double* a) {
       double most = 0;
@@ -448,9 +474,10 @@ struct StepJacobian {
     }
     return motion <= moves * moved;
   }
-  // Gauss with row pivots, in place.
-  void factor_rows() const {
+  // Gauss with row pivots, in place. Returns the least pivot over the largest.
+  double factor_rows() const {
     double* const F = y.factor;
+    double least = HUGE_VAL, most = 0;
     for (Index k = 0; k < rows; ++k) {
       Index pivot = k;
       for (Index r = k + 1; r < rows; ++r)
@@ -458,25 +485,29 @@ struct StepJacobian {
       y.pivots[k] = pivot;
       if (pivot != k) std::swap_ranges(F + rows * k, F + rows * (k + 1), F + rows * pivot);
       double& own = F[rows * k + k];
+      least = std::min(least, std::abs(own)), most = std::max(most, std::abs(own));
       if (own == 0) own = 1;
       for (Index r = k + 1; r < rows; ++r)
         if (double& by = F[rows * r + k]; by != 0) by /= own, add_row(F + rows * r + k + 1, F + rows * k + k + 1, -by, rows - k - 1);
     }
+    return most > 0 ? least / most : 0;
   }
   // b, rows x columns, becomes the solution.
   void substitute(double* b) const {
     const double* const F = y.factor;
     for (Index k = 0; k < rows; ++k) {
       if (y.pivots[k] != k) std::swap_ranges(b + columns * k, b + columns * (k + 1), b + columns * y.pivots[k]);
-      for (Index s = 0; s < k; ++s)
-        if (F[rows * k + s] != 0) add_row(b + columns * k, b + columns * s, -F[rows * k + s], columns);
+      double* const to = b + columns * k;
+      for (std::ptrdiff_t c = 0; c < columns; ++c) to[c] = -to[c];
+      add_rows(to, b, columns, F + rows * k, 1, k, columns);
+      for (std::ptrdiff_t c = 0; c < columns; ++c) to[c] = -to[c];
     }
     for (Index k = rows - 1; k >= 0; --k) {
       double* const to = b + columns * k;
-      for (Index s = k + 1; s < rows; ++s)
-        if (F[rows * k + s] != 0) add_row(to, b + columns * s, -F[rows * k + s], columns);
-      const double by = 1 / F[rows * k + k];
-      for (Index c = 0; c < columns; ++c) to[c] *= by;
+      for (std::ptrdiff_t c = 0; c < columns; ++c) to[c] = -to[c];
+      add_rows(to, b + columns * (k + 1), columns, F + rows * k + k + 1, 1, rows - k - 1, columns);
+      const double by = -1 / F[rows * k + k];
+      for (std::ptrdiff_t c = 0; c < columns; ++c) to[c] *= by;
     }
   }
 
@@ -512,9 +543,7 @@ struct StepJacobian {
       differentiate_rows(), assemble();
       if (!solve_rows())
         for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
-      for (Index r = 0; r < rows; ++r)
-        for (Index k = 0; k < nv; ++k)
-          if (const double z = y.Z[nv * r + k]; z != 0) add_row(state(k), y.lambda + columns * r, z, columns);
+      for (Index k = 0; k < nv; ++k) add_rows(state(k), y.lambda, columns, y.Z + k, nv, rows, columns);
     }
     if (w.corrected) {
       if (const char* const reason = correct()) return reason;
