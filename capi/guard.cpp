@@ -87,7 +87,7 @@ const char* name_of_part(dynParts part) {
   static constexpr const char* names[] = {
       "KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS", "CHOLESKY", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
       "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION", "CONSTRAINTS",
-      "CONSTRAINT_DERIVATIVES", "SIMULATION"};
+      "CONSTRAINT_DERIVATIVES", "SIMULATION", "STEP_DERIVATIVES"};
   const char* name = "?";
   for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
     if (part >> k & 1u) name = names[k];

@@ -7,6 +7,7 @@
 #include "simulation/ledger.hpp"
 #include "simulation/workspace.hpp"
 #include "reflection.hpp"
+#include "steps.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -34,8 +35,73 @@ bool has_finite_state(const Model& m, const Data<double>& d) {
   return all_zero(sum);
 }
 
-// The error of steps that ended at t: from their return value and the state that they left.
-[[gnu::cold, gnu::noinline]] dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function,
+void begin(Call& call) {
+  call.have_effects_of(true);
+  call.d().step->report = {};
+  if (const simulation::Workspace& w = *call.d().step; w.options.ledger || w.ledger.open)
+    simulation::open_ledger(call.m(), call.d());
+}
+
+// Apart, so that steps without a deadline have no part in it.
+[[gnu::cold, gnu::noinline]] void start_limit(simulation::Workspace& w) { w.limit.start(clock_seconds, w.options.time_budget); }
+[[gnu::cold, gnu::noinline]] void finish_limit(simulation::Workspace& w) { w.limit.finish(); }
+
+// One step of h; the state is as before after an error.
+DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  simulation::Workspace& w = *d.step;
+  if (w.options.time_budget > 0) [[unlikely]] start_limit(w);
+  if (w.sleep.count > 0) simulation::begin_sleep(m, d, h);  // otherwise no tree can rest
+  call.begin_step();
+  const Index answer = integrator::step(m, d, w.options.integrator, h, w.report, d.backup);
+  if (answer || !has_finite_state(m, d)) [[unlikely]] {
+    const dynStatus status = explain_step(m, d, answer, function, d.time[0]);
+    finish_limit(w), call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
+    return status;
+  }
+  call.end_step();
+  if (w.sleep.enabled) simulation::end_sleep(m, d, h);
+  record_forces(m, d);
+  d.time[0] += h;
+  if (w.limit.seconds) [[unlikely]] finish_limit(w);
+  return DYN_OK;
+}
+
+dynStatus advance_to_accuracy(Call& call, const char* function, double duration) {
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  simulation::wake_all(m, d);
+  d.step->ends_fast = true;
+  call.begin_step();
+  const Index answer = integrator::advance(m, d, d.step->options.integrator, duration, d.step->options.accuracy, d.step->report);
+  d.time[0] += d.step->report.time;
+  if (d.step->report.steps == 0) call.rollback();
+  else call.end_step();
+  record_forces(m, d);
+  return answer || !has_finite_state(m, d) ? explain_step(m, d, answer, function, d.time[0]) : DYN_OK;
+}
+
+dynStatus check_contact_model(const Model& m, const dynStepOptions& options) {
+  constexpr const char* function = "dyn_data_set_step_options";
+  if (const dynStatus s = check_value(options.contact_model, function, "contact_model")) return s;
+  if (options.contact_model == DYN_CONTACT_MODEL_RIGID) return DYN_OK;
+  if (m.n.compliances == 0)
+    return fail(DYN_ERROR_UNSUPPORTED,
+                "%s: contact_model is AS_FILE, and the model states no solref and solimp: load it from an MJCF file, without "
+                "mimic joints",
+                function);
+  if (options.integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && options.integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
+    return fail(DYN_ERROR_UNSUPPORTED,
+                "%s: contact_model AS_FILE needs the integrator SEMI_IMPLICIT_EULER or IMPLICIT_FAST", function);
+  if (options.accuracy > 0)
+    return fail(DYN_ERROR_UNSUPPORTED, "%s: contact_model AS_FILE needs steps of dt: set accuracy to 0", function);
+  return DYN_OK;
+}
+
+}  // namespace
+
+[[gnu::cold, gnu::noinline]] dynStatus capi::explain_step(const Model& m, const Data<double>& d, Index answer, const char* function,
                                                double t) {
   if (answer > 0)
     return fail(DYN_ERROR_NUMERIC,
@@ -76,72 +142,6 @@ bool has_finite_state(const Model& m, const Data<double>& d) {
               "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt",
               function, joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
 }
-
-void begin(Call& call) {
-  call.have_effects_of(true);
-  call.d().step->report = {};
-  if (const simulation::Workspace& w = *call.d().step; w.options.ledger || w.ledger.open)
-    simulation::open_ledger(call.m(), call.d());
-}
-
-// Apart, so that steps without a deadline have no part in it.
-[[gnu::cold, gnu::noinline]] void start_limit(simulation::Workspace& w) { w.limit.start(clock_seconds, w.options.time_budget); }
-[[gnu::cold, gnu::noinline]] void finish_limit(simulation::Workspace& w) { w.limit.finish(); }
-
-// One step of h; the state is as before after an error.
-DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
-  const Model& m = call.m();
-  Data<double>& d = call.d();
-  simulation::Workspace& w = *d.step;
-  if (w.options.time_budget > 0) [[unlikely]] start_limit(w);
-  if (w.sleep.count > 0) simulation::begin_sleep(m, d, h);  // otherwise no tree can rest
-  call.begin_step();
-  const Index answer = integrator::step(m, d, w.options.integrator, h, w.report, d.backup);
-  if (answer || !has_finite_state(m, d)) [[unlikely]] {
-    const dynStatus status = explain(m, d, answer, function, d.time[0]);
-    finish_limit(w), call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
-    return status;
-  }
-  call.end_step();
-  if (w.sleep.enabled) simulation::end_sleep(m, d, h);
-  record_forces(m, d);
-  d.time[0] += h;
-  if (w.limit.seconds) [[unlikely]] finish_limit(w);
-  return DYN_OK;
-}
-
-dynStatus advance_to_accuracy(Call& call, const char* function, double duration) {
-  const Model& m = call.m();
-  Data<double>& d = call.d();
-  simulation::wake_all(m, d);
-  d.step->ends_fast = true;
-  call.begin_step();
-  const Index answer = integrator::advance(m, d, d.step->options.integrator, duration, d.step->options.accuracy, d.step->report);
-  d.time[0] += d.step->report.time;
-  if (d.step->report.steps == 0) call.rollback();
-  else call.end_step();
-  record_forces(m, d);
-  return answer || !has_finite_state(m, d) ? explain(m, d, answer, function, d.time[0]) : DYN_OK;
-}
-
-dynStatus check_contact_model(const Model& m, const dynStepOptions& options) {
-  constexpr const char* function = "dyn_data_set_step_options";
-  if (const dynStatus s = check_value(options.contact_model, function, "contact_model")) return s;
-  if (options.contact_model == DYN_CONTACT_MODEL_RIGID) return DYN_OK;
-  if (m.n.compliances == 0)
-    return fail(DYN_ERROR_UNSUPPORTED,
-                "%s: contact_model is AS_FILE, and the model states no solref and solimp: load it from an MJCF file, without "
-                "mimic joints",
-                function);
-  if (options.integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && options.integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
-    return fail(DYN_ERROR_UNSUPPORTED,
-                "%s: contact_model AS_FILE needs the integrator SEMI_IMPLICIT_EULER or IMPLICIT_FAST", function);
-  if (options.accuracy > 0)
-    return fail(DYN_ERROR_UNSUPPORTED, "%s: contact_model AS_FILE needs steps of dt: set accuracy to 0", function);
-  return DYN_OK;
-}
-
-}  // namespace
 
 template <>
 dynStepOptions capi::defaults() {

@@ -673,7 +673,9 @@ enum {
   /* Steps (includes FORWARD; CHOLESKY with mimic joints; COLLISION and CONSTRAINTS with pairs, limits or
      slots). */
   DYN_PART_SIMULATION = 1u << 20,
-  DYN_PART_ALL = 0x1fffff                  /* All parts. */
+  /* Derivatives of steps (includes SIMULATION, MINV and INVERSE_DERIVATIVES). */
+  DYN_PART_STEP_DERIVATIVES = 1u << 21,
+  DYN_PART_ALL = 0x3fffff                  /* All parts. */
 };
 
 /* Makes data for a model. parts = 0 means DYN_PART_ALL. On Linux, pages of it that no call touches take no
@@ -2584,6 +2586,83 @@ DYN_API dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void
 /* Restores a saved state. */
 DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory,
                                          size_t size);
+
+/* Derivatives of a step. */
+
+/* How derivatives of a step are found. */
+typedef enum dynDerivativeMethod {
+  /* ANALYTIC where it covers the step, CENTRAL_DIFFERENCES elsewhere. The report says which. */
+  DYN_DERIVATIVE_METHOD_AUTO = 0,
+  /* Implicit differentiation of the step in its modes. DYN_ERROR_UNSUPPORTED where it does not cover it. */
+  DYN_DERIVATIVE_METHOD_ANALYTIC = 1,
+  /* Central differences of the step: two steps for each coordinate. They cover every step. */
+  DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES = 2
+} dynDerivativeMethod;
+
+/* Mode of a contact point in a step. */
+typedef enum dynContactMode {
+  DYN_CONTACT_MODE_OPEN = 0,  /* It has no force. */
+  DYN_CONTACT_MODE_STICK = 1, /* It has a force, and the shapes do not slide at the end of the step. */
+  DYN_CONTACT_MODE_SLIDE = 2, /* It has a force, and the shapes slide, or the contact has no friction. */
+  DYN_CONTACT_MODE_IMPACT = 3 /* It rebounds with its restitution. */
+} dynContactMode;
+
+typedef struct dynStepDerivativeOptions {
+  uint32_t struct_size;       /* set by dyn_step_derivative_options_init */
+  dynDerivativeMethod method; /* default AUTO */
+  /* > 0: change of each coordinate in CENTRAL_DIFFERENCES, m and rad, m/s and rad/s, N and N m, and units of
+     controls; default 1e-6 */
+  double epsilon;
+  /* >= 0: a mode is degenerate within it of its end: gaps (m, rad), speeds (m/s, rad/s), forces relative to
+     the largest; default 1e-6 */
+  double margin;
+} dynStepDerivativeOptions;
+DYN_API void dyn_step_derivative_options_init(dynStepDerivativeOptions* options, uint32_t struct_size);
+#define dyn_step_derivative_options_init(x) \
+  dyn_step_derivative_options_init(x, sizeof(dynStepDerivativeOptions))
+
+/* Report on derivatives of a step. */
+typedef struct dynStepDerivativeReport {
+  uint32_t struct_size;
+  dynDerivativeMethod method; /* the one used: ANALYTIC or CENTRAL_DIFFERENCES */
+  int32_t contacts;           /* contact points of the step */
+  int32_t active;             /* those with a force */
+  int32_t degenerate;         /* contact points, limits and actuators whose mode is not strictly held */
+  int32_t steps;              /* steps made */
+  const char* reason;         /* why ANALYTIC does not cover the step; "" if it does. Lives forever. */
+} dynStepDerivativeReport;
+
+/* Outputs. x = (q, v) on the tangent space: columns are along q (+) e_k t, rows are those of the next state's
+   own tangent space. Rows 0 to nv - 1 are of q', the others of v'. */
+typedef struct dynStepDerivatives {
+  uint32_t struct_size;      /* set by dyn_step_derivatives_init */
+  int32_t capacity;          /* contact points that contacts, modes and degenerate hold; default 0 */
+  double* A;                 /* 2 nv x 2 nv: by (q, v) */
+  double* B;                 /* 2 nv x nv: by tau */
+  double* B_control;         /* 2 nv x nu: by controls */
+  double *q, *v;             /* the next state, nq and nv */
+  dynContactForce* contacts; /* capacity: contact points of the step, as by dyn_data_step_contacts */
+  dynContactMode* modes;     /* capacity */
+  int32_t* degenerate;       /* capacity: 1: the mode is not strictly held */
+  dynStepDerivativeReport* report;
+} dynStepDerivatives;
+DYN_API void dyn_step_derivatives_init(dynStepDerivatives* out, uint32_t struct_size);
+#define dyn_step_derivatives_init(x) dyn_step_derivatives_init(x, sizeof(dynStepDerivatives))
+/* Derivatives of the step that dyn_step would make, and that step's result. The state, the contact forces
+   and the report of the last step stay as they are. Results of algorithms are stale afterwards. options may
+   be NULL (defaults); out is required. Results are in `out` alone. Activations are no part of x. Contacts are
+   solved to 1e-12 or to options.tolerance, the smaller one, and no time_budget counts. Sleeping bodies are
+   awake in it.
+     Modes       Each contact opens, sticks, slides or rebounds in the step. Within its mode the step is
+                 smooth, and derivatives are those of the mode. Redundant contacts share a change of their
+                 forces in some way; the motion does not depend on it.
+     Degenerate  Between two modes the step has a kink. ANALYTIC gives the derivative of one side, a member of
+                 Clarke's generalised Jacobian. CENTRAL_DIFFERENCES gives the mean of both sides.
+   ANALYTIC covers SEMI_IMPLICIT_EULER and IMPLICIT_FAST with rigid contacts. The report's reason names what
+   it does not cover. Needs part STEP_DERIVATIVES. (de Avila Belbute-Peres 2018; Werling 2021) */
+DYN_API dynStatus dyn_step_derivatives(const dynModel* model, dynData* data,
+                                       const dynStepDerivativeOptions* options,
+                                       const dynStepDerivatives* out);
 
 /* Material of a collision shape in this data; shape -1: of all shapes. Checked as in the builder. */
 DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape,

@@ -1060,6 +1060,38 @@ class Data {
     return options;
   }
   void step() { check(dyn_step(m(), get())); }
+  // Derivatives of a step, on the tangent space; x = (q, v).
+  struct StepDerivatives {
+    Matrix A, B, B_control;  // 2 nv x 2 nv; 2 nv x nv, by tau; 2 nv x nu
+    Vector q, v;             // the next state
+    std::vector<dynContactForce> contacts;
+    std::vector<dynContactMode> modes;
+    std::vector<bool> degenerate;
+    dynStepDerivativeReport report;
+  };
+  static dynStepDerivativeOptions step_derivative_options() {
+    dynStepDerivativeOptions options;
+    dyn_step_derivative_options_init(&options);
+    return options;
+  }
+  StepDerivatives step_derivatives(const dynStepDerivativeOptions& options = step_derivative_options()) {
+    const int nu = dyn_model_nu(m()), capacity = dyn_model_contact_capacity(m());
+    const auto room = static_cast<std::size_t>(capacity);
+    StepDerivatives x{Matrix(2 * nv(), 2 * nv()), Matrix(2 * nv(), nv()), Matrix(2 * nv(), nu), Vector(static_cast<std::size_t>(nq())),
+                      Vector(static_cast<std::size_t>(nv())), {}, {}, {}, {}};
+    x.contacts.resize(room), x.modes.resize(room), x.report.struct_size = sizeof x.report;
+    std::vector<std::int32_t> degenerate(room);
+    dynStepDerivatives out;
+    dyn_step_derivatives_init(&out);
+    out.capacity = capacity, out.A = x.A.data(), out.B = x.B.data(), out.B_control = nu ? x.B_control.data() : nullptr;
+    out.q = x.q.data(), out.v = x.v.data(), out.contacts = x.contacts.data(), out.modes = x.modes.data();
+    out.degenerate = degenerate.data(), out.report = &x.report;
+    check(dyn_step_derivatives(m(), get(), &options, &out));
+    const auto count = static_cast<std::size_t>(x.report.contacts);
+    x.contacts.resize(count), x.modes.resize(count);
+    x.degenerate.assign(degenerate.begin(), degenerate.begin() + x.report.contacts);
+    return x;
+  }
   void advance(double duration) { check(dyn_advance(m(), get(), duration)); }
   dynStepReport step_report() const {
     dynStepReport report{};

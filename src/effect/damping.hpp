@@ -17,6 +17,7 @@ struct Damping : Coefficient<Damping> {
   template <class T> static T force(T c, T v) { return c * v; }
   template <class T> static T slope(T c, T) { return c; }
   template <class T> static T secant(T c, T) { return c; }
+  template <class T> static T secant_slope(T, T) { return T(0); }
 };
 
 }  // namespace dyn::effect

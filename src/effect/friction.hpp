@@ -42,6 +42,14 @@ struct Friction : Coefficient<Friction> {
     const T x = v * T(rate);
     return c * T(rate) * (abs(x) < T(1e-9) ? T(1) : tanh(x) / x);
   }
+  // Derivative of secant by v.
+  template <class T>
+  static T secant_slope(T c, T v) {
+    using std::abs;
+    using math::tanh;
+    const T x = v * T(rate), t = tanh(x);
+    return c * T(rate * rate) * (abs(x) < T(1e-4) ? T(-2) / T(3) * x : (x * (T(1) - t * t) - t) / (x * x));
+  }
   static double reflected(double ratio, double c) { return std::abs(ratio) * c; }
 };
 

@@ -20,6 +20,7 @@ struct PlacedHull;
 struct Result;
 }  // namespace collision
 namespace simulation {
+struct StepDerivatives;
 struct Workspace;
 }
 // A force along a path that a step takes at its end: force - stiffness h l' - damping (l' - l'_0) - armature (l' - l'_0) / h,
@@ -71,6 +72,7 @@ struct Data {
 #include "model/data_fields.def"
 
   simulation::Workspace* step;                       // in step_memory
+  simulation::StepDerivatives* derivatives;          // in derivative_memory
   dynParts parts;
   std::uint32_t acting;  // DYN_EFFECT_... that are switched on at a joint which has them, and acting_wrenches
   std::uint32_t pushed;                              // acting_wrenches when there are any
@@ -116,6 +118,7 @@ struct Data {
 // Parts with what they imply.
 inline constexpr dynParts complete_parts(dynParts p) {
   if (p == 0) p = DYN_PART_ALL;
+  if (p & DYN_PART_STEP_DERIVATIVES) p |= DYN_PART_SIMULATION | DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_SIMULATION) p |= DYN_PART_FORWARD;
   if (p & DYN_PART_CONSTRAINT_DERIVATIVES) p |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;
   if (p & DYN_PART_CONSTRAINTS) p |= DYN_PART_FORWARD | DYN_PART_INVERSE | DYN_PART_KINEMATICS;

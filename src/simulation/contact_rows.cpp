@@ -52,10 +52,6 @@ bool has_immovable_normal(const Model& m, const Data<double>& d, const ActiveCon
   return !(sum[int(normal_row(x.rows))] > tuning::immovable_normal * most);
 }
 
-Vec3<double> surface_velocity(const Data<double>& d, Index geom) {
-  return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity);
-}
-
 }  // namespace
 
 void init_contact(const Model& m, Data<double>& d, Index contact, double h) {

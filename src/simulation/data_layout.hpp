@@ -23,6 +23,8 @@ std::size_t search_bytes(const Model& m);  // of a PairSearch (pair_search.hpp)
 namespace simulation {
 std::size_t workspace_bytes(const Model& m);
 Workspace* place(const Model& m, Data<double>& d, void* memory);
+std::size_t derivative_bytes(const Model& m);
+StepDerivatives* place_derivatives(const Model& m, void* memory);
 }  // namespace simulation
 
 namespace detail {
@@ -72,7 +74,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index k = 0; k < (d.path_forces ? m.n.path_rows : 0); ++k) d.path_forces[k].acts = 0;
   for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = AppliedWrench<T>::none();
   d.pushed = 0, d.rows_dropped = 0;
-  d.step = nullptr;
+  d.step = nullptr, d.derivatives = nullptr;
 #if DYN_CHECKED
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
   for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv,
@@ -87,6 +89,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
 #endif
   if constexpr ((possible & DYN_PART_SIMULATION) && std::is_same_v<T, double>)
     if (d.step_memory) d.step = simulation::place(m, d, d.step_memory);
+  if constexpr ((possible & DYN_PART_STEP_DERIVATIVES) && std::is_same_v<T, double>)
+    if (d.derivative_memory) d.derivatives = simulation::place_derivatives(m, d.derivative_memory);
   for (Index j = 0; j < m.n.joints; ++j)
     d.chosen_effects[j] = DYN_EFFECT_DEFAULT, d.effects[j] = DYN_EFFECT_DEFAULT & DYN_EFFECT_ALL;
   apply_effects(m, d);

@@ -170,6 +170,11 @@ double approach_speed(const Model& m, const Data<double>& d, const ActiveConstra
 // closed_gap.
 void record_overshoot(const Model& m, Data<double>& d, const double* dq, double closed);
 
+// Velocity of a shape's belt, world axes.
+inline Vec3<double> surface_velocity(const Data<double>& d, Index geom) {
+  return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity);
+}
+
 // Velocity of the point x (world axes) of a body. V: the body's twist at the tree's root, by default d.step->root_velocity.
 inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x, const Motion<double>& V) {
   return V.linear + cross(V.angular, x - (d.p[body] - d.rel[body]));

@@ -396,6 +396,15 @@ inline const CallRow described_calls[] = {
         DYN_CALL{return take_step(m, d, x.integrator, x.dt);
      }
      }
+     , {"dyn_step_derivatives", DYN_PART_STEP_DERIVATIVES, 0, Needs::nothing, false, 0, sizes::none,
+        DYN_CALL{
+            dynStepDerivatives out;
+            dyn_step_derivatives_init(&out);
+            dynStepDerivativeReport report{};
+            report.struct_size = sizeof report, out.report = &report;
+     return dyn_step_derivatives(m, d, nullptr, &out);
+     }
+     }
      , {"dyn_data_array", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL{return dyn_data_array(m, d, x.field, x.array);
      }
      }

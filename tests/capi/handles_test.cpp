@@ -232,6 +232,8 @@ TEST(Handles, TablesAreComplete) {
           // tests/simulation
           "dyn_model_state_size", "dyn_data_save_state", "dyn_data_restore_state", "dyn_data_step_contacts", "dyn_data_ledger",
           "dyn_data_set_shape_material", "dyn_data_shape_material",
+          // tests/simulation/step_derivatives_test.cpp
+          "dyn_step_derivative_options_init", "dyn_step_derivatives_init",
           // tests/simulation/actuation_test.cpp
           "dyn_actuator_init", "dyn_builder_add_actuator", "dyn_builder_set_gravity_compensation", "dyn_builder_set_medium",
           "dyn_builder_add_pair", "dyn_data_set_control", "dyn_data_apply_wrench", "dyn_data_clear_wrenches",

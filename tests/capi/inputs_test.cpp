@@ -207,7 +207,8 @@ TEST(Parts, Absent) {
                                         "COLLISION",
                                         "CONSTRAINTS",
                                         "CONSTRAINT_DERIVATIVES",
-                                        "SIMULATION"};
+                                        "SIMULATION",
+                                        "STEP_DERIVATIVES"};
     int refused = 0;
     for (const CallRow& row : call_rows)
       for (unsigned bit = 0; bit < std::size(names); ++bit) {
@@ -215,6 +216,7 @@ TEST(Parts, Absent) {
         ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()));
         // a part brings what it includes
         dynParts has = 1u << bit;
+        if (has & DYN_PART_STEP_DERIVATIVES) has |= DYN_PART_SIMULATION | DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES;
         if (has & DYN_PART_SIMULATION)
           has |= DYN_PART_FORWARD | DYN_PART_CONSTRAINTS | (dyn_model_npairs(m) > 0 ? DYN_PART_COLLISION : 0);
         if (has & DYN_PART_CONSTRAINT_DERIVATIVES) has |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;

@@ -164,6 +164,9 @@ const std::map<std::string, Row> rows = {
     READ_KIND(dynSensor, dyn_sensor_init, DYN_QUANTITY_JOINTPOS, field, (void)r; Builder b;
               b.joint(Spec("j", DYN_JOINT_TYPE_PRISMATIC)); return dyn_builder_add_sensor(b, "s", &s, "j", nullptr);),
     READ(dynStepOptions, dyn_step_options_init, sleep_speed, return dyn_data_set_step_options(r.m, r.d, &s);),
+    READ(dynStepDerivativeOptions, dyn_step_derivative_options_init, margin, dynStepDerivatives out;
+         dyn_step_derivatives_init(&out); return dyn_step_derivatives(r.m, r.d, &s, &out);),
+    READ(dynStepDerivatives, dyn_step_derivatives_init, report, return dyn_step_derivatives(r.m, r.d, nullptr, &s);),
     READ(dynMeshOptions, dyn_mesh_options_init, relative_to, (void)r; dynMesh* mesh = nullptr;
          return dyn_mesh_load("/nowhere/m.stl", &s, &mesh);),
     READ(dynHeightField, dyn_height_field_init, bottom, (void)r; const double h[4] = {1, 1, 1, 1}; s.columns = s.rows = 2;
@@ -198,6 +201,8 @@ const std::map<std::string, Row> rows = {
     WRITTEN(dynContactReport, energy, dynContactProblem p; dyn_contact_problem_init(&p); p.contacts = 1; p.G = r.G; p.g = r.g;
             return dyn_contact_solver_solve(r.solver, &p, nullptr, r.lambda, nullptr, s);),
     WRITTEN(dynStepReport, residual, return dyn_data_step_report(r.m, r.d, s);),
+    WRITTEN(dynStepDerivativeReport, reason, dynStepDerivatives out; dyn_step_derivatives_init(&out); out.report = s;
+            return dyn_step_derivatives(r.m, r.d, nullptr, &out);),
     WRITTEN(dynErrorLedger, cone, return dyn_data_ledger(r.m, r.d, s);),
     WRITTEN(dynMeshInfo, area, return dyn_mesh_info(r.surfaces.field, s);),
     WRITTEN(dynMeshArrays, planes, return dyn_mesh_arrays(r.surfaces.field, s);),

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from ctypes import byref, c_int, create_string_buffer
+from ctypes import addressof, byref, c_int, c_int32, create_string_buffer, sizeof
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from . import abi
+from .arrays import address
 from .choices import member, text, whole
 from .contact import Contact, to_contact
-from .enums import ContactModel, ContactSolverType, Integrator
+from .enums import ContactMode, ContactModel, ContactSolverType, DerivativeMethod, Integrator
 from .errors import ArgumentError, ContactWarning
 from .guard import nested
 from .handles import DataHandle
@@ -20,7 +21,7 @@ from .material import Material
 
 if TYPE_CHECKING:
     from .arrays import Numbers
-    from .enums import ContactModelLike, ContactSolverTypeLike, IntegratorLike
+    from .enums import ContactModelLike, ContactSolverTypeLike, DerivativeMethodLike, IntegratorLike
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
 _step = lib.dyn_step
@@ -107,6 +108,32 @@ class ContactForce(NamedTuple):
     """(3,): N m, world: of torsion and rolling."""
 
 
+class StepDerivatives(NamedTuple):
+    """Derivatives of a step on the tangent space, with x = (q, v), and the step's result."""
+
+    A: Numbers
+    """(2 nv, 2 nv): by x."""
+    B: Numbers
+    """(2 nv, nv): by tau."""
+    B_control: Numbers
+    """(2 nv, nu): by controls."""
+    q: Numbers
+    """(nq,): the next configuration."""
+    v: Numbers
+    """(nv,): the next velocity."""
+    contacts: list[ContactForce]
+    """Contact points of the step."""
+    modes: list[ContactMode]
+    degenerate: list[bool]
+    """Contacts whose mode is not strictly held."""
+    method: DerivativeMethod
+    """ANALYTIC or CENTRAL_DIFFERENCES."""
+    reason: str
+    """Why ANALYTIC does not cover the step."""
+    degenerate_count: int
+    """Contacts, limits and actuators whose mode is not strictly held."""
+
+
 def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, contact_model: Any = None, **numbers: Any) -> None:
     """Sets the arguments of Data.set_step_options that are not None."""
     if integrator is not None:
@@ -122,6 +149,10 @@ def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, contac
                 setattr(options, name, whole(x, name) if isinstance(getattr(options, name), int) else x)
             except TypeError:
                 raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
+
+
+def _contact_force(f: Any) -> ContactForce:
+    return ContactForce(to_contact(f.contact), np.array(f.force_on_b), np.array(f.moment_on_b))
 
 
 class SimulationCalls(DataHandle):
@@ -199,6 +230,35 @@ class SimulationCalls(DataHandle):
         if not self._steps % _LOOK_EVERY:
             self._warn_of_dropped(3)
 
+    def step_derivatives(
+        self, method: DerivativeMethodLike = "auto", *, epsilon: float = 1e-6, margin: float = 1e-6
+    ) -> StepDerivatives:
+        """Derivatives of the step that step() would make, and its result. The state stays as it is.
+
+        method   "auto": analytic where it covers the step, else central differences of the step
+        epsilon  change of each coordinate in central differences
+        margin   a contact's mode is degenerate within it of its end: m, m/s, and share of the largest force
+        """
+        n, nv, nu, room = self.model.nq, self.model.nv, self.model.nu, max(self.model.contact_capacity, 1)
+        options = abi.StepDerivativeOptions()
+        lib.dyn_step_derivative_options_init(byref(options), sizeof(options))
+        options.method, options.epsilon, options.margin = member(DerivativeMethod, method, "method"), epsilon, margin
+        A, B, B_control = (np.empty((2 * nv, k), order="F") for k in (2 * nv, nv, nu))
+        q, v = np.empty(n), np.empty(nv)
+        contacts, modes, degenerate = (abi.ContactForce * room)(), (c_int * room)(), (c_int32 * room)()
+        report = abi.StepDerivativeReport()
+        out = abi.StepDerivatives()
+        for name, x in {"A": A, "B": B, "B_control": B_control, "q": q, "v": v}.items():
+            setattr(out, name, address(x))
+        out.capacity, out.contacts, out.modes = room, addressof(contacts), addressof(modes)
+        out.degenerate, out.report = addressof(degenerate), addressof(report)
+        check(lib.dyn_step_derivatives(self._m, self._d, byref(options), byref(out)))
+        count = report.contacts
+        return StepDerivatives(
+            A, B, B_control, q, v, [_contact_force(f) for f in contacts[:count]], [ContactMode(k) for k in modes[:count]],
+            [bool(k) for k in degenerate[:count]], DerivativeMethod(report.method), report.reason.decode(), report.degenerate,
+        )  # fmt: skip
+
     def advance(self, duration: float) -> StepReport:
         """Makes the steps that duration (s) takes, and says how many."""
         check(lib.dyn_advance(self._m, self._d, duration))
@@ -235,10 +295,7 @@ class SimulationCalls(DataHandle):
             out = (abi.ContactForce * room)()
             check(lib.dyn_data_step_contacts(self._m, self._d, out, room, byref(count)))
             if count.value <= room:
-                return [
-                    ContactForce(to_contact(f.contact), np.array(f.force_on_b), np.array(f.moment_on_b))
-                    for f in out[: count.value]
-                ]
+                return [_contact_force(f) for f in out[: count.value]]
             room = count.value
 
     def save_state(self) -> bytes:

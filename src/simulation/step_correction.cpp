@@ -1,0 +1,247 @@
+// Derivatives of the correction of positions: q' = q (+) (h v' + N^-1 J^T mu). Its mu are those of a few sweeps of Gauss and Seidel
+// over the normal rows (Sweeps::frictionless), which end before they converge. So the sweeps themselves are differentiated:
+//   mu_i = max(0, mu_i - (b_i + sum_j G_ij mu_j) / G_ii)
+// with b the share of the gap at the end of the step that is removed. G and N^-1 J^T change by q, too. Where that matters, each
+// row takes derivatives of inverse dynamics at the acceleration N^-1 J_j^T.
+#include "simulation/step_linearisation.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+struct Correction {
+  StepJacobian& s;
+  const Model& m = s.m;
+  Data<double>& d = s.d;
+  StepDerivatives& x = s.x;
+  JacobianArrays& y = s.y;
+  const Workspace& w = s.w;
+  const std::ptrdiff_t nv = s.nv, columns = s.columns, room = jacobian_rows(m);
+  const double h = s.h;
+  Index count = 0, pushed = 0;  // rows, and those whose mu was positive
+
+  CorrectionRow& row(Index i) const { return y.corrections[i]; }
+  double* J(Index i) const { return s.J(row(i).row); }
+  double* Z(Index i) const { return y.Z + nv * row(i).row; }
+  double& G(Index i, Index j) const { return y.G[room * i + j]; }
+  double* dG(Index i, Index j) const { return y.dG + nv * (exact_corrections * row(i).exact + row(j).exact); }
+  double* by(Index i) const { return y.lambda + columns * i; }     // of mu
+  double* wrong(Index i) const { return y.wanted + columns * i; }  // of b
+
+  // As Island::correct.
+  void ask(CorrectionRow& r, double gap, double unit, bool soft) const {
+    const double most = correction_speed(d, h) * h / w.length, share = tuning::island::correction * gap;
+    if (soft) r.wrong = std::max(gap, most * w.length), r.slope = gap > most * w.length;
+    else if (gap >= 0) r.wrong = gap, r.slope = 1;
+    else r.wrong = std::max(share, -most * unit), r.slope = share > -most * unit ? tuning::island::correction : 0;
+  }
+  // Adds a row of J for a contact or limit that does not press.
+  const char* add_open(const ActiveConstraint& a, CorrectionRow& r) const {
+    if (s.rows == room || s.contacts == room) return "too many rows";
+    r.row = s.rows++;
+    std::fill_n(s.J(r.row), nv, 0.0), std::fill_n(y.rate + nv * r.row, nv, 0.0), std::fill_n(y.Z + nv * r.row, nv, 0.0);
+    y.rows[r.row] = {a.kind == RowKind::Contact ? JacobianRowKind::Normal : JacobianRowKind::Limit, a.index, 2, 0};
+    if (a.kind == RowKind::Contact) {
+      const ContactLaw& law = w.laws[a.index];
+      JacobianContact& c = y.contacts[r.contact = s.contacts++];
+      c = {}, c.contact = a.index, c.body_a = d.geoms[law.geom_a].body, c.body_b = d.geoms[law.geom_b].body, c.first = r.row;
+      c.position = load3(x.modes.contacts[a.index].contact.position);
+      if (!contact_geometry(m, d, x.modes.contacts[a.index].contact, law, c.geometry))
+        return "a contact point has no counterpart where its shapes move";
+      s.add_normal_rate(c, y.twists, 1, y.rate + nv * r.row, s.J(r.row));
+    } else {
+      const LimitRecord& limit = m.limits()[a.index];
+      s.J(r.row)[user_dof(m, limit.dof)] = is_low(limit) ? 1 : -1;
+    }
+    for (Index k = 0; k < nv; ++k)
+      if (const double j = s.J(r.row)[k]; j != 0) add_row(y.Z + nv * r.row, d.Minv + nv * k, j, nv);
+    return nullptr;
+  }
+  bool is_low(const LimitRecord& r) const {
+    return x.q[r.q] - m.lower_limit()[r.q] <= m.upper_limit()[r.q] - x.q[r.q];
+  }
+
+  // The row of a constraint. largest: error, over its unit.
+  const char* add(const ActiveConstraint& a, double& largest) {
+    CorrectionRow r{-1, -1, -1, 0, 0, 0, 0};
+    const bool contact = a.kind == RowKind::Contact;
+    for (Index k = 0; contact && k < s.contacts; ++k)
+      if (y.contacts[k].contact == a.index) r.contact = k, r.row = y.contacts[k].first;
+    for (Index k = 0; !contact && k < s.rows; ++k)
+      if (y.rows[k].kind == JacobianRowKind::Limit && y.rows[k].of == a.index) r.row = k;
+    if (r.row < 0)
+      if (const char* const reason = add_open(a, r)) return reason;
+    const bool soft = contact && is_soft(w.laws[a.index].material);
+    double gap, unit = w.length;
+    if (contact) {
+      gap = x.modes.contacts[a.index].contact.distance;
+    } else {
+      const LimitRecord& limit = m.limits()[a.index];
+      gap = is_low(limit) ? x.q[limit.q] - m.lower_limit()[limit.q] : m.upper_limit()[limit.q] - x.q[limit.q];
+      unit = unit_of(m, w, limit);
+    }
+    for (Index k = 0; k < nv; ++k) gap += h * s.J(r.row)[k] * x.v_end[k];
+    if (!soft && gap < 0) largest = std::max(largest, -gap / unit);
+    ask(r, gap, unit, soft);
+    if (contact) r.compliance = s.compliance(w.laws[a.index]);
+    if (count == room) return "too many rows";
+    row(count++) = r;
+    return nullptr;
+  }
+
+  // As Sweeps::frictionless, of the rows of one island. Returns the number of sweeps.
+  int sweep(Index begin, Index end, int most, bool differentiate, bool exact) {
+    double first = 0;
+    for (Index i = begin; i < end; ++i) row(i).mu = 0;
+    for (int n = 0; n < most; ++n) {
+      double changed = 0;
+      for (Index i = begin; i < end; ++i) {
+        CorrectionRow& r = row(i);
+        const double own = G(i, i);
+        if (!(own > 0)) continue;
+        double rate = r.wrong;
+        for (Index j = begin; j < end; ++j) rate += G(i, j) * row(j).mu;
+        const double to = std::max(0.0, r.mu - rate / own);
+        if (differentiate) change(begin, end, i, to > 0, rate, exact);
+        changed = std::max(changed, std::abs(to - r.mu) * (own + r.compliance));
+        r.mu = to;
+        if (to > 0 && r.exact < 0) r.exact = pushed++;
+      }
+      if (n == 0) first = changed;
+      else if (!differentiate && changed <= tuning::sweeps::correction_change * first) return n + 1;
+    }
+    return most;
+  }
+  // dmu_i, of which its own part of the rate takes away what it was.
+  void change(Index begin, Index end, Index i, bool pushes, double rate, bool exact) const {
+    double* const to = by(i);
+    std::fill_n(to, columns, 0.0);
+    if (!pushes) return;
+    const double own = 1 / G(i, i);
+    add_row(to, wrong(i), -own, columns);
+    if (exact) add_row(to, dG(i, i), own * own * rate, nv);
+    for (Index j = begin; j < end; ++j) {
+      if (row(j).mu == 0) continue;
+      if (exact) add_row(to, dG(i, j), -own * row(j).mu, nv);
+      if (j != i) add_row(to, by(j), -own * G(i, j), columns);
+    }
+  }
+
+  // Calls f(first row, one past the last) for each island.
+  template <class F>
+  void for_each_island(F&& f) {
+    for (Index begin = 0; begin < count; begin = row(begin).end) f(begin, row(begin).end);
+  }
+  // Rows and mu of all islands that are corrected.
+  const char* find() {
+    for (Index n = 0, next; n < w.constraint_count; n = next) {
+      const Index begin = count;
+      double largest = 0;
+      for (next = n; next < w.constraint_count && w.active[w.order[next]].island == w.active[w.order[n]].island; ++next) {
+        const ActiveConstraint& a = w.active[w.order[next]];
+        if (a.idle || (a.kind == RowKind::Contact && a.support_count == 0)) continue;
+        if (const char* const reason = add(a, largest)) return reason;
+      }
+      if (!(largest > tuning::slop)) {
+        count = begin;
+        continue;
+      }
+      for (Index i = begin; i < count; ++i)
+        for (Index j = begin; j < count; ++j) {
+          double sum = 0;
+          for (Index k = 0; k < nv; ++k) sum += J(i)[k] * Z(j)[k];
+          G(i, j) = sum;
+        }
+      row(begin).end = count, row(begin).sweeps = sweep(begin, count, tuning::sweeps::correction_sweeps, false, false);
+    }
+    for (Index i = 0; i < count; ++i) add_row(y.correction, Z(i), row(i).mu, nv);
+    return nullptr;
+  }
+  // Whether the step ends where these mu take it.
+  bool is_that_of_the_step() const {
+    double* const hv = x.plus;
+    for (Index k = 0; k < nv; ++k) hv[k] = h * x.v_end[k] + y.correction[k];
+    std::copy_n(x.v_end, nv, x.minus);
+    integrate(m, static_cast<const double*>(x.q), static_cast<const double*>(hv), d.q);
+    integrator::end_flight<false>(m, WholeModel{}, static_cast<const double*>(x.q), h, static_cast<const double*>(y.correction), d.q,
+                                  x.minus);
+    difference(m, static_cast<const double*>(x.q_next), static_cast<const double*>(d.q), hv);
+    std::copy_n(x.q, m.n.nq, d.q);
+    double off = 0, most = 0;
+    for (Index k = 0; k < nv; ++k) off = std::max(off, std::abs(hv[k])), most = std::max(most, std::abs(y.correction[k]));
+    constexpr double rounding = 1e-14, share = 1e-6;
+    return off <= rounding + share * most;
+  }
+
+  // W = derivative of N^-1 J_i^T by q, at fixed q in it; and its parts of dG.
+  void differentiate_row(Index i) const {
+    const double *const z = Z(i), *const rest = d.zero;
+    const std::uint32_t acting = d.acting;
+    double gravity[3];
+    std::copy_n(d.world_gravity, 3, gravity), std::fill_n(d.world_gravity, 3, 0.0);
+    d.acting &= ~resisting_effects;
+    s.columns_at(rest, z);
+    const JacobianContact* const c = row(i).contact < 0 ? nullptr : y.contacts + row(i).contact;
+    const Vec3<double> n = c ? load3(x.modes.contacts[c->contact].contact.normal) : Vec3<double>::zero();
+    if (c) s.subtract_force(*c, n);
+    torque_derivatives(m, d, rest, z);
+    d.acting = acting, std::copy_n(gravity, 3, d.world_gravity);
+    for (Index k = 0; k < nv; ++k)
+      for (Index j = 0; j < nv; ++j) s.displacement(k)[j] = -d.dtau_dq[k + nv * j];
+    if (c) s.differentiate_impulse(*c, n);
+    for (Index k = 0; k < nv; ++k) {
+      double* const to = y.W + nv * k;
+      std::fill_n(to, nv, 0.0);
+      for (Index l = 0; l < nv; ++l)
+        if (const double by = d.Minv[l + nv * k]; by != 0) add_row(to, s.displacement(l), by, nv);
+    }
+    add_row(y.turned, y.W, row(i).mu, nv * nv);
+    s.find_twists(z, y.twists_before);
+    for (Index k = 0; k < count; ++k) {
+      if (row(k).exact < 0) continue;
+      double* const to = dG(k, i);
+      std::fill_n(to, nv, 0.0);
+      for (Index l = 0; l < nv; ++l)
+        if (const double j = J(k)[l]; j != 0) add_row(to, y.W + nv * l, j, nv);
+      if (row(k).contact >= 0) s.add_normal_rate(y.contacts[row(k).contact], y.twists_before, 1, to, nullptr);
+    }
+  }
+  void differentiate_errors() const {
+    for (Index i = 0; i < count; ++i) {
+      const CorrectionRow& r = row(i);
+      double* const to = wrong(i);
+      std::fill_n(to, columns, 0.0), std::fill_n(by(i), columns, 0.0);
+      if (r.slope == 0) continue;
+      add_row(to, J(i), r.slope, nv), add_row(to, y.rate + nv * r.row, r.slope * h, nv);
+      for (Index k = 0; k < nv; ++k)
+        if (const double j = J(i)[k]; j != 0) add_row(to, s.state(k), r.slope * h * j, columns);
+    }
+  }
+};
+
+}  // namespace
+
+const char* StepJacobian::correct() {
+  Correction c{*this};
+  if (const char* const reason = c.find()) return reason;
+  if (!c.is_that_of_the_step()) return "overlaps are corrected in another way";
+  constexpr double negligible = 1e-9;  // m, rad: derivatives of G change the result by as much
+  double most = 0;
+  for (Index k = 0; k < nv; ++k) most = std::max(most, std::abs(y.correction[k]));
+  const bool exact = most > negligible;
+  if (exact && c.pushed > exact_corrections) return "too many overlaps are corrected";
+  std::fill_n(y.turned, nv * nv, 0.0);
+  for (Index i = 0; i < (exact ? c.count : 0); ++i)
+    if (c.row(i).exact >= 0) c.differentiate_row(i);
+  c.differentiate_errors();
+  c.for_each_island([&](Index begin, Index end) { c.sweep(begin, end, c.row(begin).sweeps, true, exact); });
+  displace();
+  for (Index k = 0; k < nv; ++k) {
+    add_row(displacement(k), y.turned + nv * k, 1, nv);
+    for (Index i = 0; i < c.count; ++i)
+      if (const double z = c.Z(i)[k]; z != 0) add_row(displacement(k), c.by(i), z, columns);
+  }
+  return nullptr;
+}
+
+}  // namespace dyn::simulation

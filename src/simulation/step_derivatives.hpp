@@ -1,0 +1,66 @@
+// Derivatives of a step by its state, its forces and its controls, on the tangent space.
+// Two methods: implicit differentiation of the step in its modes (step_jacobian.cpp), and central differences (here), which cover
+// every step. The state stays as it is.
+#pragma once
+
+#include "simulation/step_jacobian.hpp"
+
+namespace dyn::simulation {
+
+// Columns of the result: q, v, tau, controls. Rows: q', v'.
+inline std::ptrdiff_t derivative_count(const Model& m) { return 3 * std::ptrdiff_t(m.n.nv) + m.n.nu; }
+
+// Contacts of a step in their order, with their modes.
+struct StepModes {
+  dynContactForce* contacts;
+  dynContactMode* modes;
+  std::int32_t* degenerate;
+  Index count;
+};
+
+struct StepDerivatives {
+  // the state before: restored at the end
+  double *q, *v, *act, *limit_forces, *actuator_force;
+  dynContactForce* contacts;
+  Index contact_count;
+  double time, growth;
+  dynStepOptions options;
+  dynStepReport report;
+  bool ledger;
+  // the step: its result, its velocity before it is turned into the axes of its end, and its modes
+  double *q_next, *v_next, *v_end;
+  StepModes modes;
+  Index degenerate;  // limits and actuators beside the contacts
+  Index steps;
+  // 2 nv x (3 nv + nu), by columns
+  double* by;
+  // of differences
+  double *direction, *plus, *minus;
+  JacobianArrays jacobian;
+  const char* reason;  // why the analytic method does not cover the step, or nullptr
+};
+
+std::size_t derivative_bytes(const Model& m);
+// In memory of that size, aligned to 64 bytes.
+StepDerivatives* place_derivatives(const Model& m, void* memory);
+
+// Saves the state and makes a step. Returns 0 or what integrator::step returns, or not_finite. The state is then that of the end
+// of the step, and restore_state must be called in any case.
+inline constexpr Index not_finite = -5;
+Index begin_derivatives(const Model& m, Data<double>& d, StepDerivatives& x);
+Index step_once(const Model& m, Data<double>& d);
+void start_from(const Model& m, Data<double>& d, const StepDerivatives& x);  // sets q, v and activations alone
+void restore_state(const Model& m, Data<double>& d, const StepDerivatives& x);
+// Directly after begin_derivatives: finds the modes of the contacts. margin: see dynStepDerivativeOptions.
+void find_modes(const Model& m, Data<double>& d, StepDerivatives& x, double margin);
+// Which columns are wanted.
+struct Wanted {
+  bool state, tau, control;
+};
+// Fills x.by by central differences. Marks contacts as degenerate whose mode changes. Returns as begin_derivatives.
+Index step_differences(const Model& m, Data<double>& d, StepDerivatives& x, double epsilon, const Wanted& wanted);
+
+// Fills x.by by implicit differentiation, or sets x.reason (step_jacobian.cpp).
+void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double margin);
+
+}  // namespace dyn::simulation

@@ -1,0 +1,38 @@
+#include "simulation/step_linearisation.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+// Why the step is not covered, or nullptr.
+const char* find_reason(const Model& m, const Data<double>& d) {
+  const Workspace& w = *d.step;
+  const dynIntegrator by = w.options.integrator;
+  if (by != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && by != DYN_INTEGRATOR_IMPLICIT_FAST)
+    return "the integrator is neither SEMI_IMPLICIT_EULER nor IMPLICIT_FAST";
+  if (w.options.contact_model != DYN_CONTACT_MODEL_RIGID) return "contact_model is AS_FILE";
+  if (m.n.paths > 0 && (d.acting & driving_effects)) return "a tendon or an actuator on a path acts";
+  if (m.n.force_limits > 0) return "the sum of several actuators is limited";
+  if (d.acting & DYN_EFFECT_FLUID) return "a medium acts on a link";
+  if (active_rows(m, d) > 0) return "a constraint is enabled";
+  if (w.report.rejected > 0 || w.report.steps != 1) return "the step was made in parts";
+  constexpr double solved = 1e-9;
+  if (w.report.residual > solved) return "the contact solver did not reach a residual of 1e-9";
+  for (Index k = 0; k < m.n.limits; ++k)
+    if (is_ball(m, m.limits()[k]) && w.limit_forces[k] != 0) return "the limit of a ball joint presses";
+  for (Index i = 1; i < m.n.bodies; ++i)
+    if (m.bodies()[i].type == BodyType::FreeFlyer && m.bodies()[i].parent != 0) return "a link carries a free flyer";
+  return nullptr;
+}
+
+}  // namespace
+
+void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double) {
+  start_from(m, d, x);
+  StepJacobian s{m, d, x};
+  if ((x.reason = find_reason(m, d)) || (x.reason = s.find_rows())) return;
+  std::fill_n(x.jacobian.correction, m.n.nv, 0.0);
+  x.reason = s.differentiate();
+}
+
+}  // namespace dyn::simulation
