@@ -698,11 +698,13 @@ DYN_API size_t dyn_data_size(const dynModel* model, dynParts parts);
 DYN_API dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size,
                                 dynData** data);
 DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
+#ifndef DYN_BARE
 /* Touches memory that later calls would touch first, so that no later call waits for a page: the library, the
    model, the data, 128 KiB of the thread's stack, and the thread's error text. Call it once after creation in
    each thread that has a deadline. It changes no result. Besides creating and freeing, no other function may
    lock or allocate. */
 DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
+#endif
 
 /* Sets the state held in data. NULL leaves a value unchanged. A call with q, v, a or tau sets them too. New
    data is at the model's initial configuration (dyn_model_initial_configuration) and at rest. */

@@ -15,26 +15,28 @@ inline SE3<double> mocap_motion(const Model& m, Index mocap, const double* X) {
   return std::equal(X, X + 12, model) ? SE3<double>::identity() : load_se3(X) * load_se3(model).inverse();
 }
 
-// Places a mocap body and what is on it.
-template <class T>
+// Places a mocap body and what is on it. possible: parts that a program may ask for, as in data_layout.
+template <dynParts possible = DYN_PART_ALL, class T>
 void place_mocap(const Model& m, Data<T>& d, Index mocap, const double* X) {
   const SE3<double> motion = mocap_motion(m, mocap, X);
   const Index place = m.n.bodies + mocap;
   for (int i = 0; i < 12; ++i) d.mocap[12 * mocap + i] = T(X[i]);
   d.R[place] = cast<T>(motion.R), d.p[place] = cast<T>(motion.p);
-  for (Index k = 0; d.geoms && k < m.n.geoms; ++k) {
-    const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
-    const FrameRecord& f = m.frames()[s.frame];
-    if (f.place == place) d.geoms[k].X = motion * (f.X * load_se3(s.placement));
-  }
-  for (Index s = 0; d.slots && s < m.n.slots; ++s) place_anchors(m, d, s);
+  if constexpr (possible & DYN_PART_COLLISION)
+    for (Index k = 0; d.geoms && k < m.n.geoms; ++k) {
+      const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
+      const FrameRecord& f = m.frames()[s.frame];
+      if (f.place == place) d.geoms[k].X = motion * (f.X * load_se3(s.placement));
+    }
+  if constexpr (possible & DYN_PART_CONSTRAINTS)
+    for (Index s = 0; d.slots && s < m.n.slots; ++s) place_anchors(m, d, s);
 }
 
 // Places all as in a named configuration.
-template <class T>
+template <dynParts possible = DYN_PART_ALL, class T>
 void place_mocaps(const Model& m, Data<T>& d, Index configuration) {
   for (Index k = 0; k < m.n.mocaps; ++k)
-    place_mocap(m, d, k, m.configuration_mocaps() + 12 * (std::ptrdiff_t(configuration) * m.n.mocaps + k));
+    place_mocap<possible>(m, d, k, m.configuration_mocaps() + 12 * (std::ptrdiff_t(configuration) * m.n.mocaps + k));
 }
 
 namespace simulation {
