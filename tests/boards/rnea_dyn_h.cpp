@@ -28,10 +28,10 @@ int board::program() {
   for (int k = 0; k < nv; ++k) q[k] = 0.5 * dice();
   for (int k = 0; k < nv; ++k) v[k] = dice(), a[k] = dice(), dice();
   constexpr int calls = 100;
-  const board::Ticks ticks;
+  const board::Instructions count;
   for (int k = 0; k < calls; ++k)
     if (dyn_rnea(m, d, q, v, a, nullptr, tau)) return failed("dyn_rnea");
-  const std::uint64_t instructions = std::uint64_t(ticks()) * board::instructions_a_tick / calls;
+  const std::uint64_t instructions = count() / calls;
   double worst = 0;
   for (int k = 0; k < nv; ++k) {
     const double want = figures[k], off = __builtin_fabs(tau[k] - want) / __builtin_fmax(1, __builtin_fabs(want));

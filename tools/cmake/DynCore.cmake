@@ -1,13 +1,23 @@
 # libdyn_core.a: the templates' instances, for programs on internal headers. On boards without an operating system also libdyn.a: dyn.h without what needs
 # a heap, files or threads (dyn_board). Elsewhere libdyn_core.a holds the builder and dyn.h, too, without what loads files.
 set(DYN_PARTS "" CACHE STRING "Parts that programs on boards may ask for, as INVERSE;FORWARD: code and buffers of others are left out. Empty: all")
-set(DYN_MESSAGES ON CACHE BOOL "Texts of dyn_last_error on boards")
+option(DYN_MESSAGES "Boards: texts of dyn_last_error" ON)
+option(DYN_CHECK_MODELS "Boards: dyn_model_from_buffer checks every index and number, not the checksum and the layout alone (37 KB)" OFF)
 
-# Sets result to the definition of DYN_PARTS for some parts.
-function(dyn_parts result)
-  list(TRANSFORM ARGN PREPEND DYN_PART_ OUTPUT_VARIABLE parts)
-  list(JOIN parts "|" parts)
-  set(${result} "$<$<BOOL:${parts}>:DYN_PARTS=(${parts})>" PARENT_SCOPE)
+# Flags of dyn.h's functions on boards. Checks of arguments are small before they are fast: the work is in dyn_core.
+function(dyn_board_flags target)
+  target_link_libraries(${target} PRIVATE dyn_flags dyn_warnings)
+  target_compile_options(${target} PRIVATE $<$<BOOL:${DYN_SMALL}>:-Os>)
+endfunction()
+
+# The definition of DYN_PARTS for some parts; none: all.
+function(dyn_parts_definition result)
+  set(${result} "" PARENT_SCOPE)
+  if(ARGN)
+    list(TRANSFORM ARGN PREPEND DYN_PART_)
+    list(JOIN ARGN "|" parts)
+    set(${result} "DYN_PARTS=(${parts})" PARENT_SCOPE)
+  endif()
 endfunction()
 
 function(dyn_core_library)
@@ -18,11 +28,14 @@ function(dyn_core_library)
   set(parts core capi)
   if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
     option(DYN_SMALL "The compiler decides what is in line: less flash, slower" ON)
-    target_compile_definitions(dyn_flags INTERFACE DYN_NO_HOST=1 DYN_PORTABLE=1 $<$<BOOL:${DYN_SMALL}>:DYN_SMALL=1> DYN_MESSAGES=$<BOOL:${DYN_MESSAGES}>)
+    target_compile_definitions(dyn_flags INTERFACE DYN_NO_HOST=1 DYN_PORTABLE=1 $<$<BOOL:${DYN_SMALL}>:DYN_SMALL=1> DYN_MESSAGES=$<BOOL:${DYN_MESSAGES}>
+                               DYN_CHECK_MODELS=$<BOOL:${DYN_CHECK_MODELS}>)
     list(FILTER DYN_CAPI_SOURCES EXCLUDE REGEX "/capi/(batch.*|broad_phase|builder.*|heap|host|load|mesh|rollout|save|thread_pool|warmup)\\.cpp$")
     dyn_objects(dyn_capi "${DYN_CAPI_SOURCES}")
-    dyn_parts(definition ${DYN_PARTS})
-    target_compile_definitions(dyn_capi PRIVATE DYN_ARCH_NAME="${CMAKE_SYSTEM_PROCESSOR}" ${definition})
+    dyn_board_flags(dyn_capi)
+    dyn_parts_definition(parts_definition ${DYN_PARTS})
+    set_source_files_properties(capi/data.cpp capi/guard.cpp PROPERTIES COMPILE_DEFINITIONS "${parts_definition}")  # which alone depend on them
+    target_compile_definitions(dyn_capi PRIVATE DYN_ARCH_NAME="${CMAKE_SYSTEM_PROCESSOR}")
   else()
     dyn_objects(dyn_host "${DYN_BUILDER_SOURCES}")
     dyn_objects(dyn_capi "${DYN_CAPI_SOURCES}")
