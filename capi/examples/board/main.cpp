@@ -27,7 +27,7 @@ std::uint32_t worst = 0;  // ticks of the timer that control_cycle took
 double drift = 0, error = 0;
 dynStatus plant_status = DYN_OK;
 
-volatile std::uint32_t& systick(int word) { return reinterpret_cast<volatile std::uint32_t*>(0xe000e010)[word]; }  // control, reload, value
+volatile std::uint32_t* const systick = reinterpret_cast<volatile std::uint32_t*>(0xe000e010);  // control, reload, value
 
 // The motion: 0.4 (1 - cos(w t)) rad on each joint, a fortieth of it on the finger. cos and sin by turns of a phase.
 struct Phase {
@@ -59,17 +59,17 @@ double largest(const double* x) {
 void SysTick_Handler() {
   const int n = cycle;
   if (n >= last) return;
-  (void)systick(0);  // clears the flag of the turn that this cycle begins with
+  [[maybe_unused]] const std::uint32_t flag = systick[0];  // clears the flag of the turn that this cycle begins with
   double q[joints], v[joints], tau[joints];
   for (int k = 0; k < joints; ++k) q[k] = plant.q[k], v[k] = plant.v[k];  // encoders
   const Target target = phase.target();
   if (n >= motion + 500 && n < fault)
     for (int k = 0; k < joints; ++k) error = std::fmax(error, std::fabs(target.q[k] - q[k]));
   if ((n >= fault && n < fault + fault_cycles) || n >= lasting_fault) q[3] = __builtin_nan("");
-  const std::uint32_t began = systick(2);
+  const std::uint32_t began = systick[2];
   control_cycle(&control, q, v, n < motion ? nullptr : &target, tau);
-  const std::uint32_t ended = systick(2);
-  if (systick(0) >> 16 & 1) control_failed(&control, tau);  // the timer came round: the cycle took longer than a millisecond
+  const std::uint32_t ended = systick[2];
+  if (systick[0] >> 16 & 1) control_failed(&control, tau);  // the timer came round: the cycle took longer than a millisecond
   else if (began - ended > worst) worst = began - ended;
   if (control.stopped && !stopped_at) stopped_at = n;
 
@@ -83,7 +83,9 @@ int board::program() {
   if (control_begin(&control, arm, arm_size, control_memory, sizeof control_memory) ||
       plant_begin(&plant, control.model, plant_memory, sizeof plant_memory))
     return print(dyn_last_error()), print("\n"), 1;
-  systick(1) = period - 1, systick(2) = 0, systick(0) = 7;  // from the processor's clock, with interrupts
+  systick[1] = period - 1;
+  systick[2] = 0;
+  systick[0] = 7;  // from the processor's clock, with interrupts
   while (cycle < last) __asm volatile("wfi");  // a product feeds its hardware watchdog here, when cycle has grown
   const std::uint64_t instructions = std::uint64_t(worst) * 1000 / (DYN_TICKS / 1000000);
   print("  gravity compensation: largest velocity "), print(std::uint64_t(drift * 1e15)), print("e-15 rad/s\n");
