@@ -280,7 +280,9 @@ void Call::rollback() {
   // the buffers behind the frame queries held the old state
   x.invalidate(Stage::Position), x.invalidate(Stage::Velocity), x.invalidate(Stage::Acceleration);
   if constexpr (possible_parts & DYN_PART_KINEMATICS) {
-    const auto was_fresh = [&](Stage s) { return kinematic_stamps[std::size_t(s) - std::size_t(Stage::Position)] == x.newest(s); };
+    const auto was_fresh = [&](Stage s) {
+      return kinematic_stamps[std::size_t(s) - std::size_t(Stage::Position)] == x.newest(s);
+    };
     if (was_fresh(Stage::Acceleration)) forward_kinematics<2>(m(), x);
     else if (was_fresh(Stage::Velocity)) forward_kinematics<1>(m(), x);
     else if (was_fresh(Stage::Position)) forward_kinematics<0>(m(), x);

@@ -59,8 +59,9 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
     }
     set_up(handle, *model->m, parts, memory);
     handle->body->bytes = bytes;
+    Data<double>& d = handle->body->d;
     if (bytes >= least_mapped)
-      detail::for_each_buffer<DYN_PART_ALL>(*model->m, handle->body->d.parts, handle->body->d, []<class T>(T* p, std::size_t count) {
+      detail::for_each_buffer<DYN_PART_ALL>(*model->m, d.parts, d, []<class T>(T* p, std::size_t count) {
         if constexpr (std::is_same_v<T, double>) ask_for_large_pages(p, count * sizeof(double));  // of matrices
       });
     *data = handle;
