@@ -96,7 +96,7 @@ dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name)
   Data<double>& d = call.d();
   if (d.step) simulation::wake_all(m, d);
   set_to_configuration(m, d, k);
-  place_mocaps(m, d, k);
+  place_mocaps<possible_parts>(m, d, k);
   for (Index i = 0; i < m.n.mocaps; ++i) simulation::mocap_moved(m, d, i);
   for (std::uint64_t& version : d.version) version = ++data->body->counter;
   if (!d.step) return DYN_OK;

@@ -1,5 +1,6 @@
 #include "guard.hpp"
 
+#include <bit>
 #include <cstring>
 
 #include "model/effects.hpp"
@@ -126,10 +127,10 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
 #if !DYN_SIMD
   Exchange e{true, false};
   for (Index i = 0; i < n; ++i) {
-    std::uint64_t x, y;
-    std::memcpy(&x, from + i, sizeof x), std::memcpy(&y, to + i, sizeof y);
-    e.finite = e.finite && (x >> 52 & 0x7ff) != 0x7ff, e.changed = e.changed || x != y;
-    std::memcpy(kept + i, &y, sizeof y), std::memcpy(to + i, &x, sizeof x);
+    const double x = from[i], y = to[i];
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    e.finite = e.finite && (bits >> 52 & 0x7ff) != 0x7ff, e.changed = e.changed || bits != std::bit_cast<std::uint64_t>(y);
+    kept[i] = y, to[i] = x;
   }
   return e;
 #else

@@ -2,18 +2,15 @@
 // anchors on them are where the model has them, moved by X (X of the model)^-1.
 #pragma once
 
-#include <algorithm>
-
 #include "collision/geom.hpp"
 #include "model/constraints.hpp"
 
 namespace dyn {
 
 // The motion of a mocap body from the model's placement to X.
-inline SE3<double> mocap_motion(const Model& m, Index mocap, const double* X) {
-  const double* const model = m.frames()[m.mocaps()[mocap]].placement;
-  return std::equal(X, X + 12, model) ? SE3<double>::identity() : load_se3(X) * load_se3(model).inverse();
-}
+SE3<double> mocap_motion(const Model& m, Index mocap, const double* X);
+// Places shapes that are on a mocap body; place: its number among Data::R.
+void place_geoms(const Model& m, collision::Geom* geoms, Index place, const SE3<double>& motion);
 
 // Places a mocap body and what is on it. possible: parts that a program may ask for, as in data_layout.
 template <dynParts possible = DYN_PART_ALL, class T>
@@ -23,11 +20,7 @@ void place_mocap(const Model& m, Data<T>& d, Index mocap, const double* X) {
   for (int i = 0; i < 12; ++i) d.mocap[12 * mocap + i] = T(X[i]);
   d.R[place] = cast<T>(motion.R), d.p[place] = cast<T>(motion.p);
   if constexpr (possible & DYN_PART_COLLISION)
-    for (Index k = 0; d.geoms && k < m.n.geoms; ++k) {
-      const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
-      const FrameRecord& f = m.frames()[s.frame];
-      if (f.place == place) d.geoms[k].X = motion * (f.X * load_se3(s.placement));
-    }
+    if (d.geoms) place_geoms(m, d.geoms, place, motion);
   if constexpr (possible & DYN_PART_CONSTRAINTS)
     for (Index s = 0; d.slots && s < m.n.slots; ++s) place_anchors(m, d, s);
 }

@@ -6,6 +6,7 @@
 
 namespace {
 
+constexpr dynParts parts = DYN_PART_SIMULATION | DYN_PART_CHOLESKY;
 alignas(64) __attribute__((section(".slow"))) char memory[data_bytes + 4096];  // and a handle
 double worst = 0;
 int next = 0;
@@ -26,11 +27,13 @@ int board::program() {
   const dynModel* m = nullptr;
   dynData* d = nullptr;
   if (dyn_model_from_buffer(image, sizeof image, &m)) return failed("dyn_model_from_buffer");
-  if (dyn_data_init(m, DYN_PART_SIMULATION, memory, sizeof memory, &d)) return failed("dyn_data_init");
+  if (dyn_data_init(m, parts, memory, sizeof memory, &d)) return failed("dyn_data_init");
   dynStepOptions options;
   dyn_step_options_init(&options);
   options.max_iterations = 50;
   if (dyn_data_set_step_options(m, d, &options)) return failed("dyn_data_set_step_options");
+  // effects as algorithms have them, not as the file states them: the PC's step is that of internal headers
+  if (dyn_data_set_effects(m, d, 0, DYN_EFFECT_DEFAULT & DYN_EFFECT_ALL)) return failed("dyn_data_set_effects");
   double q[19] = {0, 0, 0.331, 0, 0, 0, 1, 0, 0.8, -1.5, 0, 0.8, -1.5, 0, 0.8, -1.5, 0, 0.8, -1.5};
   if (dyn_data_set_state(m, d, q, nullptr, nullptr, nullptr)) return failed("dyn_data_set_state");
   constexpr int steps = 20;
@@ -57,7 +60,7 @@ int board::program() {
   board::print("  step with contacts: "), board::print(all / steps), board::print(" instructions\n  longest step: ");
   board::print(longest), board::print(" instructions\n  at most "), board::print(std::uint64_t(iterations));
   board::print(" iterations a step, unsolved "), board::print(std::uint64_t(report.unsolved));
-  board::print("\n  data "), board::print(std::uint64_t(dyn_data_size(m, DYN_PART_SIMULATION))), board::print(" bytes, stack ");
+  board::print("\n  data "), board::print(std::uint64_t(dyn_data_size(m, parts))), board::print(" bytes, stack ");
   board::print(board::stack_used()), board::print("\n  "), board::print(std::uint64_t(next)), board::print(" of ");
   board::print(std::uint64_t(sizeof figures / sizeof *figures)), board::print(" figures, largest difference ");
   board::print(std::uint64_t(worst * 1e18)), board::print("e-18\n");

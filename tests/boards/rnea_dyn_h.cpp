@@ -8,7 +8,7 @@
 
 namespace {
 
-alignas(64) char memory[data_bytes + 1024];  // and a handle
+alignas(64) char memory[data_bytes + 2048];  // and a handle
 double q[32], v[32], a[32], tau[32];
 
 int failed(const char* what) {

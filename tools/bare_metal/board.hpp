@@ -6,22 +6,16 @@
 
 namespace board {
 
-inline std::uintptr_t semihosting(std::uintptr_t operation, const void* argument) {
 #ifdef __riscv
-  register std::uintptr_t a0 __asm("a0") = operation;
-  register const void* a1 __asm("a1") = argument;
-  __asm volatile(".option push\n .option norvc\n .balign 16\n slli x0, x0, 0x1f\n ebreak\n srai x0, x0, 7\n .option pop"
-                 : "+r"(a0)
-                 : "r"(a1)
-                 : "memory");
-  return a0;
+extern "C" std::uintptr_t semihosting(std::uintptr_t operation, const void* argument);  // start_riscv.cpp
 #else
-  register std::uint32_t r0 __asm("r0") = operation;
+inline std::uintptr_t semihosting(std::uintptr_t operation, const void* argument) {
+  register std::uintptr_t r0 __asm("r0") = operation;
   register const void* r1 __asm("r1") = argument;
   __asm volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
   return r0;
-#endif
 }
+#endif
 inline void print(const char* text) { semihosting(4, text); }
 [[noreturn]] inline void exit(int status) {
   const std::uintptr_t block[2] = {0x20026, std::uintptr_t(status)};
@@ -51,7 +45,7 @@ class Instructions {
  private:
   static std::uint64_t read() {
     unsigned long n;
-    __asm volatile("csrr %0, minstret" : "=r"(n));
+    __asm volatile(".option push\n .option arch, +zicsr\n csrr %0, minstret\n .option pop" : "=r"(n));
     return n;
   }
   const std::uint64_t began = read();

@@ -4,12 +4,6 @@ set(DYN_PARTS "" CACHE STRING "Parts that programs on boards may ask for, as INV
 option(DYN_MESSAGES "Boards: texts of dyn_last_error" ON)
 option(DYN_CHECK_MODELS "Boards: dyn_model_from_buffer checks every index and number, not the checksum and the layout alone (37 KB)" OFF)
 
-# Flags of dyn.h's functions on boards. Checks of arguments are small before they are fast: the work is in dyn_core.
-function(dyn_board_flags target)
-  target_link_libraries(${target} PRIVATE dyn_flags dyn_warnings)
-  target_compile_options(${target} PRIVATE $<$<BOOL:${DYN_SMALL}>:-Os>)
-endfunction()
-
 # The definition of DYN_PARTS for some parts; none: all.
 function(dyn_parts_definition result)
   set(${result} "" PARENT_SCOPE)
@@ -32,7 +26,11 @@ function(dyn_core_library)
                                DYN_CHECK_MODELS=$<BOOL:${DYN_CHECK_MODELS}>)
     list(FILTER DYN_CAPI_SOURCES EXCLUDE REGEX "/capi/(batch.*|broad_phase|builder.*|heap|host|load|mesh|rollout|save|thread_pool|warmup)\\.cpp$")
     dyn_objects(dyn_capi "${DYN_CAPI_SOURCES}")
-    dyn_board_flags(dyn_capi)
+    # What checks, and computes nothing, is small before it is fast. (What computes has functions in common with dyn_core: the linker keeps one of each.)
+    if(DYN_SMALL)
+      set_source_files_properties(capi/data.cpp capi/dynamics.cpp capi/guard.cpp capi/image.cpp capi/message.cpp capi/model.cpp capi/structs.cpp
+                                  PROPERTIES COMPILE_OPTIONS -Os)
+    endif()
     dyn_parts_definition(parts_definition ${DYN_PARTS})
     set_source_files_properties(capi/data.cpp capi/guard.cpp PROPERTIES COMPILE_DEFINITIONS "${parts_definition}")  # which alone depend on them
     target_compile_definitions(dyn_capi PRIVATE DYN_ARCH_NAME="${CMAKE_SYSTEM_PROCESSOR}")
