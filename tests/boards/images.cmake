@@ -9,7 +9,7 @@ endforeach()
 # The toolchain file names QEMU's machine, the linker scripts (tools/bare_metal; that of the machine first), the start-up code and the libraries.
 set(folder ${PROJECT_SOURCE_DIR}/tools/bare_metal)
 string(REGEX REPLACE "g\\+\\+$" "" prefix ${CMAKE_CXX_COMPILER})
-set(emulator ${DYN_QEMU} -nographic -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native -kernel)
+set(emulator ${DYN_QEMU} -nographic -monitor none -serial none -icount shift=0,sleep=off -semihosting-config enable=on,target=native -kernel)
 list(JOIN emulator " " command)
 set(images "prefix ${prefix}\nrun ${command}\n")
 
