@@ -16,16 +16,6 @@ bool exists(const char* function, const Model& m, int actuator) {
   return false;
 }
 
-dynStatus add_actuator(const char* function, dynBuilder* builder, const char* name, const dynActuator* actuator,
-                       const char* target,
-                       const char* reference) {
-  if (const dynStatus s = check(builder)) return s;
-  if (!actuator) return fail(DYN_ERROR_ARGUMENT, "%s: actuator is NULL: it is required", function);
-  const Given<dynActuator> given(function, actuator);
-  if (given.status != DYN_OK) return given.status;
-  return with(builder, [&](Builder& b) { b.actuator(text(name), *given, text(target), text(reference)); });
-}
-
 Force<double> shifted(const Force<double>& f, const Vec3<double>& p) { return {f.linear, f.angular + cross(p, f.linear)}; }
 
 }  // namespace
@@ -39,37 +29,6 @@ extern "C" {
 
 void(dyn_actuator_init)(dynActuator* actuator, uint32_t size, dynActuatorType type) {
   initialize(actuator, size, default_actuator(type));
-}
-
-dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* target) {
-  return add_actuator("dyn_builder_add_actuator", builder, name, actuator, target, "");
-}
-
-dynStatus dyn_builder_add_actuator_between(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* frame,
-                                           const char* reference) {
-  return add_actuator("dyn_builder_add_actuator_between", builder, name, actuator, frame, reference);
-}
-
-dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* body, double share) {
-  return with(builder, [&](Builder& b) { b.gravity_compensation(text(body), share); });
-}
-
-dynStatus dyn_builder_set_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]) {
-  const std::array<double, 3> still{};
-  return with(builder,
-              [&](Builder& b) { b.medium(density, viscosity, wind ? std::array<double, 3>{wind[0], wind[1], wind[2]} : still); });
-}
-
-dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material) {
-  return with(builder, [&](Builder& b) { b.pair(text(shape1), text(shape2), material); });
-}
-
-dynStatus dyn_builder_limit_actuators(dynBuilder* builder, const char* joint, double lower, double upper, int with_weight) {
-  return with(builder, [&](Builder& b) { b.limit_actuators(false, text(joint), lower, upper, with_weight != 0); });
-}
-
-dynStatus dyn_builder_limit_tendon_actuators(dynBuilder* builder, const char* tendon, double lower, double upper) {
-  return with(builder, [&](Builder& b) { b.limit_actuators(true, text(tendon), lower, upper, false); });
 }
 
 int dyn_model_nforce_limits(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.force_limits) : -1; }

@@ -1,6 +1,6 @@
 // Batches: handles, checks, and the sharing of states among threads.
 #include "batch.hpp"
-#include "reflection.hpp"
+#include "host.hpp"
 
 #include "handles.hpp"
 

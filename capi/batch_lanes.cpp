@@ -4,6 +4,7 @@
 #include "batch_lanes.hpp"
 
 #include <new>
+#include <vector>
 
 #include "algorithm/aba_derivatives.hpp"
 #include "algorithm/jacobian.hpp"

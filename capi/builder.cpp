@@ -3,8 +3,8 @@
 
 #include "model/colour.hpp"
 #include "surfaces.hpp"
-#include "reflection.hpp"
 #include "handles.hpp"
+#include "host.hpp"
 #include "table/names.hpp"
 
 using namespace dyn;

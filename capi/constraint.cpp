@@ -19,34 +19,6 @@ void(dyn_constraint_init)(dynConstraint* constraint, uint32_t size, dynConstrain
   initialize(constraint, size, default_constraint(type));
 }
 
-dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first,
-                                     const char* second) {
-  if (const dynStatus s = check(builder)) return s;
-  if (!constraint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_constraint: constraint is NULL");
-  const Given<dynConstraint> given("dyn_builder_add_constraint", constraint);
-  if (given.status != DYN_OK) return given.status;
-  return guarded([&] {
-    builder->b->constraint(name ? name : "", *given, {first ? first : "", 0}, {second ? second : "", 0});
-    return DYN_OK;
-  });
-}
-
-dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slots) {
-  if (const dynStatus s = check(builder)) return s;
-  return guarded([&] {
-    builder->b->constraint_slots(slots);
-    return DYN_OK;
-  });
-}
-
-dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts) {
-  if (const dynStatus s = check(builder)) return s;
-  return guarded([&] {
-    builder->b->contact_capacity(contacts);
-    return DYN_OK;
-  });
-}
-
 int dyn_model_contact_capacity(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.contacts) : -1; }
 int dyn_model_nconstraints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.constraints) : -1; }
 int dyn_model_nconstraint_slots(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.slots) : -1; }

@@ -1,7 +1,6 @@
 // The contact problem alone: what a caller's problem may be, handles, and the calls.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <new>
@@ -10,7 +9,7 @@
 #include "deadline.hpp"
 #include "solver/list.hpp"
 #include "solver/qp.hpp"
-#include "handles.hpp"
+#include "in_memory.hpp"
 #include "reflection.hpp"
 
 using namespace dyn;
@@ -143,15 +142,15 @@ dynStatus check_options(const char* function, const dynContactOptions& o) {
     if (!(x >= 0) || !(x < most))
       return fail(std::isnan(x) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "%s: %s is %g: give a number from 0%s", function,
                   name, x, std::isinf(most) ? "" : ", below 2");
-  return DYN_OK;
-}
-
-dynStatus check_max_rows(const char* function, int max_rows) {
-  if (max_rows >= 1 && max_rows <= max_problem_rows) return DYN_OK;
-  return fail(DYN_ERROR_LIMIT, "%s: max_rows is %d: give a number from 1 to %d", function, max_rows, max_problem_rows);
+  return check_clock(function, o.time_budget);
 }
 
 }  // namespace
+
+dynStatus dyn::capi::check_max_rows(const char* function, int max_rows) {
+  if (max_rows >= 1 && max_rows <= max_problem_rows) return DYN_OK;
+  return fail(DYN_ERROR_LIMIT, "%s: max_rows is %d: give a number from 1 to %d", function, max_rows, max_problem_rows);
+}
 
 template <>
 dynContactProblem capi::defaults() {
@@ -198,30 +197,12 @@ dynStatus dyn_contact_solver_init(int max_rows, void* memory, size_t size, dynCo
   return DYN_OK;
 }
 
-dynStatus dyn_contact_solver_new(int max_rows, dynContactSolver** solver) {
-  constexpr const char* function = "dyn_contact_solver_new";
-  if (const dynStatus s = check_max_rows(function, max_rows)) return s;
-  if (!solver) return fail(DYN_ERROR_ARGUMENT, "%s: solver is NULL: pass the address of a dynContactSolver*", function);
-  const std::size_t size = head + solver::workspace_bytes(max_rows);
-  void* const memory = std::aligned_alloc(64, (size + 63) / 64 * 64);
-  dynContactSolver* const handle = memory ? new_handle<dynContactSolver>() : nullptr;
-  if (!handle) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
-  dynContactSolver* inner = nullptr;
-  dyn_contact_solver_init(max_rows, memory, size, &inner);
-  handle->w = inner->w, handle->memory = memory, handle->magic = live_contact_solver;
-  inner->magic = freed;
-  *solver = handle;
-  return DYN_OK;
-}
-
 void dyn_contact_solver_free(dynContactSolver* solver) {
   if (!solver || solver->magic != live_contact_solver) return;
-  if (!solver->memory) {
-    solver->magic = freed;
-    return;
-  }
-  std::free(solver->memory);
-  free_handle(solver);
+#if !DYN_NO_HOST
+  if (solver->memory) return free_heap(solver);
+#endif
+  solver->magic = freed;
 }
 
 dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* given_problem,

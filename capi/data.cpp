@@ -1,57 +1,20 @@
 // Data: creation, state, fields.
-#include <cstdio>
 #include <cstring>
 #include <new>
-#include <string>
 
-#include "model/block.hpp"
 #include "model/effects.hpp"
 #include "simulation/data_layout.hpp"
 #include "simulation/workspace.hpp"
-#include "guard.hpp"
-#include "handles.hpp"
+#include "in_memory.hpp"
+#include "parts.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
 namespace {
 
-constexpr std::size_t handle_bytes = 64, body_bytes = (sizeof(DataBody) + 63) / 64 * 64;
+constexpr std::size_t handle_bytes = 64;
 static_assert(sizeof(dynData) <= handle_bytes);
-
-dynStatus check_parts(const char* function, dynParts parts) {
-  if (parts & ~dynParts(DYN_PART_ALL))
-    return fail(DYN_ERROR_ARGUMENT, "%s: parts 0x%x has unknown bits: use DYN_PART_... values", function, unsigned(parts));
-  return DYN_OK;
-}
-
-// In body_bytes + data_bytes of zeros.
-void set_up(dynData* data, const Model& m, dynParts parts, void* memory, std::size_t own_bytes) {
-  DataBody* body = new (memory) DataBody{};
-  body->model_id = m.id;
-  body->counter = 1;
-  body->bytes = own_bytes;
-  data_layout(m, parts, static_cast<char*>(memory) + body_bytes, body->d);
-  if (own_bytes >= least_mapped)
-    detail::for_each_buffer<DYN_PART_ALL>(m, body->d.parts, body->d, []<class T>(T* p, std::size_t count) {
-      if constexpr (std::is_same_v<T, double>) ask_for_large_pages(p, count * sizeof(double));  // of matrices
-    });
-  data->body = body;
-  data->magic = live_data;
-}
-
-// The parts that take more than a gigabyte each: "; SIMULATION takes 7.1 GB; MINV takes 2.3 GB"
-std::string large_parts(const Model& m, dynParts asked) {
-  std::string text;
-  for (dynParts part = 1; part & DYN_PART_ALL; part <<= 1) {
-    const std::size_t bytes = complete_parts(m, asked) & part ? data_bytes<double>(m, part) : 0;
-    if (bytes < 1000000000) continue;
-    char one[80];
-    std::snprintf(one, sizeof one, "; %s takes %.3g GB", name_of_part(part), 1e-9 * double(bytes));
-    text += one;
-  }
-  return text;
-}
 
 struct FieldRow {
   dynFieldInfo info;
@@ -67,57 +30,53 @@ constexpr int field_count = int(FieldId::count_);
 
 }  // namespace
 
-extern "C" {
-
-dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
-  if (const dynStatus s = check(model)) return s;
-  if (!data) return fail(DYN_ERROR_ARGUMENT, "dyn_data_new: data is NULL: pass the address of a dynData*");
-  if (const dynStatus s = check_parts("dyn_data_new", parts)) return s;
-  return guarded([&] {
-    const std::size_t bytes = body_bytes + data_bytes<double>(*model->m, parts);
-    void* memory = allocate_zeros(bytes);
-    if (!memory)
-      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %.3g GB: ask for fewer parts%s", 1e-9 * double(bytes),
-                  large_parts(*model->m, parts).c_str());
-    dynData* handle = new_handle<dynData>();
-    if (!handle) {
-      free_zeros(memory, bytes);
-      return fail(DYN_ERROR_MEMORY, "dyn_data_new: out of memory");
-    }
-    set_up(handle, *model->m, parts, memory, bytes);
-    *data = handle;
-    return DYN_OK;
-  });
+dynStatus dyn::capi::check_parts(const char* function, [[maybe_unused]] const Model& m, dynParts parts) {
+  if (parts & ~dynParts(DYN_PART_ALL))
+    return fail(DYN_ERROR_ARGUMENT, "%s: parts 0x%x has unknown bits: use DYN_PART_... values", function, unsigned(parts));
+  if constexpr (possible_parts != DYN_PART_ALL)
+    if (const dynParts missing = complete_parts(m, parts) & ~possible_parts)
+      return fail(DYN_ERROR_UNSUPPORTED, "%s: this library was built without DYN_PART_%s: name it in DYN_PARTS of the build",
+                  function, name_of_part(missing));
+  return DYN_OK;
 }
 
+void dyn::capi::set_up(dynData* data, const Model& m, dynParts parts, void* memory) {
+  DataBody* body = new (memory) DataBody{};
+  body->model_id = m.id;
+  body->counter = 1;
+  data_layout<possible_parts>(m, parts, static_cast<char*>(memory) + body_bytes, body->d);
+  data->body = body;
+  data->magic = live_data;
+}
+
+extern "C" {
+
 size_t dyn_data_size(const dynModel* model, dynParts parts) {
-  if (check(model) != DYN_OK || check_parts("dyn_data_size", parts) != DYN_OK) return 0;
-  return 63 + handle_bytes + body_bytes + data_bytes<double>(*model->m, parts);
+  if (check(model) != DYN_OK || check_parts("dyn_data_size", *model->m, parts) != DYN_OK) return 0;
+  return 63 + handle_bytes + body_bytes + data_bytes<double, possible_parts>(*model->m, parts);
 }
 
 dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size, dynData** data) {
   if (const dynStatus s = check(model)) return s;
   if (!memory || !data) return fail(DYN_ERROR_ARGUMENT, "dyn_data_init: %s is NULL", memory ? "data" : "memory");
-  if (const dynStatus s = check_parts("dyn_data_init", parts)) return s;
+  if (const dynStatus s = check_parts("dyn_data_init", *model->m, parts)) return s;
   if (size < dyn_data_size(model, parts))
     return fail(DYN_ERROR_SIZE, "dyn_data_init: memory has %zu bytes, needs %zu: ask dyn_data_size", size,
                 dyn_data_size(model, parts));
   char* at = reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(memory) + 63) / 64 * 64);
   std::memset(at, 0, dyn_data_size(model, parts) - 63);
   dynData* handle = new (at) dynData{};
-  set_up(handle, *model->m, parts, at + handle_bytes, 0);
+  set_up(handle, *model->m, parts, at + handle_bytes);
   *data = handle;
   return DYN_OK;
 }
 
 void dyn_data_free(dynData* data) {
   if (!data || data->magic != live_data) return;
-  if (data->body->bytes == 0) {
-    data->magic = freed;
-    return;
-  }
-  free_zeros(data->body, data->body->bytes);
-  free_handle(data);
+#if !DYN_NO_HOST
+  if (data->body->bytes) return free_heap(data);
+#endif
+  data->magic = freed;
 }
 
 dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
@@ -137,7 +96,7 @@ dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name)
   Data<double>& d = call.d();
   if (d.step) simulation::wake_all(m, d);
   set_to_configuration(m, d, k);
-  place_mocaps(m, d, k);
+  place_mocaps<possible_parts>(m, d, k);
   for (Index i = 0; i < m.n.mocaps; ++i) simulation::mocap_moved(m, d, i);
   for (std::uint64_t& version : d.version) version = ++data->body->counter;
   if (!d.step) return DYN_OK;

@@ -1,24 +1,16 @@
 #include "guard.hpp"
-#include "reflection.hpp"
 
-#include "handles.hpp"
+#include <bit>
+#include <cstring>
 
 #include "model/effects.hpp"
+#include "parts.hpp"
+#include "reflection.hpp"
 #include "simulation/workspace.hpp"
-
-#include <cstdarg>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <new>
-#include <stdexcept>
 
 namespace dyn::capi {
 
 namespace {
-
-thread_local char last_error[1024];
 
 template <class H>
 dynStatus check_magic(const H* handle, std::uint64_t live, const char* what, const char* maker) {
@@ -29,36 +21,6 @@ dynStatus check_magic(const H* handle, std::uint64_t live, const char* what, con
 }
 
 }  // namespace
-
-dynStatus fail(dynStatus status, const char* format, ...) {
-  va_list args;
-  va_start(args, format);
-  std::vsnprintf(last_error, sizeof last_error, format, args);
-  va_end(args);
-  for (char* c = last_error; *c; ++c)  // names of the caller's: a message is one line
-    if (static_cast<unsigned char>(*c) < 0x20 || *c == 0x7f) *c = ' ';
-  return status;
-}
-
-dynStatus fail_of_exception() noexcept {
-  try {
-    throw;
-  } catch (const Error& e) {
-    return fail(e.status, "%s", e.what());
-  } catch (const std::bad_alloc&) {
-    return fail(DYN_ERROR_MEMORY, "out of memory");
-  } catch (const std::length_error&) {
-    return fail(DYN_ERROR_LIMIT, "an array or a name is longer than memory can be: check the sizes that are passed");
-  } catch (const std::filesystem::filesystem_error& e) {
-    return fail(DYN_ERROR_FILE, "file '%.300s': %s", e.path1().c_str(), std::strerror(e.code().value()));
-  } catch (const std::exception& e) {
-    return fail(DYN_ERROR_INTERNAL, "internal error: %s", e.what());
-  } catch (...) {
-    return fail(DYN_ERROR_INTERNAL, "internal error");
-  }
-}
-
-void touch_last_error() { static_cast<volatile char*>(last_error)[0] = last_error[0]; }
 
 dynStatus no_model(const dynModel* model) {
   return check_magic(model, live_model, "model", "dyn_model_load, dyn_model_from_buffer or dyn_builder_finish");
@@ -71,16 +33,6 @@ dynStatus check(const dynBroadPhase* broad_phase) {
 }
 dynStatus check(const dynContactSolver* solver) {
   return check_magic(solver, live_contact_solver, "contact solver", "dyn_contact_solver_new");
-}
-
-dynStatus make_handle(ModelPtr model, dynModel** out) {
-  dynModel* handle = new_handle<dynModel>();
-  if (!handle) return fail(DYN_ERROR_MEMORY, "out of memory");
-  handle->in_place = reinterpret_cast<std::uintptr_t>(model.get());
-  handle->m = model.release();
-  handle->magic = live_model;
-  *out = handle;
-  return DYN_OK;
 }
 
 const char* name_of_part(dynParts part) {
@@ -172,6 +124,16 @@ struct Exchange {
   bool finite, changed;
 };
 Exchange exchange(const double* from, double* to, double* kept, Index n) {
+#if !DYN_SIMD
+  Exchange e{true, false};
+  for (Index i = 0; i < n; ++i) {
+    const double x = from[i], y = to[i];
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    e.finite = e.finite && (bits >> 52 & 0x7ff) != 0x7ff, e.changed = e.changed || bits != std::bit_cast<std::uint64_t>(y);
+    kept[i] = y, to[i] = x;
+  }
+  return e;
+#else
   using P = Double4;
   using Bits = Simd<std::int64_t, 4>;
   Bits bad = Bits::zero(), difference = bad;
@@ -192,6 +154,7 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
     store_partial(y, kept + i, rest), store_partial(x, to + i, rest);
   }
   return {!any(bad), any(difference != 0)};
+#endif
 }
 
 }  // namespace
@@ -276,9 +239,11 @@ void Call::begin_step() {
 }
 
 void Call::have_effects_of(bool steps) {
-  if (body->stepping == steps) return;
-  switch_effects(m(), d(), steps);
-  body->stepping = steps;
+  if constexpr (possible_parts & DYN_PART_SIMULATION) {
+    if (body->stepping == steps) return;
+    switch_effects(m(), d(), steps);
+    body->stepping = steps;
+  }
 }
 
 void Call::end_step() {
@@ -292,16 +257,17 @@ void Call::end_search() {
 
 void Call::rollback() {
   if (!changed) return;
+  const bool stepped = (possible_parts & DYN_PART_SIMULATION) && stepping;
   Data<double>& x = d();
   const double* backup = x.backup;
   auto restore = [&](Input which, double* to, Index n) {
     if (changed >> which & 1u) {
-      if (!stepping) copy_out(backup, n, to);
+      if (!stepped) copy_out(backup, n, to);
       x.version[which] = before[which];
     }
     backup += n;
   };
-  if (stepping)
+  if (stepped)
     simulation::with_active_trees(x, [&](const auto& part) {
       part.for_each_group(m(), [&](const Trees& t) {
         copy_out(backup + t.q, t.q_end - t.q, x.q + t.q), copy_out(backup + m().n.nq + t.v, t.v_end - t.v, x.v + t.v);
@@ -311,13 +277,17 @@ void Call::rollback() {
   restore(input_v, x.v, m().n.nv);
   restore(input_a, x.a, m().n.nv);
   restore(input_tau, x.tau_applied, m().n.nv);
-  if (stepping) copy_out(backup, m().n.na, x.act);
+  if (stepped) copy_out(backup, m().n.na, x.act);
   // the buffers behind the frame queries held the old state
   x.invalidate(Stage::Position), x.invalidate(Stage::Velocity), x.invalidate(Stage::Acceleration);
-  const auto was_fresh = [&](Stage s) { return kinematic_stamps[std::size_t(s) - std::size_t(Stage::Position)] == x.newest(s); };
-  if (was_fresh(Stage::Acceleration)) forward_kinematics<2>(m(), x);
-  else if (was_fresh(Stage::Velocity)) forward_kinematics<1>(m(), x);
-  else if (was_fresh(Stage::Position)) forward_kinematics<0>(m(), x);
+  if constexpr (possible_parts & DYN_PART_KINEMATICS) {
+    const auto was_fresh = [&](Stage s) {
+      return kinematic_stamps[std::size_t(s) - std::size_t(Stage::Position)] == x.newest(s);
+    };
+    if (was_fresh(Stage::Acceleration)) forward_kinematics<2>(m(), x);
+    else if (was_fresh(Stage::Velocity)) forward_kinematics<1>(m(), x);
+    else if (was_fresh(Stage::Position)) forward_kinematics<0>(m(), x);
+  }
   changed = 0;
 }
 
@@ -338,37 +308,3 @@ bool Call::numeric(const double* x, std::ptrdiff_t n, const char* what, Stage st
 }
 
 }  // namespace dyn::capi
-
-extern "C" {
-
-const char* dyn_last_error(void) { return dyn::capi::last_error; }
-
-const char* dyn_status_name(dynStatus status) {
-  const dyn::capi::EnumValue* value = dyn::capi::find_value("dynStatus", dyn::raw(status));
-  return value ? value->identifier : "DYN_ERROR_UNKNOWN";
-}
-
-#define DYN_TEXT_(x) #x
-#define DYN_TEXT(x) DYN_TEXT_(x)
-
-const char* dyn_version(void) {
-  return DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(DYN_VERSION_PATCH);
-}
-
-#ifndef DYN_ARCH_NAME
-#define DYN_ARCH_NAME "unknown instruction set"
-#endif
-
-const char* dyn_build_info(void) {
-  return "libdyn " DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(
-      DYN_VERSION_PATCH) ", " DYN_ARCH_NAME ", compiler " __VERSION__
-#if DYN_CHECKED
-                         ", checked"
-#endif
-#if DYN_REPRODUCIBLE
-                         ", reproducible"
-#endif
-      ;
-}
-
-}  // extern "C"

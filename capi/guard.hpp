@@ -1,4 +1,4 @@
-// The boundary: handles, argument checks, and exceptions to statuses, once for all functions of dyn.h.
+// The boundary: handles and argument checks, once for all functions of dyn.h. host.hpp has what boards do without.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,6 @@
 #include "dyn.h"
 #include "algorithm/declarations.hpp"
 #include "base/simd_memory.hpp"
-#include "model/builder.hpp"
 #include "model/dynb.hpp"
 #include "structs.hpp"
 #include "table/enums.hpp"
@@ -16,21 +15,6 @@ namespace dyn::capi {
 
 // Makes the thread's place for it.
 void touch_last_error();
-
-inline constexpr std::size_t max_package_dirs = 10000;
-
-// The status of the exception that is being handled. What a caller can cause is never DYN_ERROR_INTERNAL.
-dynStatus fail_of_exception() noexcept;
-
-// Runs f, which returns a status and may throw.
-template <class F>
-dynStatus guarded(F&& f) noexcept {
-  try {
-    return f();
-  } catch (...) {
-    return fail_of_exception();
-  }
-}
 
 inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u,
                                live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u,
@@ -59,7 +43,9 @@ inline bool all_zero(const Double4& sum) { return (sum[0] + sum[1]) + (sum[2] + 
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
 inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
+#if DYN_SIMD  // elsewhere many at once are no faster, and much code
   if (all_zero(zero_times(x, n))) return n;
+#endif
   for (std::ptrdiff_t i = 0; i < n; ++i)
     if (!(x[i] * 0.0 == 0)) return i;
   return n;
@@ -96,6 +82,9 @@ struct dynData {
   dyn::capi::DataBody* body;
 };
 
+namespace dyn {
+class Builder;
+}
 struct dynBuilder {
   std::uint64_t magic;
   dyn::Builder* b;
@@ -145,25 +134,10 @@ dynStatus check(const dynMesh* mesh);
 dynStatus check(const dynBroadPhase* broad_phase);
 dynStatus check(const dynContactSolver* solver);
 
-// f(Builder) of a handle that is checked.
-template <class F>
-dynStatus with(dynBuilder* builder, F&& f) {
-  if (const dynStatus s = check(builder)) return s;
-  return guarded([&] {
-    builder->b->forget_parameters();
-    f(*builder->b);
-    return DYN_OK;
-  });
-}
-inline const char* text(const char* s) { return s ? s : ""; }
-
 // The number of a named configuration, or -1 with the error set.
 Index find_configuration(const Model& m, const char* name);
 // Name of the highest of some parts, without DYN_PART_.
 const char* name_of_part(dynParts part);
-// Wraps a finished model.
-dynStatus make_handle(ModelPtr model, dynModel** out);
-
 // One call on a model and its data: checks the handles and the part; in checked builds that no other thread is in.
 class Call {
  public:

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "model/colour.hpp"
-#include "guard.hpp"
+#include "host.hpp"
 #include "handles.hpp"
 #include "model/builder_surface.hpp"
 

@@ -21,10 +21,6 @@ bool exists(const char* function, const Model& m, int mocap) {
 
 extern "C" {
 
-dynStatus dyn_builder_set_mocap(dynBuilder* builder, const char* body) {
-  return with(builder, [&](Builder& b) { b.mocap(text(body)); });
-}
-
 int dyn_model_nmocaps(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.mocaps) : -1; }
 
 int dyn_model_mocap_frame(const dynModel* model, int mocap) {

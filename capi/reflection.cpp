@@ -27,6 +27,23 @@ int find(const char* name) {
 
 }  // namespace
 
+const EnumValue* find_value(const char* type, int value) {
+  const Enum& e = enums[find(type)];
+  for (int k = e.first; k < e.first + e.count; ++k)
+    if (enum_values[k].value == value) return enum_values + k;
+  return nullptr;
+}
+
+const EnumValue* effect_value(std::uint32_t bit) {
+  return std::has_single_bit(bit) && bit & DYN_EFFECT_ALL ? find_value("dynEffects", int(bit)) : nullptr;
+}
+
+#if DYN_NO_HOST
+// without the list: its texts are tens of kilobytes
+dynStatus no_value(const char* type, const char* function, const char* name, int value) {
+  return fail(DYN_ERROR_ARGUMENT, "%s: %s is %d, no %s", function, name, value, type);
+}
+#else
 // "DYN_SHAPE_TYPE_BOX, _SPHERE, ...", or the first and the last of many.
 static void list_values(const Enum& e, char* text, std::size_t size) {
   constexpr int many = 24;
@@ -44,22 +61,12 @@ static void list_values(const Enum& e, char* text, std::size_t size) {
   if (used >= size) std::memcpy(text + size - 4, "...", 4);
 }
 
-const EnumValue* find_value(const char* type, int value) {
-  const Enum& e = enums[find(type)];
-  for (int k = e.first; k < e.first + e.count; ++k)
-    if (enum_values[k].value == value) return enum_values + k;
-  return nullptr;
-}
-
-const EnumValue* effect_value(std::uint32_t bit) {
-  return std::has_single_bit(bit) && bit & DYN_EFFECT_ALL ? find_value("dynEffects", int(bit)) : nullptr;
-}
-
 dynStatus no_value(const char* type, const char* function, const char* name, int value) {
   char values[600];
   list_values(enums[find(type)], values, sizeof values);
   return fail(DYN_ERROR_ARGUMENT, "%s: %s is %d, no %s: use %s", function, name, value, type, values);
 }
+#endif
 
 }  // namespace dyn::capi
 

@@ -25,10 +25,4 @@ dynStatus check_value(const E& e, const char* function, const char* name) {
   return is_value(e) ? DYN_OK : no_value(Members<E>::type, function, name, raw(e));
 }
 
-// The same where errors are thrown.
-template <class E>
-void require_value(const E& e, const char* function, const char* name) {
-  if (check_value(e, function, name) != DYN_OK) throw Error(DYN_ERROR_ARGUMENT, dyn_last_error());
-}
-
 }  // namespace dyn::capi

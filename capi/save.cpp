@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "guard.hpp"
+#include "host.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

@@ -47,15 +47,6 @@ void(dyn_sensor_init)(dynSensor* sensor, uint32_t size, dynQuantity quantity) {
   initialize(sensor, size, default_sensor(quantity));
 }
 
-dynStatus dyn_builder_add_sensor(dynBuilder* builder, const char* name, const dynSensor* sensor, const char* object,
-                                 const char* reference) {
-  if (const dynStatus s = check(builder)) return s;
-  if (!sensor) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_sensor: sensor is NULL: it is required");
-  const Given<dynSensor> given("dyn_builder_add_sensor", sensor);
-  if (given.status != DYN_OK) return given.status;
-  return with(builder, [&](Builder& b) { b.sensor(text(name), *given, text(object), text(reference)); });
-}
-
 int dyn_model_nsensors(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.sensors) : -1; }
 int dyn_model_nsensordata(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.sensor_values) : -1; }
 

@@ -180,6 +180,7 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
     return fail(DYN_ERROR_ARGUMENT,
                 "dyn_data_set_step_options: time_budget is %g s: give what the solver may take, or 0 for no limit",
                 options->time_budget);
+  if (const dynStatus s = check_clock(call.function, options->time_budget)) return s;
   if (const dynStatus s = check_contact_model(call.m(), *options)) return s;
   if (options->reserved != 0)
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: reserved is %d: it must be 0", options->reserved);

@@ -34,7 +34,8 @@ peer::Ends Layout::ends(Index joint) const {
   auto identity = [](const SE3<double>& X) {
     double x[12];
     store_se3(X, x);
-    return std::equal(x, x + 12, identity_placement.begin());
+    static constexpr double unit[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+    return std::equal(x, x + 12, unit);
   };
   e.trivial = identity(e.start) && identity(e.frame);
   return e;

@@ -1,7 +1,6 @@
 // Tendons: lengths, rates and moment arms.
 #include <cmath>
 #include <cstring>
-#include <vector>
 
 #include "algorithm/paths.hpp"
 #include "guard.hpp"
@@ -68,38 +67,6 @@ extern "C" {
 void(dyn_tendon_init)(dynTendon* tendon, uint32_t size, dynTendonType type) { initialize(tendon, size, default_tendon(type)); }
 void(dyn_tendon_element_init)(dynTendonElement* element, uint32_t size, dynTendonElementType type) {
   initialize(element, size, default_element(type));
-}
-
-dynStatus dyn_builder_add_tendon(dynBuilder* builder, const char* name, const dynTendon* tendon, const dynTendonElement* elements,
-                                 int count) {
-  if (const dynStatus s = check(builder)) return s;
-  if (!tendon) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_tendon: tendon is NULL: it is required");
-  const Given<dynTendon> given("dyn_builder_add_tendon", tendon);
-  if (given.status != DYN_OK) return given.status;
-  if (count < 0 || (count > 0 && !elements))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_tendon: elements is %s and count is %d", elements ? "given" : "NULL", count);
-  return with(builder, [&](Builder& b) {
-    std::vector<TendonElement> parts;
-    const char* next = reinterpret_cast<const char*>(elements);
-    for (int k = 0; k < count; ++k) {
-      const Given<dynTendonElement> e("dyn_builder_add_tendon", reinterpret_cast<const dynTendonElement*>(next));
-      if (e.status != DYN_OK) throw Error(e.status, dyn_last_error());
-      parts.push_back({e->type, e->name ? e->name : "", e->side ? e->side : "", e->value});
-      next += reinterpret_cast<const dynTendonElement*>(next)->struct_size;
-    }
-    b.tendon(text(name), *given, parts);
-  });
-}
-
-dynStatus dyn_builder_couple_tendons(dynBuilder* builder, const char* name, const char* tendon1, const char* tendon2,
-                                     const double coefficients[5]) {
-  if (const dynStatus s = check(builder)) return s;
-  if (!coefficients) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_couple_tendons: coefficients is NULL: it is required");
-  return with(builder, [&](Builder& b) {
-    std::array<double, 5> c;
-    std::copy_n(coefficients, 5, c.begin());
-    b.couple_tendons(text(name), text(tendon1), text(tendon2), c);
-  });
 }
 
 int dyn_model_ntendons(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.tendons) : -1; }

@@ -56,6 +56,9 @@
 #define DYN_API __attribute__((visibility("default")))
 #endif
 
+/* A program for a board without an operating system defines DYN_BARE. Functions that need a heap, files or
+   threads are then not declared, and the library for boards does not have them. */
+
 #define DYN_VERSION_MAJOR 1
 #define DYN_VERSION_MINOR 0
 #define DYN_VERSION_PATCH 0
@@ -167,6 +170,7 @@ typedef struct dynArray {
 
 /* ------------------------------------------------------------------------------------------------ loading */
 
+#ifndef DYN_BARE
 /* How the root link of a robot file is held. */
 typedef enum dynBase {
   DYN_BASE_UNSPECIFIED = 0, /* Refused when the root link has mass and the file does not hold it. */
@@ -317,6 +321,7 @@ enum {
    the size needed. Returns DYN_ERROR_SIZE when the buffer is too small. */
 DYN_API dynStatus dyn_model_image(const dynModel* model, uint32_t flags, void* buffer, size_t capacity,
                                   size_t* size);
+#endif
 /* Opens the model in a buffer (flash, a mapped file, shared memory) in place: no copy, no allocation. The
    buffer is aligned to 64 bytes. It must not change or go away while the model is in use. dyn_model_free
    leaves it alone. Checksum, layout, and every size, offset, index, type and number are checked first.
@@ -428,9 +433,11 @@ DYN_API dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShap
 /* Colour for pictures: red, green, blue, opacity, 0 to 1, of 8 bits each. It comes from <material> of a URDF,
    or from rgba of an MJCF (or of its material). All are -1 when the file gives none. */
 DYN_API dynStatus dyn_model_shape_rgba(const dynModel* model, int shape, double rgba[4]);
+#ifndef DYN_BARE
 /* Makes a mesh of a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD, in the shape's frame. Triangles may come
    in another order than in the file. Free it with dyn_mesh_free. */
 DYN_API dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh** mesh);
+#endif
 
 /* Pairs of links that an SRDF excludes from collision tests: <disable_collisions>, and
    <disable_default_collisions> as in MoveIt. frame1 and frame2 are BODY frames. reason is the file's, or "".
@@ -477,6 +484,7 @@ DYN_API dynStatus dyn_model_q_permutation(const dynModel* model, const char* con
 
 /* -------------------------------------------------------------------------------------------- the builder */
 
+#ifndef DYN_BARE
 typedef struct dynJointSpec {
   uint32_t struct_size;                        /* set by dyn_joint_spec_init */
   const char* name;
@@ -639,6 +647,7 @@ DYN_API dynStatus dyn_builder_set_parameter(dynBuilder* builder, int index, cons
                                             size_t count);
 /* Compiles the model. The builder stays valid: it may be extended and finished again. */
 DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
+#endif
 
 /* --------------------------------------------------------------------------------------------------- data */
 
@@ -678,9 +687,11 @@ enum {
   DYN_PART_ALL = 0x3fffff                  /* All parts. */
 };
 
+#ifndef DYN_BARE
 /* Makes data for a model. parts = 0 means DYN_PART_ALL. On Linux, pages of it that no call touches take no
    memory: parts that are not used cost next to nothing. */
 DYN_API dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data);
+#endif
 /* Returns the bytes that dyn_data_init needs, alignment slack included. Returns 0 for an invalid handle or
    unknown parts. */
 DYN_API size_t dyn_data_size(const dynModel* model, dynParts parts);
@@ -689,11 +700,13 @@ DYN_API size_t dyn_data_size(const dynModel* model, dynParts parts);
 DYN_API dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size,
                                 dynData** data);
 DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
+#ifndef DYN_BARE
 /* Touches memory that later calls would touch first, so that no later call waits for a page: the library, the
    model, the data, 128 KiB of the thread's stack, and the thread's error text. Call it once after creation in
    each thread that has a deadline. It changes no result. Besides creating and freeing, no other function may
    lock or allocate. */
 DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
+#endif
 
 /* Sets the state held in data. NULL leaves a value unchanged. A call with q, v, a or tau sets them too. New
    data is at the model's initial configuration (dyn_model_initial_configuration) and at rest. */
@@ -1817,6 +1830,7 @@ DYN_API dynStatus dyn_geometry_sweep(const dynGeometryPair* pair, double duratio
 
 /* -------------------------------------------------------------------------------------------- broad phase */
 
+#ifndef DYN_BARE
 /* Overlaps of many boxes: a packed bounding-volume tree with eight children a node (Kamel and Faloutsos
    1993). Boxes are stored larger by margin, so that a box that moves less costs one comparison. Overlaps are
    kept between queries, and only boxes that left their margin are searched again. No allocation after
@@ -1846,6 +1860,7 @@ DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double
 DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3],
                                       const double direction[3], double max_t, int* ids, int capacity,
                                       int* count);
+#endif
 
 /* ------------------------------------------------------------------------------------ the contact problem */
 
@@ -1948,7 +1963,10 @@ typedef struct dynContactReport {
 } dynContactReport;
 
 typedef struct dynContactSolver dynContactSolver; /* a workspace for max_rows rows; one thread at a time */
+#ifndef DYN_BARE
+/* Makes the solver on the heap. */
 DYN_API dynStatus dyn_contact_solver_new(int max_rows, dynContactSolver** solver);
+#endif
 /* bytes for dyn_contact_solver_init; 0: max_rows is out of range */
 DYN_API size_t dyn_contact_solver_size(int max_rows);
 /* Makes the solver in the caller's memory, aligned to 64, without heap. Freeing it leaves the memory. */
@@ -2673,6 +2691,7 @@ DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, 
 
 /* ------------------------------------------------------------------------------------------------- meshes */
 
+#ifndef DYN_BARE
 /* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are merged. Triangles without
    area, and duplicates, are dropped; dynMeshInfo counts them. At most 10^7 triangles. Hulls need the module
    libdyn_mesh.so (qhull), found beside libdyn.so at first use. Without it: DYN_ERROR_UNSUPPORTED, with the
@@ -2770,9 +2789,11 @@ DYN_API dynStatus dyn_mesh_rgb(const dynMesh* mesh, double* rgb);
 /* The convex hull of the vertices, a new mesh. Returns DYN_ERROR_INVALID for fewer than four points, or all
    in a plane. */
 DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);
+#endif
 
 /* ------------------------------------------------------------------------------------------------ batches */
 
+#ifndef DYN_BARE
 /* One algorithm over n states with several threads. Row k of an output is the result of the function of the
    same name, on new data, for row k of the inputs. It is the same bits with any number of threads. Arrays are
    contiguous, state after state. Row k of q begins at q + k nq, and row k of a 6 x nv matrix at M + k 6 nv
@@ -2977,6 +2998,7 @@ DYN_API void dyn_rollout_init(dynRollout* rollout, uint32_t struct_size);
 #define dyn_rollout_init(x) dyn_rollout_init(x, sizeof(dynRollout))
 /* Runs n simulations. */
 DYN_API dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout);
+#endif
 
 /* ------------------------------------------------------------------------------------------ what there is */
 

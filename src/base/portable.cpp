@@ -2,6 +2,7 @@
 #include "base/portable.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -26,11 +27,15 @@ constexpr std::uint32_t two_over_pi[] = {
     0x7527bac7, 0xebe5f17b, 0x3d0739f7, 0x8a5292ea, 0x6bfb5fb1, 0x1f8d5d08, 0x56033046, 0xfc7b6bab, 0xf0cfbc20, 0x9af4361d,
 };
 
+// 2^k within the normal numbers. (std::ldexp of a C library for boards brings the state of errno along: a kilobyte of RAM.)
+double power_of_two(int k) { return std::bit_cast<double>(std::uint64_t(1023 + k) << 52); }
+
 // x = (4 n + quadrant) pi/2 + r + y for any finite x: the product of its 53 bits with those 256 of 2/pi that are not multiples of
 // 4 (Payne and Hanek 1983), as integers.
 int reduce_far(double x, double& r, double& y) {
-  int exponent;
-  const std::uint64_t mantissa = std::uint64_t(std::ldexp(std::frexp(std::fabs(x), &exponent), 53));
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(std::fabs(x));  // of a number that is large
+  const std::uint64_t mantissa = (bits & 0xfffffffffffffu) | std::uint64_t(1) << 52;
+  const int exponent = int(bits >> 52) - 1022;
   const int first = exponent - 53 - 2;  // |x| = mantissa 2^(exponent - 53); bits of 2/pi with a weight of 2^-(first + 1) and less
   constexpr int words = 8;
   std::uint32_t product[words] = {};  // least significant first; its two highest bits count quadrants
@@ -66,7 +71,7 @@ int reduce_far(double x, double& r, double& y) {
   while (top > 4 && product[top] == 0) --top;
   double high = 0, low = 0;
   for (int k = top; k >= top - 4; --k) {
-    const double word = std::ldexp(double(product[k]), 32 * k - 254), sum = high + word;
+    const double word = double(product[k]) * power_of_two(32 * k - 254), sum = high + word;
     low += word - (sum - high), high = sum;
   }
   // times pi/2
@@ -150,15 +155,18 @@ double exp(double x) {
   const double high = x - k * 6.93147180369123816490e-01, low = k * 1.90821492927058770002e-10, r = high - low, t = r * r;
   const double c = r - t * (1.66666666666666019037e-01 + t * (-2.77777777770155933842e-03 + t * (6.61375632143793436117e-05 +
                         t * (-1.65339022054652515390e-06 + t * 4.13813679705723846039e-08))));
-  return std::ldexp(1 - ((low - r * c / (2 - c)) - high), int(k));
+  const int half = int(k) / 2;  // in two steps: 2^k may be beyond the normal numbers, and the second step alone rounds
+  return (1 - ((low - r * c / (2 - c)) - high)) * power_of_two(half) * power_of_two(int(k) - half);
 }
 
 double log(double x) {
   if (!(x > 0)) return x == 0 ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::quiet_NaN();
   if (std::isinf(x)) return x;
-  int k;
-  double m = 2 * std::frexp(x, &k);
-  --k;
+  int k = 0;
+  if (x < 0x1p-1022) x *= 0x1p54, k = -54;
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
+  k += int(bits >> 52) - 1023;
+  double m = std::bit_cast<double>((bits & 0xfffffffffffffu) | std::uint64_t(1023) << 52);  // x = m 2^k, 1 <= m < 2
   if (m > 1.4142135623730951) m /= 2, ++k;
   const double f = m - 1, s = f / (2 + f), z = s * s, h = 0.5 * f * f;
   const double R =

@@ -98,7 +98,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (d.geoms) collision::set_up(m, d);
   if constexpr (possible & DYN_PART_CONSTRAINTS)
     if (d.slots) set_up_constraints(m, d);
-  place_mocaps(m, d, m.simulation()->initial);
+  place_mocaps<possible>(m, d, m.simulation()->initial);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.omega, d.vel, d.alpha, d.acc, d.omega_rnea, d.alpha_rnea, d.acc_rnea, d.omega_centroidal,
                      d.vel_centroidal, d.alpha_centroidal, d.acc_centroidal})

@@ -183,11 +183,11 @@ inline void contact_values(const Model& m, const Data<double>& d, const dynSenso
     ++count;
   });
   if (s.reduction == DYN_REDUCTION_NONE) {
-    written = std::min(count, s.count);
+    written = std::min<Index>(count, s.count);
   } else {
     double last = -HUGE_VAL;
     int after = -1;  // of those with the same criterion, by their place
-    for (; written < std::min(count, s.count); ++written) {
+    for (; written < std::min<Index>(count, s.count); ++written) {
       SeenContact next{nullptr, false, HUGE_VAL};
       int place = 0, at = 0;
       for_each_match(m, d, s, [&](const dynContactForce& f, bool flipped) {

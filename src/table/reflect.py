@@ -3,6 +3,7 @@
 
   members.inc    values of each enumeration, for range checks (enums.hpp)
   names.inc      names of the values of each enumeration (names.hpp)
+  statuses.inc   identifiers of dynStatus (capi/message.cpp)
   enums.inc      names and sentences of enumerations (capi/reflection.cpp)
   algorithms.inc rows of dynAlgorithm (algorithms.py)
   functions.inc  names of the functions (capi/level)
@@ -263,6 +264,12 @@ def names(header):
         yield f'template <>\ninline constexpr ValueName value_names<{enum["name"]}>[] = {{{values}}};'
 
 
+def statuses(header):
+    values = next(e["values"] for e in header.enums if e["name"] == "dynStatus")
+    assert [v["value"] for v in values] == list(range(len(values)))
+    return (f'"{v["identifier"]}",' for v in values)
+
+
 def enumerations(header):
     yield "const EnumValue enum_values[] = {"
     for enum in header.enums:
@@ -299,8 +306,8 @@ def write(path, rows):
 def main(path, folder):
     header = Header(open(path, encoding="utf-8").read())
     os.makedirs(folder, exist_ok=True)
-    tables = {"members": members, "names": names, "enums": enumerations, "algorithms": algorithms.rows, "functions": functions,
-              "interface": interface}
+    tables = {"members": members, "names": names, "statuses": statuses, "enums": enumerations, "algorithms": algorithms.rows,
+              "functions": functions, "interface": interface}
     for name, rows in tables.items():
         write(os.path.join(folder, name + ".inc"), rows(header))
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "algorithm/declarations.hpp"
+#include "boards/dice.hpp"
 #include "integrator/stepping.hpp"
 #include "simulation/data_layout.hpp"
 #include "simulation/sleep.hpp"
@@ -13,18 +14,6 @@
 namespace boards {
 
 using namespace dyn;
-
-// Random numbers in [-1, 1), the same on all machines.
-class Dice {
- public:
-  double operator()() {
-    state_ ^= state_ << 13, state_ ^= state_ >> 7, state_ ^= state_ << 17;
-    return double(std::int64_t(state_) >> 11) * 0x1p-52;
-  }
-
- private:
-  std::uint64_t state_ = 88172645463325252u;
-};
 
 // A data of some parts, in the caller's memory.
 template <dynParts parts>

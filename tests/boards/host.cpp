@@ -57,7 +57,7 @@ void write(const std::string& dir, const char* name, const dynModel* handle, Fig
   const dyn::Model& m = *handle->m;  // with names: what they are is no figure
   std::FILE* f = std::fopen((dir + "/" + name + ".hpp").c_str(), "w");
   if (!f) std::perror(dir.c_str()), std::exit(1);
-  std::fprintf(f, "#if DYN_LANES == 3\n");
+  std::fprintf(f, "#if DYN_LANES != 4\n");
   write_image(f, handle, DYN_IMAGE_NARROW | DYN_IMAGE_NAMELESS);
   std::fprintf(f, "#else\n");
   write_image(f, handle, DYN_IMAGE_NAMELESS);

@@ -24,9 +24,9 @@ void compare(double x) {
 // Instructions of one call, averaged over many.
 template <class Call>
 void clock(const char* name, int calls, Call&& call) {
-  const board::Ticks ticks;
+  const board::Instructions count;
   for (int k = 0; k < calls; ++k) call();
-  const std::uint64_t instructions = std::uint64_t(ticks()) * board::instructions_a_tick / std::uint64_t(calls);
+  const std::uint64_t instructions = count() / std::uint64_t(calls);
   board::print("  "), board::print(name), board::print(": "), board::print(instructions), board::print(" instructions\n");
 }
 

@@ -22,7 +22,7 @@ endfunction()
 # Tables of what dyn.h declares, for all that includes src/table/enums.hpp.
 find_program(DYN_PYTHON python3 REQUIRED)
 set(DYN_TABLES ${PROJECT_BINARY_DIR}/tables)
-set(tables members names enums algorithms functions interface)
+set(tables members names statuses enums algorithms functions interface)
 list(TRANSFORM tables REPLACE "(.+)" "${DYN_TABLES}/table/\\1.inc")
 file(GLOB makers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/table/*.py)
 add_custom_command(OUTPUT ${tables}

@@ -17,7 +17,7 @@ ROOT = CAPI.parent
 DOCUMENTS = [
     p for p in (
         ROOT / "README.md", *sorted((CAPI / "pages").glob("*.md")), CAPI / "CHANGELOG.md", ROOT / ".github" / "CONTRIBUTING.md",
-        ROOT / "models" / "README.md", ROOT / "tests" / "golden" / "README.md", ROOT / "tools" / "cortex_m" / "README.md",
+        ROOT / "models" / "README.md", ROOT / "tests" / "golden" / "README.md", ROOT / "tools" / "bare_metal" / "README.md",
     )
 ]  # fmt: skip
 if not (ROOT / "README.md").exists():  # an installed package without its checkout

@@ -1,10 +1,7 @@
-# A Cortex-M7 with double precision and no operating system. What is linked, and how, is each image's (tools/cortex_m).
-set(CMAKE_SYSTEM_NAME Generic)
+# A Cortex-M7 with double precision.
 set(CMAKE_SYSTEM_PROCESSOR cortex-m7)
-set(CMAKE_C_COMPILER arm-none-eabi-gcc)
-set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
-set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
-# enumerations of dyn.h are int, as everywhere else
-set(flags "-mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard -fno-short-enums -ffunction-sections -fdata-sections")
-set(CMAKE_C_FLAGS_INIT "${flags}")
-set(CMAKE_CXX_FLAGS_INIT "${flags} -fno-exceptions -fno-rtti -fno-threadsafe-statics")
+set(processor "-mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard")
+set(DYN_QEMU qemu-system-arm -M mps2-an500)
+set(DYN_BOARDS mps2 stm32h743)
+set(DYN_TICKS 25000000)
+include(${CMAKE_CURRENT_LIST_DIR}/cortex_m.cmake)

@@ -6,15 +6,19 @@
 
 namespace board {
 
-inline std::uint32_t semihosting(std::uint32_t operation, const void* argument) {
-  register std::uint32_t r0 __asm("r0") = operation;
+#ifdef __riscv
+extern "C" std::uintptr_t semihosting(std::uintptr_t operation, const void* argument);  // start_riscv.cpp
+#else
+inline std::uintptr_t semihosting(std::uintptr_t operation, const void* argument) {
+  register std::uintptr_t r0 __asm("r0") = operation;
   register const void* r1 __asm("r1") = argument;
   __asm volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
   return r0;
 }
+#endif
 inline void print(const char* text) { semihosting(4, text); }
 [[noreturn]] inline void exit(int status) {
-  const std::uint32_t block[2] = {0x20026, std::uint32_t(status)};
+  const std::uintptr_t block[2] = {0x20026, std::uintptr_t(status)};
   for (;;) semihosting(0x20, block);
 }
 inline void print(std::uint64_t n) {
@@ -31,22 +35,33 @@ int program();
 // Bytes of stack since reset.
 std::uint32_t stack_used();
 
-// SysTick counts down 24 bits at the processor's clock. Under QEMU's -icount shift=0 an instruction takes 1 ns, and a tick of the
-// 25 MHz 40.
-class Ticks {
+// Instructions since it was made. Under QEMU's -icount shift=0 an instruction takes 1 ns: a Cortex-M counts ticks of SysTick (24 bits,
+// DYN_TICKS a second), RISC-V the instructions themselves.
+class Instructions {
  public:
-  Ticks() {
+#ifdef __riscv
+  std::uint64_t operator()() const { return read() - began; }
+
+ private:
+  static std::uint64_t read() {
+    unsigned long n;
+    __asm volatile(".option push\n .option arch, +zicsr\n csrr %0, minstret\n .option pop" : "=r"(n));
+    return n;
+  }
+  const std::uint64_t began = read();
+#else
+  Instructions() {
     reload() = 0xffffff;
     value() = 0;
     control() = 5;
   }
-  std::uint32_t operator()() const { return (0xffffff - value()) & 0xffffff; }
+  std::uint64_t operator()() const { return std::uint64_t((0xffffff - value()) & 0xffffff) * 1000 / (DYN_TICKS / 1000000); }
 
  private:
   static volatile std::uint32_t& control() { return *reinterpret_cast<volatile std::uint32_t*>(0xe000e010); }
   static volatile std::uint32_t& reload() { return *reinterpret_cast<volatile std::uint32_t*>(0xe000e014); }
   static volatile std::uint32_t& value() { return *reinterpret_cast<volatile std::uint32_t*>(0xe000e018); }
+#endif
 };
-inline constexpr std::uint32_t instructions_a_tick = 40;
 
 }  // namespace board

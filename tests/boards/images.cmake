@@ -1,0 +1,86 @@
+# The images that QEMU runs as tests: libdyn, one robot in flash, and what a PC computed of it (DYN_BOARD_TABLES: where dyn_board_tables wrote that).
+# images.txt lists them for `report`: name, board, file.
+# Nothing allocates: malloc and its kind are renamed to what nobody defines, so that an image that called one would not link.
+set(DYN_BOARD_TABLES "" CACHE PATH "Output of dyn_board_tables")
+foreach(name malloc calloc realloc free aligned_alloc _malloc_r _calloc_r _realloc_r _free_r _sbrk _sbrk_r)
+  list(APPEND no_heap -Wl,--wrap=${name})
+endforeach()
+
+# The toolchain file names QEMU's machine, the linker scripts (tools/bare_metal; that of the machine first), the start-up code and the libraries.
+set(folder ${PROJECT_SOURCE_DIR}/tools/bare_metal)
+string(REGEX REPLACE "g\\+\\+$" "" prefix ${CMAKE_CXX_COMPILER})
+set(emulator ${DYN_QEMU} -nographic -monitor none -serial none -icount shift=0,sleep=off -semihosting-config enable=on,target=native -kernel)
+list(JOIN emulator " " command)
+set(images "prefix ${prefix}\nrun ${command}\n")
+
+function(dyn_elf elf board library)  # of objects and sources
+  add_executable(${elf} ${ARGN})
+  target_link_libraries(${elf} PRIVATE ${library} ${DYN_BOARD_LIBRARIES})
+  target_link_options(${elf} PRIVATE -nostdlib -L ${folder} -T ${board}.ld ${no_heap} -Wl,-Map=${elf}.map)
+  set_target_properties(${elf} PROPERTIES LINK_DEPENDS "${folder}/${board}.ld;${folder}/sections.ld" SUFFIX .elf LINKER_LANGUAGE CXX)
+endfunction()
+
+# NAME_BOARD.elf for each board, of the object libraries NAME_objects and, if it is there, NAME_parts.
+function(dyn_link name library)
+  set(objects $<TARGET_OBJECTS:${name}_objects>)
+  if(TARGET ${name}_parts)
+    list(APPEND objects $<TARGET_OBJECTS:${name}_parts>)
+  endif()
+  foreach(board IN LISTS ARGN)
+    dyn_elf(${name}_${board} ${board} ${library} ${objects})
+    string(APPEND images "image ${name} ${board} $<TARGET_FILE:${name}_${board}>\n")
+  endforeach()
+  list(GET ARGN 0 board)
+  add_test(NAME ${name} COMMAND ${emulator} $<TARGET_FILE:${name}_${board}>)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 600)
+  set(images "${images}" PARENT_SCOPE)
+endfunction()
+
+function(dyn_objects_of name library)  # SOURCES files DEFINES definitions
+  cmake_parse_arguments(x "" "" "SOURCES;DEFINES" ${ARGN})
+  add_library(${name}_objects OBJECT ${x_SOURCES} ${folder}/start.cpp ${folder}/${DYN_START})
+  target_include_directories(${name}_objects PRIVATE ${PROJECT_SOURCE_DIR}/tests ${folder} ${DYN_BOARD_TABLES})
+  target_compile_definitions(${name}_objects PRIVATE DYN_TICKS=${DYN_TICKS} ${x_DEFINES})
+  target_link_libraries(${name}_objects PRIVATE ${library} dyn_warnings)
+endfunction()
+
+# An image on internal headers: kind robot BOARDS boards DEFINES definitions
+set(work_rnea Rnea)
+set(work_dynamics Dynamics)
+set(work_contact Steps)
+macro(dyn_image kind robot)
+  cmake_parse_arguments(x "" "" "BOARDS;DEFINES" ${ARGN})
+  dyn_objects_of(${kind}_${robot} dyn_core_static SOURCES ${CMAKE_CURRENT_LIST_DIR}/image.cpp
+                 DEFINES DYN_TABLES="${kind}_${robot}.hpp" DYN_FIGURES=${kind}_figures DYN_WORK=${work_${kind}} ${x_DEFINES})
+  dyn_link(${kind}_${robot} dyn_core_static ${x_BOARDS})
+endmacro()
+
+# A program that includes dyn.h alone: name SOURCES files PARTS parts BOARDS boards DEFINES definitions. What depends on the parts is compiled for them.
+macro(dyn_program name)
+  cmake_parse_arguments(x "" "" "SOURCES;PARTS;BOARDS;DEFINES" ${ARGN})
+  dyn_objects_of(${name} dyn_board SOURCES ${x_SOURCES} DEFINES ${x_DEFINES} $<$<BOOL:${DYN_REPRODUCIBLE}>:DYN_LANES=4>)
+  dyn_objects(${name}_parts "${PROJECT_SOURCE_DIR}/capi/data.cpp;${PROJECT_SOURCE_DIR}/capi/guard.cpp")
+  target_link_libraries(${name}_parts PRIVATE dyn_flags dyn_warnings)
+  target_compile_options(${name}_parts PRIVATE $<$<BOOL:${DYN_SMALL}>:-Os>)
+  dyn_parts_definition(parts ${x_PARTS})
+  target_compile_definitions(${name}_parts PRIVATE "${parts}")
+  dyn_link(${name} dyn_board ${x_BOARDS})
+endmacro()
+
+dyn_program(rnea_dyn_h SOURCES ${CMAKE_CURRENT_LIST_DIR}/rnea_dyn_h.cpp PARTS INVERSE BOARDS ${DYN_BOARDS} DEFINES DYN_TABLES="rnea_arm.hpp")
+dyn_image(rnea arm BOARDS ${DYN_BOARDS})
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m7")
+  dyn_image(dynamics arm BOARDS ${DYN_BOARDS})
+  dyn_image(dynamics quadruped BOARDS ${DYN_BOARDS})
+  dyn_image(contact quadruped BOARDS mps2 DEFINES DYN_SLOW_MEMORY)
+  dyn_program(contact_dyn_h SOURCES ${CMAKE_CURRENT_LIST_DIR}/contact_dyn_h.cpp PARTS SIMULATION CONSTRAINTS COLLISION CHOLESKY BOARDS ${DYN_BOARDS}
+              DEFINES DYN_TABLES="contact_quadruped.hpp")
+endif()
+file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/images.txt CONTENT "${images}")
+
+# `report` builds it, and expects that the linker refuses malloc
+list(GET DYN_BOARDS 0 board)
+dyn_elf(allocating ${board} dyn_board ${CMAKE_CURRENT_LIST_DIR}/allocating.cpp ${folder}/start.cpp ${folder}/${DYN_START})
+target_include_directories(allocating PRIVATE ${folder})
+target_compile_definitions(allocating PRIVATE DYN_TICKS=${DYN_TICKS})
+set_target_properties(allocating PROPERTIES EXCLUDE_FROM_ALL ON)
