@@ -71,10 +71,13 @@ dyn_program(rnea_dyn_h SOURCES ${CMAKE_CURRENT_LIST_DIR}/rnea_dyn_h.cpp PARTS IN
 dyn_image(rnea arm BOARDS ${DYN_BOARDS})
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m7")
   dyn_image(dynamics arm BOARDS ${DYN_BOARDS})
-  dyn_image(dynamics quadruped BOARDS ${DYN_BOARDS})
-  dyn_image(contact quadruped BOARDS mps2 DEFINES DYN_SLOW_MEMORY)
   dyn_program(contact_dyn_h SOURCES ${CMAKE_CURRENT_LIST_DIR}/contact_dyn_h.cpp PARTS SIMULATION CONSTRAINTS COLLISION CHOLESKY BOARDS ${DYN_BOARDS}
               DEFINES DYN_TABLES="contact_quadruped.hpp")
+  option(DYN_ALL_IMAGES "Images of the quadruped on internal headers, too" ON)
+  if(DYN_ALL_IMAGES)
+    dyn_image(dynamics quadruped BOARDS ${DYN_BOARDS})
+    dyn_image(contact quadruped BOARDS mps2 DEFINES DYN_SLOW_MEMORY)
+  endif()
 endif()
 file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/images.txt CONTENT "${images}")
 

@@ -18,6 +18,7 @@ DOCUMENTS = [
     p for p in (
         ROOT / "README.md", *sorted((CAPI / "pages").glob("*.md")), CAPI / "CHANGELOG.md", ROOT / ".github" / "CONTRIBUTING.md",
         ROOT / "models" / "README.md", ROOT / "tests" / "golden" / "README.md", ROOT / "tools" / "bare_metal" / "README.md",
+        CAPI / "examples" / "board" / "README.md",
     )
 ]  # fmt: skip
 if not (ROOT / "README.md").exists():  # an installed package without its checkout
