@@ -57,9 +57,10 @@ struct JacobianArrays {
 };
 
 inline constexpr Index exact_corrections = 24;  // rows whose matrix is differentiated, too
+// More rows than four a degree of freedom press in heaps alone, and then in ways that forces do not determine.
 inline Index jacobian_rows(const Model& m) {
-  constexpr Index most = 240;
-  return std::min(3 * m.n.contacts + m.n.limits + m.n.constraint_rows, most);
+  constexpr Index least = 64, most = 240;
+  return std::min(3 * m.n.contacts + m.n.limits + m.n.constraint_rows, std::clamp(4 * m.n.nv, least, most));
 }
 
 // Calls f(array, numbers) for each. Matrices lie row by row: state nv x columns, J and Z rows x nv, K rows x rows, E rows x 2 nv

@@ -72,7 +72,7 @@ TEST(DataNew, OnePartIsSmallerThanAll) {
   const std::size_t all = dyn_data_size(m, DYN_PART_ALL);
   EXPECT_EQ(all, dyn_data_size(m, 0));
   std::size_t sum = 0;
-  for (unsigned bit = 0; bit < 21; ++bit) {
+  for (unsigned bit = 0; bit < 22; ++bit) {
     const std::size_t size = dyn_data_size(m, 1u << bit);
     EXPECT_TRUE(size > 0 && size < all) << bit;
     sum += size;

@@ -173,7 +173,7 @@ def test_parts(arm):
     assert arm.data_size("inverse") < arm.data_size()
     assert arm.data(["mass", dyn.Part.COM]).parts == dyn.Part.MASS | dyn.Part.COM
     assert arm.data(0).parts == dyn.Part.ALL
-    for bad in ("wheels", 1 << 21, -1, 1.5):
+    for bad in ("wheels", 1 << 22, -1, 1.5):
         with pytest.raises(dyn.ArgumentError):
             arm.data(bad)
 
