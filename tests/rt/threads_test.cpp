@@ -30,13 +30,16 @@ std::uint64_t all_results(const dynModel* m, dynData* d, std::uint64_t seed) {
   const State s = random_state(m, seed);
   compute_all(m, d, s);
   for (const CallRow& row : call_rows) {
-    if (std::string(row.name) == "dyn_step") continue;
+    const std::string name = row.name;
+    if (name == "dyn_step") continue;
     Prepared p(row, m, s);
-    EXPECT_EQ(DYN_OK, p(m, d)) << row.name << ": " << dyn_last_error();
+    const dynStatus status = p(m, d);
+    EXPECT_TRUE(status == DYN_OK || (name == "dyn_step_derivatives" && status == DYN_ERROR_NUMERIC))
+        << name << ": " << dyn_last_error();
     for (const Numbers& x : p.results()) add(x);
   }
   for (dynIntegrator i : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4}) {
-    const dynStatus status = take_step(m, d, i, 1e-3);  // angles about z, y, x may be near their singularity
+    const dynStatus status = take_step(m, d, i, 1e-3);  // random states are fast, or near a singularity of angles about z, y, x
     EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC) << dyn_last_error();
     add(field(m, d, "q")), add(field(m, d, "v"));
   }
