@@ -137,12 +137,15 @@ struct Correction {
     for (Index n = 0, next; n < w.constraint_count; n = next) {
       const Index begin = count;
       double largest = 0;
+      bool held = false;
       for (next = n; next < w.constraint_count && w.active[w.order[next]].island == w.active[w.order[n]].island; ++next) {
         const ActiveConstraint& a = w.active[w.order[next]];
-        if (a.idle || (a.kind == RowKind::Contact && a.support_count == 0)) continue;
+        if (a.kind == RowKind::Equality) held = true;
+        if (a.kind == RowKind::Equality || a.idle || (a.kind == RowKind::Contact && a.support_count == 0)) continue;
         if (const char* const reason = add(a, largest)) return reason;
       }
-      if (!(largest > tuning::slop)) {
+      if (held && largest > tuning::slop) return "overlaps and the drift of constraints are corrected together";
+      if (held || !(largest > tuning::slop)) {
         count = begin;
         continue;
       }
@@ -169,8 +172,8 @@ struct Correction {
     std::copy_n(x.q, m.n.nq, d.q);
     double off = 0, most = 0;
     for (Index k = 0; k < nv; ++k) off = std::max(off, std::abs(hv[k])), most = std::max(most, std::abs(y.correction[k]));
-    constexpr double rounding = 1e-14, share = 1e-6;
-    return off <= rounding + share * most;
+    constexpr double rounding = 1e-14, share = 1e-6, share_of_drift = 1e-2;
+    return off <= rounding + (s.equalities > 0 ? share_of_drift : share) * most;
   }
 
   // W = derivative of N^-1 J_i^T by q, at fixed q in it; and its parts of dG.
@@ -224,13 +227,15 @@ struct Correction {
 const char* StepJacobian::correct() {
   Correction c{*this};
   if (const char* const reason = c.find()) return reason;
+  double pushed = 0;  // m, rad, by contacts and limits
+  for (Index k = 0; k < nv; ++k) pushed = std::max(pushed, std::abs(y.correction[k]));
+  std::fill_n(y.turned, nv * nv, 0.0);
+  if (equalities > 0)
+    if (const char* const reason = correct_drift()) return reason;
   if (!c.is_that_of_the_step()) return "overlaps are corrected in another way";
   constexpr double negligible = 1e-9;  // m, rad: derivatives of G change the result by as much
-  double most = 0;
-  for (Index k = 0; k < nv; ++k) most = std::max(most, std::abs(y.correction[k]));
-  const bool exact = most > negligible;
+  const bool exact = pushed > negligible;
   if (exact && c.pushed > exact_corrections) return "too many overlaps are corrected";
-  std::fill_n(y.turned, nv * nv, 0.0);
   for (Index i = 0; i < (exact ? c.count : 0); ++i)
     if (c.row(i).exact >= 0) c.differentiate_row(i);
   c.differentiate_errors();

@@ -14,7 +14,7 @@
 
 namespace dyn::simulation {
 
-enum class JacobianRowKind : Index { Normal, Stick, Slide, Limit };
+enum class JacobianRowKind : Index { Normal, Stick, Slide, Limit, Equality };
 
 struct JacobianRow {
   JacobianRowKind kind;

@@ -42,7 +42,7 @@ struct StepJacobian {
   const Workspace& w = *d.step;
   const double h = w.options.dt;
   const std::ptrdiff_t nv = m.n.nv, mixed = 2 * nv + m.n.nu, columns = derivative_count(m);  // q, v, controls, then tau
-  Index rows = 0, contacts = 0;
+  Index rows = 0, contacts = 0, equality0 = 0, equalities = 0;  // equality0: first row of the equalities
 
   double* state(Index k) const { return y.state + columns * k; }
   double* displacement(Index k) const { return y.displacement + columns * k; }
@@ -101,8 +101,17 @@ struct StepJacobian {
       if (rows == jacobian_rows(m)) return "too many rows";
       y.rows[rows++] = {JacobianRowKind::Limit, k, 0, std::abs(w.limit_forces[k]) * h};
     }
-    return nullptr;
+    return find_equalities();
   }
+  // step_equalities.cpp
+  const char* find_equalities();
+  void add_equality_rows() const;
+  void factor_equalities(double softness) const;
+  const char* find_equality_impulses() const;
+  void differentiate_equality_forces() const;
+  KktSystem<double> equality_system() const;
+  void differentiate_equality_rates() const;
+  const char* correct_drift() const;
 
   // What free_flight adds to the velocity of bodies with children.
   integrator::FlightCorrection<double> flight(const Body& b, const Vec3<double>& c) const {
@@ -380,6 +389,7 @@ struct StepJacobian {
       J(r)[dof] = low ? 1 : -1;
       if (gap > 0) E(r)[dof] = J(r)[dof] / h;
     }
+    if (equalities > 0) add_equality_rows(), differentiate_equality_rates();
   }
 
   // K dlambda = -(J dv' + E): sticking and pressed rows. Sliding ones follow.
@@ -428,15 +438,15 @@ struct StepJacobian {
     constexpr double softness = 1e-10, floor = 1e-14, independent = 1e-9, consistent = 1e-6;
     constexpr int refinements = 2;
     std::copy_n(y.K, rows * rows, y.factor);
-    if (factor_rows() > independent) {
+    if (factor_rows(y.factor, rows) > independent) {
       std::copy_n(y.wanted, rows * columns, y.lambda);
-      return substitute(y.lambda), true;
+      return substitute(y.factor, rows, y.lambda, columns), true;
     }
     double size = 0;
     for (Index r = 0; r < rows; ++r) size = std::max(size, std::abs(y.K[(rows + 1) * r]));
     std::copy_n(y.K, rows * rows, y.factor);
     for (Index r = 0; r < rows; ++r) y.factor[(rows + 1) * r] += softness * y.K[(rows + 1) * r] + floor * size;
-    factor_rows();
+    factor_rows(y.factor, rows);
     const auto largest = [&](const double* a) {
       double most = 0;
       for (Index k = 0; k < rows * columns; ++k) most = std::max(most, std::abs(a[k]));
@@ -448,7 +458,7 @@ struct StepJacobian {
       for (Index r = 0; r < rows; ++r)
         for (Index s = 0; s < (n ? rows : 0); ++s) add_row(y.rest + columns * r, y.lambda + columns * s, -y.K[rows * r + s], columns);
       if (n > refinements) return largest(y.rest) <= consistent * largest(y.wanted) && is_determined();
-      substitute(y.rest);
+      substitute(y.factor, rows, y.rest, columns);
       for (Index k = 0; k < rows * columns; ++k) y.lambda[k] += y.rest[k];
     }
   }
@@ -461,7 +471,7 @@ struct StepJacobian {
       y.rest[columns * r] = 1 + 0.37 * double((7 * r) % 11);  // of no symmetry
       std::fill_n(y.rest + columns * r + 1, columns - 1, 0.0);
     }
-    substitute(y.rest);
+    substitute(y.factor, rows, y.rest, columns);
     for (Index r = 0; r < rows; ++r) impulses = std::max(impulses, std::abs(y.rest[columns * r]));
     if (!(impulses * size > open)) return true;
     for (Index k = 0; k < nv; ++k) {
@@ -475,8 +485,7 @@ struct StepJacobian {
     return motion <= moves * moved;
   }
   // Gauss with row pivots, in place. Returns the least pivot over the largest.
-  double factor_rows() const {
-    double* const F = y.factor;
+  double factor_rows(double* F, Index rows) const {
     double least = HUGE_VAL, most = 0;
     for (Index k = 0; k < rows; ++k) {
       Index pivot = k;
@@ -492,9 +501,8 @@ struct StepJacobian {
     }
     return most > 0 ? least / most : 0;
   }
-  // b, rows x columns, becomes the solution.
-  void substitute(double* b) const {
-    const double* const F = y.factor;
+  // b, rows x columns, becomes the solution of a factored matrix.
+  void substitute(const double* F, Index rows, double* b, std::ptrdiff_t columns) const {
     for (Index k = 0; k < rows; ++k) {
       if (y.pivots[k] != k) std::swap_ranges(b + columns * k, b + columns * (k + 1), b + columns * y.pivots[k]);
       double* const to = b + columns * k;
@@ -521,20 +529,31 @@ struct StepJacobian {
       });
     }
   }
+  bool with_equalities = false;  // their forces are known
+  void differentiate_inverse_dynamics(const double* fext) const {
+    columns_at(x.v, y.a);
+    if (fext) subtract_external_at_root(m, d, fext);
+    for (Index k = 0; k < contacts; ++k) subtract_force(y.contacts[k], y.contacts[k].force * (1 / h));
+    if (with_equalities) subtract_constraint_forces(m, d);
+    torque_derivatives(m, d, static_cast<const double*>(x.v), static_cast<const double*>(y.a));
+  }
   // All of it. Returns why it is not possible, or nullptr.
   const char* differentiate() {
     find_acceleration();
     const double* const fext = forces_on_bodies(m, d);
-    columns_at(x.v, y.a);
-    if (fext) subtract_external_at_root(m, d, fext);
-    for (Index k = 0; k < contacts; ++k) subtract_force(y.contacts[k], y.contacts[k].force * (1 / h));
-    torque_derivatives(m, d, static_cast<const double*>(x.v), static_cast<const double*>(y.a));
+    differentiate_inverse_dynamics(fext);
     find_twists(x.v_end, y.twists), find_twists(x.v, y.twists_before);
     find_diagonal();
     for (Index k = 0; k < nv; ++k) d.M[(nv + 1) * k] += y.diagonal[k];
     if (factorize(m, d)) return "the inertia is singular";
     invert(m, d);
+    if (equalities > 0) {
+      if (const char* const reason = find_equality_impulses()) return reason;
+      with_equalities = true, differentiate_inverse_dynamics(fext);
+      differentiate_equality_forces();
+    }
     differentiate_forces();
+    if (equalities > 0) std::fill_n(d.dtau_dq, nv * nv, 0.0);  // inverse dynamics leaves entries of unrelated joints as they are
     if (fext) differentiate_link_forces();
     for (Index k = 0; k < contacts; ++k) differentiate_impulse(y.contacts[k], y.contacts[k].force);
     solve_for_state();
@@ -545,7 +564,7 @@ struct StepJacobian {
         for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
       for (Index k = 0; k < nv; ++k) add_rows(state(k), y.lambda, columns, y.Z + k, nv, rows, columns);
     }
-    if (w.corrected) {
+    if (w.corrected || equalities > 0) {
       if (const char* const reason = correct()) return reason;
     } else {
       displace();

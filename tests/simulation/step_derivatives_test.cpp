@@ -376,6 +376,32 @@ TEST(StepDerivatives, OfAnArmAtItsLimit) {
   run.agree();
 }
 
+// A mechanism, its loops closed, at rest and in motion.
+Model mechanism(const char* name) {
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_model_load((std::string(DYN_MODELS_DIR "/mechanisms/") + name).c_str(), nullptr, &m)) << dyn_last_error();
+  return Model(m);
+}
+void close_loops(Stepper& run, Numbers q, Numbers v) {
+  ASSERT_EQ(DYN_OK, dyn_project(run.m, run.d, q.data(), v.data(), nullptr, q.data(), v.data(), nullptr)) << dyn_last_error();
+  run.set(q, v);
+}
+
+TEST(StepDerivatives, OfMechanisms) {
+  for (const char* name : {"four_bar.urdf", "four_bar_in_space.urdf"}) {
+    SCOPED_TRACE(name);
+    for (double speed : {0.0, 0.7}) {
+      Stepper run(mechanism(name));
+      Numbers q(static_cast<std::size_t>(run.m.nq())), v(static_cast<std::size_t>(run.m.nv()), speed);
+      ASSERT_EQ(DYN_OK, dyn_configuration_neutral(run.m, q.data()));
+      for (double& x : q) x += 0.2;
+      close_loops(run, q, v);
+      const Derivatives x = run.agree(1e-5);
+      EXPECT_EQ(DYN_OK, x.status) << dyn_last_error();
+    }
+  }
+}
+
 // ---------------------------------------------------------------------------------------------------- forces
 
 TEST(StepDerivatives, OfWrenchesAndControls) {
