@@ -68,7 +68,7 @@ struct PairDifferences {
     return true;
   }
   bool by(bool turns, ContactGeometry::Change& out) const {
-    Vec3<double> *const turn[] = {&out.turn.x, &out.turn.y, &out.turn.z}, *const move[] = {&out.move.x, &out.move.y, &out.move.z};
+    Vec3<double>*const turn[] = {&out.turn.x, &out.turn.y, &out.turn.z}, *const move[] = {&out.move.x, &out.move.y, &out.move.z};
     const Vec3<double> o = Vec3<double>::zero();
     for (int k = 0; k < 3; ++k) {
       const Vec3<double> e = unit3<double>(k) * size;

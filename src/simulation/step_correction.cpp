@@ -1,5 +1,6 @@
-// Derivatives of the correction of positions: q' = q (+) (h v' + N^-1 J^T mu). Its mu are those of a few sweeps of Gauss and Seidel
-// over the normal rows (Sweeps::frictionless), which end before they converge. So the sweeps themselves are differentiated:
+// Derivatives of the correction of positions: q' = q (+) (h v' + N^-1 J^T mu). Its mu are those of a few sweeps of Gauss and
+// Seidel over the normal rows (Sweeps::frictionless), which end before they converge. So the sweeps themselves are
+// differentiated:
 //   mu_i = max(0, mu_i - (b_i + sum_j G_ij mu_j) / G_ii)
 // with b the share of the gap at the end of the step that is removed. G and N^-1 J^T change by q, too. Where that matters, each
 // row takes derivatives of inverse dynamics at the acceleration N^-1 J_j^T.
@@ -31,9 +32,12 @@ struct Correction {
   // As Island::correct.
   void ask(CorrectionRow& r, double gap, double unit, bool soft) const {
     const double most = correction_speed(d, h) * h / w.length, share = tuning::island::correction * gap;
-    if (soft) r.wrong = std::max(gap, most * w.length), r.slope = gap > most * w.length;
-    else if (gap >= 0) r.wrong = gap, r.slope = 1;
-    else r.wrong = std::max(share, -most * unit), r.slope = share > -most * unit ? tuning::island::correction : 0;
+    if (soft)
+      r.wrong = std::max(gap, most * w.length), r.slope = gap > most * w.length;
+    else if (gap >= 0)
+      r.wrong = gap, r.slope = 1;
+    else
+      r.wrong = std::max(share, -most * unit), r.slope = share > -most * unit ? tuning::island::correction : 0;
   }
   // Adds a row of J for a contact or limit that does not press.
   const char* add_open(const ActiveConstraint& a, CorrectionRow& r) const {
@@ -57,9 +61,7 @@ struct Correction {
       if (const double j = s.J(r.row)[k]; j != 0) add_row(y.Z + nv * r.row, d.Minv + nv * k, j, nv);
     return nullptr;
   }
-  bool is_low(const LimitRecord& r) const {
-    return x.q[r.q] - m.lower_limit()[r.q] <= m.upper_limit()[r.q] - x.q[r.q];
-  }
+  bool is_low(const LimitRecord& r) const { return x.q[r.q] - m.lower_limit()[r.q] <= m.upper_limit()[r.q] - x.q[r.q]; }
 
   // The row of a constraint. largest: error, over its unit.
   const char* add(const ActiveConstraint& a, double& largest) {
@@ -107,8 +109,10 @@ struct Correction {
         r.mu = to;
         if (to > 0 && r.exact < 0) r.exact = pushed++;
       }
-      if (n == 0) first = changed;
-      else if (!differentiate && changed <= tuning::sweeps::correction_change * first) return n + 1;
+      if (n == 0)
+        first = changed;
+      else if (!differentiate && changed <= tuning::sweeps::correction_change * first)
+        return n + 1;
     }
     return most;
   }
@@ -166,8 +170,8 @@ struct Correction {
     for (Index k = 0; k < nv; ++k) hv[k] = h * x.v_end[k] + y.correction[k];
     std::copy_n(x.v_end, nv, x.minus);
     integrate(m, static_cast<const double*>(x.q), static_cast<const double*>(hv), d.q);
-    integrator::end_flight<false>(m, WholeModel{}, static_cast<const double*>(x.q), h, static_cast<const double*>(y.correction), d.q,
-                                  x.minus);
+    integrator::end_flight<false>(m, WholeModel{}, static_cast<const double*>(x.q), h, static_cast<const double*>(y.correction),
+                                  d.q, x.minus);
     difference(m, static_cast<const double*>(x.q_next), static_cast<const double*>(d.q), hv);
     std::copy_n(x.q, m.n.nq, d.q);
     double off = 0, most = 0;

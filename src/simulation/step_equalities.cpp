@@ -1,8 +1,8 @@
-// Enabled equalities in derivatives of a step: their impulses, which the step does not keep; how their forces turn with the bodies
-// (algorithm/constrained/instance_derivatives.hpp); and the correction of their drift,
+// Enabled equalities in derivatives of a step: their impulses, which the step does not keep; how their forces turn with the
+// bodies (algorithm/constrained/instance_derivatives.hpp); and the correction of their drift,
 //   N^-1 J^T mu with (G + softness) mu = -C / 2
-// whose derivative is taken at fixed G: the drift of a step is far below the geometry. It counts where the drift is rounding, too:
-// changes of the state that matter are larger, and are corrected.
+// whose derivative is taken at fixed G: the drift of a step is far below the geometry. It counts where the drift is rounding,
+// too: changes of the state that matter are larger, and are corrected.
 #include "simulation/step_linearisation.hpp"
 
 namespace dyn::simulation {
@@ -11,9 +11,12 @@ const char* StepJacobian::find_equalities() {
   equality0 = rows;
   const char* reason = nullptr;
   for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index) {
-    if (one_sided(s.c.type)) reason = "a limit or friction constraint is enabled";
-    else if (s.c.stiffness > 0 || s.c.damping > 0) reason = "a constraint with stiffness or damping is enabled";
-    else if (rows + s.rows > jacobian_rows(m)) reason = "too many rows";
+    if (one_sided(s.c.type))
+      reason = "a limit or friction constraint is enabled";
+    else if (s.c.stiffness > 0 || s.c.damping > 0)
+      reason = "a constraint with stiffness or damping is enabled";
+    else if (rows + s.rows > jacobian_rows(m))
+      reason = "too many rows";
     if (reason) return;
     s.first = equalities, equalities += s.rows;
     for (Index r = 0; r < s.rows; ++r) y.rows[rows++] = {JacobianRowKind::Equality, -1, r, 0};

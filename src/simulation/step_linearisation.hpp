@@ -129,7 +129,8 @@ struct StepJacobian {
   // A force on B, and the opposite on A.
   void subtract_force(const JacobianContact& c, const Vec3<double>& force) const {
     const auto subtract = [&](Index body, const Vec3<double>& f) {
-      if (body) d.composite[body].f = d.composite[body].f - shift(Force<double>{f, Vec3<double>::zero()}, c.position - root(body));
+      if (body)
+        d.composite[body].f = d.composite[body].f - shift(Force<double>{f, Vec3<double>::zero()}, c.position - root(body));
     };
     subtract(c.body_b, force), subtract(c.body_a, force * -1.0);
   }
@@ -137,7 +138,7 @@ struct StepJacobian {
   // The implicit part of the inertia, and its derivative by v.
   integrator::Springs implicit_springs() const {
     using integrator::Springs;
-    return !(d.acting & DYN_EFFECT_SPRINGS)                             ? Springs::None
+    return !(d.acting & DYN_EFFECT_SPRINGS)                       ? Springs::None
            : w.options.integrator == DYN_INTEGRATOR_IMPLICIT_FAST ? Springs::All
                                                                   : Springs::Stiff;
   }
@@ -147,7 +148,8 @@ struct StepJacobian {
       for (Index k = 0; k < nv; ++k)
         y.diagonal[k] += E::secant(h * c[k], x.v[k]), y.diagonal_by_v[k] += E::secant_slope(h * c[k], x.v[k]);
     });
-    integrator::implicit_springs(m, d, h, implicit_springs(), [&](Index k, double stiffness) { y.diagonal[k] += h * h * stiffness; });
+    integrator::implicit_springs(m, d, h, implicit_springs(),
+                                 [&](Index k, double stiffness) { y.diagonal[k] += h * h * stiffness; });
     for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
       if (!d.saturated[k]) y.diagonal[r.v] += square(r.spec.gear) * (h * damping(r) + h * h * stiffness(r));
     });
@@ -275,9 +277,9 @@ struct StepJacobian {
       double turned[3] = {};
       for (int r = 0; r < 3; ++r)
         for (int s = 0; s < 6; ++s) turned[r] += block(3 + r, s) * impulse[at + s];
-      const integrator::FreeBodyFlight<double> free{linear, integrator::central_inertia<double>(b, c),
-                                                    load3(static_cast<const double*>(x.v_end + at + 3)) -
-                                                        load3(static_cast<const double*>(turned))};
+      const integrator::FreeBodyFlight<double> free{
+          linear, integrator::central_inertia<double>(b, c),
+          load3(static_cast<const double*>(x.v_end + at + 3)) - load3(static_cast<const double*>(turned))};
       // columns of the body's own q, v and tau
       const auto by_column = [&](std::ptrdiff_t column, const double* force, std::ptrdiff_t stride, double scale, int of_v) {
         double a[3] = {};
@@ -432,8 +434,8 @@ struct StepJacobian {
     K0[c.first] += mu * c.direction[0], K1[c.first] += mu * c.direction[1];
   }
 
-  // lambda = K^-1 wanted. Where K is singular, with a little regularisation, refined. Returns whether the equations are consistent
-  // and determine the motion.
+  // lambda = K^-1 wanted. Where K is singular, with a little regularisation, refined. Returns whether the equations are
+  // consistent and determine the motion.
   bool solve_rows() const {
     constexpr double softness = 1e-10, floor = 1e-14, independent = 1e-9, consistent = 1e-6;
     constexpr int refinements = 2;
@@ -456,13 +458,15 @@ struct StepJacobian {
     for (int n = 0;; ++n) {
       std::copy_n(y.wanted, rows * columns, y.rest);
       for (Index r = 0; r < rows; ++r)
-        for (Index s = 0; s < (n ? rows : 0); ++s) add_row(y.rest + columns * r, y.lambda + columns * s, -y.K[rows * r + s], columns);
+        for (Index s = 0; s < (n ? rows : 0); ++s)
+          add_row(y.rest + columns * r, y.lambda + columns * s, -y.K[rows * r + s], columns);
       if (n > refinements) return largest(y.rest) <= consistent * largest(y.wanted) && is_determined();
       substitute(y.factor, rows, y.rest, columns);
       for (Index k = 0; k < rows * columns; ++k) y.lambda[k] += y.rest[k];
     }
   }
-  // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body differently.
+  // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body
+  // differently.
   bool is_determined() const {
     constexpr double open = 1e6, moves = 1e-4;
     double size = 0, impulses = 0, motion = 0, moved = 0;
@@ -497,7 +501,8 @@ struct StepJacobian {
       least = std::min(least, std::abs(own)), most = std::max(most, std::abs(own));
       if (own == 0) own = 1;
       for (Index r = k + 1; r < rows; ++r)
-        if (double& by = F[rows * r + k]; by != 0) by /= own, add_row(F + rows * r + k + 1, F + rows * k + k + 1, -by, rows - k - 1);
+        if (double& by = F[rows * r + k]; by != 0)
+          by /= own, add_row(F + rows * r + k + 1, F + rows * k + k + 1, -by, rows - k - 1);
     }
     return most > 0 ? least / most : 0;
   }
@@ -591,9 +596,12 @@ struct StepJacobian {
       double* const out = to(c);
       for (Index k = 0; k < nv; ++k) out[k] = displacement(k)[c] + own(0, k, c), out[nv + k] = state(k)[c];
     }
-    for_each_factor(m, [](Index, Index, Index) {}, [&]<class J>(const Body& b) {
-      if constexpr (J::nv > 1) for (std::ptrdiff_t c = 0; c < columns; ++c) end_of_joint<J>(b, c, to(c));
-    });
+    for_each_factor(
+        m, [](Index, Index, Index) {},
+        [&]<class J>(const Body& b) {
+          if constexpr (J::nv > 1)
+            for (std::ptrdiff_t c = 0; c < columns; ++c) end_of_joint<J>(b, c, to(c));
+        });
   }
   Vec3<double> column_of(const double* rows, Index at, std::ptrdiff_t c) const {
     return Vec3<double>::make(rows[columns * at + c], rows[columns * (at + 1) + c], rows[columns * (at + 2) + c]);
@@ -605,7 +613,8 @@ struct StepJacobian {
     if (c >= at && c < at + J::nv) own[c - at] = 1;
     const Vec3<double> turn = column_of(y.displacement, at + J::nv - 3, c);
     if constexpr (J::nv == 3) {
-      const Vec3<double> w = load3(static_cast<const double*>(x.v_end + at)) * h + load3(static_cast<const double*>(y.correction + at));
+      const Vec3<double> w =
+          load3(static_cast<const double*>(x.v_end + at)) * h + load3(static_cast<const double*>(y.correction + at));
       store3(exp3(w * -1.0) * load3(static_cast<const double*>(own)) + Jexp3(w) * turn, out + at);
     } else {
       const Motion<double> v = load_motion(static_cast<const double*>(x.v_end + at)),
