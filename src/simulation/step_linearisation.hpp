@@ -342,7 +342,8 @@ struct StepJacobian {
     const double t[2] = {dot(law.axes[0], U.linear + slip), dot(law.axes[1], U.linear + slip)};
     c.sliding = std::sqrt(t[0] * t[0] + t[1] * t[1]);
     const JacobianRow* const row = y.rows + c.first;
-    const double bound = law.material.friction * row[0].lambda, held = std::sqrt(row[1].lambda * row[1].lambda + row[2].lambda * row[2].lambda);
+    const double bound = law.material.friction * row[0].lambda,
+                 held = std::sqrt(row[1].lambda * row[1].lambda + row[2].lambda * row[2].lambda);
     constexpr double rounding = 1e-7, still = 1e-9;
     if (!(held >= bound * (1 - rounding) && c.sliding > still)) return;
     for (int k = 0; k < 2; ++k) c.direction[k] = t[k] / c.sliding, y.rows[c.first + 1 + k].kind = JacobianRowKind::Slide;
