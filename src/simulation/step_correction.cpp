@@ -219,7 +219,11 @@ struct Correction {
       double* const to = wrong(i);
       std::fill_n(to, columns, 0.0), std::fill_n(by(i), columns, 0.0);
       if (r.slope == 0) continue;
-      add_row(to, J(i), r.slope, nv), add_row(to, y.rate + nv * r.row, r.slope * h, nv);
+      if (r.contact >= 0)
+        s.add_gap(y.contacts[r.contact], r.slope, to);
+      else
+        add_row(to, J(i), r.slope, nv);
+      add_row(to, y.rate + nv * r.row, r.slope * h, nv);
       for (Index k = 0; k < nv; ++k)
         if (const double j = J(i)[k]; j != 0) add_row(to, s.state(k), r.slope * h * j, columns);
     }

@@ -355,7 +355,15 @@ struct StepJacobian {
     const dynMaterial& material = law.material;
     const double total = h * material.stiffness + material.damping;
     const double by_gap = gap > 0 ? 1 / h : is_soft(material) ? material.stiffness / total : 0;
-    add_row(E(c.first), J(c.first), by_gap, nv);
+    if (by_gap != 0) add_gap(c, by_gap, E(c.first));
+  }
+  // to += factor times the derivative of the gap by q.
+  void add_gap(const JacobianContact& c, double factor, double* to) const {
+    const ContactGeometry& g = c.geometry;
+    for_each_dof(c, y.twists, [&](Index j, const Motion<double>& S, const Motion<double>&, bool of_b) {
+      const double by = dot(g.by_step.gap, S.linear) + dot(g.by_turn.gap, S.angular);
+      to[user_dof(m, j)] += (of_b ? factor : -factor) * ratio(j) * by;
+    });
   }
   double compliance(const ContactLaw& law) const {
     const dynMaterial& material = law.material;
