@@ -101,8 +101,8 @@ dynStatus check_contact_model(const Model& m, const dynStepOptions& options) {
 
 }  // namespace
 
-[[gnu::cold, gnu::noinline]] dynStatus capi::explain_step(const Model& m, const Data<double>& d, Index answer, const char* function,
-                                               double t) {
+[[gnu::cold, gnu::noinline]] dynStatus capi::explain_step(const Model& m, const Data<double>& d, Index answer,
+                                                          const char* function, double t) {
   if (answer > 0)
     return fail(DYN_ERROR_NUMERIC,
                 "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,

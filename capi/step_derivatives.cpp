@@ -2,8 +2,8 @@
 #include "simulation/step_derivatives.hpp"
 
 #include "collision.hpp"
-#include "steps.hpp"
 #include "reflection.hpp"
+#include "steps.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -33,8 +33,7 @@ Index differentiate(const Model& m, Data<double>& d, simulation::StepDerivatives
   simulation::find_modes(m, d, x, options.margin);
   report.method = DYN_DERIVATIVE_METHOD_ANALYTIC;
   if (options.method != DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES) simulation::step_jacobian(m, d, x, options.margin);
-  if (options.method == DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES ||
-      (options.method == DYN_DERIVATIVE_METHOD_AUTO && x.reason)) {
+  if (options.method == DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES || (options.method == DYN_DERIVATIVE_METHOD_AUTO && x.reason)) {
     report.method = DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES;
     return simulation::step_differences(m, d, x, options.epsilon, wanted);
   }
@@ -46,7 +45,8 @@ void write(const Model& m, const simulation::StepDerivatives& x, const dynStepDe
   copy_out(x.by, 4 * nv * nv, out.A), copy_out(x.by + 4 * nv * nv, 2 * nv * nv, out.B);
   copy_out(x.by + 6 * nv * nv, 2 * nv * nu, out.B_control);
   copy_out(x.q_next, nq, out.q), copy_out(x.v_next, nv, out.v);
-  report.contacts = std::int32_t(x.modes.count), report.degenerate = std::int32_t(x.degenerate), report.steps = std::int32_t(x.steps);
+  report.contacts = std::int32_t(x.modes.count), report.degenerate = std::int32_t(x.degenerate),
+  report.steps = std::int32_t(x.steps);
   report.reason = x.reason ? x.reason : "";
   for (Index k = 0; k < x.modes.count; ++k) {
     report.active += x.modes.modes[k] != DYN_CONTACT_MODE_OPEN, report.degenerate += x.modes.degenerate[k];
@@ -87,7 +87,8 @@ dynStatus dyn_step_derivatives(const dynModel* model, dynData* data, const dynSt
   simulation::StepDerivatives& x = *d.derivatives;
   dynStepDerivativeReport report{};
   call.have_effects_of(true), call.begin_step();
-  const Index failed = differentiate(m, d, x, *options, {out->A != nullptr, out->B != nullptr, out->B_control != nullptr}, report);
+  const Index failed =
+      differentiate(m, d, x, *options, {out->A != nullptr, out->B != nullptr, out->B_control != nullptr}, report);
   const bool refused = options->method == DYN_DERIVATIVE_METHOD_ANALYTIC && x.reason;
   dynStatus status = failed ? explain_step(m, d, failed, call.function, d.time[0]) : DYN_OK;
   if (!failed && refused)

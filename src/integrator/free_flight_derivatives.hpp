@@ -5,8 +5,8 @@
 
 namespace dyn::integrator {
 
-// Change of v + h ddq by free_flight: v' = v + h ddq + delta(v, ddq). Of a body with children delta is h (w x u + w x (w x c)), in
-// its linear part alone.
+// Change of v + h ddq by free_flight: v' = v + h ddq + delta(v, ddq). Of a body with children delta is h (w x u + w x (w x c)),
+// in its linear part alone.
 template <class T>
 struct FlightCorrection {
   Vec3<T> u, w, c;

@@ -18,17 +18,17 @@ Mat3<double> less_normal(const Vec3<double>& n, double share) { return Mat3<doub
 // B is a ball of radius r, or has one, on the half-space A. Its centre is at p + (r + gap / 2) n.
 ContactGeometry on_plane(const Vec3<double>& n, double arm) {
   const Mat3<double> none = Mat3<double>::zero();
-  return {{none, less_normal(n, 0.5)}, {none, skew(n * -arm)}};
+  return {{none, less_normal(n, 0.5), n}, {none, skew(n * -arm), Vec3<double>::zero()}};
 }
 // The same with A and B exchanged, n from A to B: common motion less that of A.
 ContactGeometry under_plane(const Vec3<double>& n, double arm) {
-  return {{Mat3<double>::zero(), outer(n, n) * 0.5}, {Mat3<double>::identity(), skew(n * -arm)}};
+  return {{Mat3<double>::zero(), outer(n, n) * 0.5, n}, {Mat3<double>::identity(), skew(n * -arm), Vec3<double>::zero()}};
 }
 ContactGeometry of_balls(const Vec3<double>& n, double radius_a, double radius_b, double gap) {
   const double length = radius_a + radius_b + gap, arm_a = radius_a + gap / 2, arm_b = radius_b + gap / 2;
   const Mat3<double> turn = skew(n) * (1 / length), move = less_normal(n, 1) * (arm_a / length) + outer(n, n) * 0.5,
                      at_center = skew(n * -arm_b);
-  return {{turn, move}, {turn * at_center, move * at_center}};
+  return {{turn, move, n}, {turn * at_center, move * at_center, Vec3<double>::zero()}};
 }
 
 struct PairDifferences {
@@ -41,6 +41,7 @@ struct PairDifferences {
 
   struct Point {
     Vec3<double> normal, position;
+    double distance;
   };
   bool at(const Vec3<double>& step, const Vec3<double>& turn, Point& out) const {
     const Vec3<double> p = load3(c.position);
@@ -50,10 +51,12 @@ struct PairDifferences {
     collision::Manifold found;
     collision::contacts(a.shape, A, b.shape, moved, margin, *d.collision_workspace, found);
     for (int i = 0; i < found.count; ++i)
-      if (found.points[i].feature == c.feature) return out = {found.normal, found.points[i].position}, true;
+      if (found.points[i].feature == c.feature)
+        return out = {found.normal, found.points[i].position, found.points[i].distance}, true;
     return false;
   }
-  bool along(const Vec3<double>& step, const Vec3<double>& turn, Vec3<double>& rotation, Vec3<double>& motion) const {
+  bool along(const Vec3<double>& step, const Vec3<double>& turn, Vec3<double>& rotation, Vec3<double>& motion,
+             double& gap) const {
     Point plus, minus;
     bool two = at(step, turn, plus);
     double over = 2 * size;
@@ -64,16 +67,18 @@ struct PairDifferences {
     }
     if (!two) over = size;
     rotation = cross(load3(c.normal), plus.normal - minus.normal) * (1 / over);
-    motion = (plus.position - minus.position) * (1 / over);
+    motion = (plus.position - minus.position) * (1 / over), gap = (plus.distance - minus.distance) / over;
     return true;
   }
   bool by(bool turns, ContactGeometry::Change& out) const {
-    Vec3<double> *const turn[] = {&out.turn.x, &out.turn.y, &out.turn.z}, *const move[] = {&out.move.x, &out.move.y, &out.move.z};
+    Vec3<double>*const turn[] = {&out.turn.x, &out.turn.y, &out.turn.z}, *const move[] = {&out.move.x, &out.move.y, &out.move.z};
     const Vec3<double> o = Vec3<double>::zero();
+    double gap[3];
     for (int k = 0; k < 3; ++k) {
       const Vec3<double> e = unit3<double>(k) * size;
-      if (!along(turns ? o : e, turns ? e : o, *turn[k], *move[k])) return false;
+      if (!along(turns ? o : e, turns ? e : o, *turn[k], *move[k], gap[k])) return false;
     }
+    out.gap = load3(static_cast<const double*>(gap));
     return true;
   }
 };

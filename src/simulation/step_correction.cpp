@@ -1,5 +1,6 @@
-// Derivatives of the correction of positions: q' = q (+) (h v' + N^-1 J^T mu). Its mu are those of a few sweeps of Gauss and Seidel
-// over the normal rows (Sweeps::frictionless), which end before they converge. So the sweeps themselves are differentiated:
+// Derivatives of the correction of positions: q' = q (+) (h v' + N^-1 J^T mu). Its mu are those of a few sweeps of Gauss and
+// Seidel over the normal rows (Sweeps::frictionless), which end before they converge. So the sweeps themselves are
+// differentiated:
 //   mu_i = max(0, mu_i - (b_i + sum_j G_ij mu_j) / G_ii)
 // with b the share of the gap at the end of the step that is removed. G and N^-1 J^T change by q, too. Where that matters, each
 // row takes derivatives of inverse dynamics at the acceleration N^-1 J_j^T.
@@ -31,9 +32,12 @@ struct Correction {
   // As Island::correct.
   void ask(CorrectionRow& r, double gap, double unit, bool soft) const {
     const double most = correction_speed(d, h) * h / w.length, share = tuning::island::correction * gap;
-    if (soft) r.wrong = std::max(gap, most * w.length), r.slope = gap > most * w.length;
-    else if (gap >= 0) r.wrong = gap, r.slope = 1;
-    else r.wrong = std::max(share, -most * unit), r.slope = share > -most * unit ? tuning::island::correction : 0;
+    if (soft)
+      r.wrong = std::max(gap, most * w.length), r.slope = gap > most * w.length;
+    else if (gap >= 0)
+      r.wrong = gap, r.slope = 1;
+    else
+      r.wrong = std::max(share, -most * unit), r.slope = share > -most * unit ? tuning::island::correction : 0;
   }
   // Adds a row of J for a contact or limit that does not press.
   const char* add_open(const ActiveConstraint& a, CorrectionRow& r) const {
@@ -57,9 +61,7 @@ struct Correction {
       if (const double j = s.J(r.row)[k]; j != 0) add_row(y.Z + nv * r.row, d.Minv + nv * k, j, nv);
     return nullptr;
   }
-  bool is_low(const LimitRecord& r) const {
-    return x.q[r.q] - m.lower_limit()[r.q] <= m.upper_limit()[r.q] - x.q[r.q];
-  }
+  bool is_low(const LimitRecord& r) const { return x.q[r.q] - m.lower_limit()[r.q] <= m.upper_limit()[r.q] - x.q[r.q]; }
 
   // The row of a constraint. largest: error, over its unit.
   const char* add(const ActiveConstraint& a, double& largest) {
@@ -107,8 +109,10 @@ struct Correction {
         r.mu = to;
         if (to > 0 && r.exact < 0) r.exact = pushed++;
       }
-      if (n == 0) first = changed;
-      else if (!differentiate && changed <= tuning::sweeps::correction_change * first) return n + 1;
+      if (n == 0)
+        first = changed;
+      else if (!differentiate && changed <= tuning::sweeps::correction_change * first)
+        return n + 1;
     }
     return most;
   }
@@ -137,12 +141,15 @@ struct Correction {
     for (Index n = 0, next; n < w.constraint_count; n = next) {
       const Index begin = count;
       double largest = 0;
+      bool held = false;
       for (next = n; next < w.constraint_count && w.active[w.order[next]].island == w.active[w.order[n]].island; ++next) {
         const ActiveConstraint& a = w.active[w.order[next]];
-        if (a.idle || (a.kind == RowKind::Contact && a.support_count == 0)) continue;
+        if (a.kind == RowKind::Equality) held = true;
+        if (a.kind == RowKind::Equality || a.idle || (a.kind == RowKind::Contact && a.support_count == 0)) continue;
         if (const char* const reason = add(a, largest)) return reason;
       }
-      if (!(largest > tuning::slop)) {
+      if (held && largest > tuning::slop) return "overlaps and the drift of constraints are corrected together";
+      if (held || !(largest > tuning::slop)) {
         count = begin;
         continue;
       }
@@ -163,14 +170,14 @@ struct Correction {
     for (Index k = 0; k < nv; ++k) hv[k] = h * x.v_end[k] + y.correction[k];
     std::copy_n(x.v_end, nv, x.minus);
     integrate(m, static_cast<const double*>(x.q), static_cast<const double*>(hv), d.q);
-    integrator::end_flight<false>(m, WholeModel{}, static_cast<const double*>(x.q), h, static_cast<const double*>(y.correction), d.q,
-                                  x.minus);
+    integrator::end_flight<false>(m, WholeModel{}, static_cast<const double*>(x.q), h, static_cast<const double*>(y.correction),
+                                  d.q, x.minus);
     difference(m, static_cast<const double*>(x.q_next), static_cast<const double*>(d.q), hv);
     std::copy_n(x.q, m.n.nq, d.q);
     double off = 0, most = 0;
     for (Index k = 0; k < nv; ++k) off = std::max(off, std::abs(hv[k])), most = std::max(most, std::abs(y.correction[k]));
-    constexpr double rounding = 1e-14, share = 1e-6;
-    return off <= rounding + share * most;
+    constexpr double rounding = 1e-14, share = 1e-6, share_of_drift = 1e-2;
+    return off <= rounding + (s.equalities > 0 ? share_of_drift : share) * most;
   }
 
   // W = derivative of N^-1 J_i^T by q, at fixed q in it; and its parts of dG.
@@ -212,7 +219,11 @@ struct Correction {
       double* const to = wrong(i);
       std::fill_n(to, columns, 0.0), std::fill_n(by(i), columns, 0.0);
       if (r.slope == 0) continue;
-      add_row(to, J(i), r.slope, nv), add_row(to, y.rate + nv * r.row, r.slope * h, nv);
+      if (r.contact >= 0)
+        s.add_gap(y.contacts[r.contact], r.slope, to);
+      else
+        add_row(to, J(i), r.slope, nv);
+      add_row(to, y.rate + nv * r.row, r.slope * h, nv);
       for (Index k = 0; k < nv; ++k)
         if (const double j = J(i)[k]; j != 0) add_row(to, s.state(k), r.slope * h * j, columns);
     }
@@ -224,13 +235,15 @@ struct Correction {
 const char* StepJacobian::correct() {
   Correction c{*this};
   if (const char* const reason = c.find()) return reason;
+  double pushed = 0;  // m, rad, by contacts and limits
+  for (Index k = 0; k < nv; ++k) pushed = std::max(pushed, std::abs(y.correction[k]));
+  std::fill_n(y.turned, nv * nv, 0.0);
+  if (equalities > 0)
+    if (const char* const reason = correct_drift()) return reason;
   if (!c.is_that_of_the_step()) return "overlaps are corrected in another way";
   constexpr double negligible = 1e-9;  // m, rad: derivatives of G change the result by as much
-  double most = 0;
-  for (Index k = 0; k < nv; ++k) most = std::max(most, std::abs(y.correction[k]));
-  const bool exact = most > negligible;
+  const bool exact = pushed > negligible;
   if (exact && c.pushed > exact_corrections) return "too many overlaps are corrected";
-  std::fill_n(y.turned, nv * nv, 0.0);
   for (Index i = 0; i < (exact ? c.count : 0); ++i)
     if (c.row(i).exact >= 0) c.differentiate_row(i);
   c.differentiate_errors();

@@ -14,8 +14,8 @@ namespace {
 template <class F>
 void for_each_array(const Model& m, StepDerivatives& x, F&& f) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, contacts = m.n.contacts;
-  f(x.q, nq), f(x.v, nv), f(x.act, m.n.na), f(x.limit_forces, remembered_rows(m)),
-      f(x.actuator_force, m.n.actuators), f(x.contacts, contacts);
+  f(x.q, nq), f(x.v, nv), f(x.act, m.n.na), f(x.limit_forces, remembered_rows(m)), f(x.actuator_force, m.n.actuators),
+      f(x.contacts, contacts);
   f(x.q_next, nq), f(x.v_next, nv), f(x.v_end, nv);
   f(x.modes.contacts, contacts), f(x.modes.modes, contacts), f(x.modes.degenerate, contacts);
   f(x.by, 2 * nv * derivative_count(m));
@@ -132,7 +132,11 @@ struct ModeFinder {
     const Vec3<double> u = relative(law, at, v);
     const Vec3<double> slip = u + surface_velocity(d, law.geom_b) - surface_velocity(d, law.geom_a);
     const double normal = dot(force, n);
-    return {f.contact.distance, dot(u, n), dot(relative(law, at, v_before), n), normal, shape::norm(force - n * normal),
+    return {f.contact.distance,
+            dot(u, n),
+            dot(relative(law, at, v_before), n),
+            normal,
+            shape::norm(force - n * normal),
             shape::norm(slip - n * dot(slip, n))};
   }
   void find(Index k, double largest, double margin) const {

@@ -1,4 +1,5 @@
-// Central differences of a step: two steps for each column, from the state before. Contacts begin from the forces of the last one.
+// Central differences of a step: two steps for each column, from the state before. Contacts begin from the forces of the last
+// one.
 #include "algorithm/configuration.hpp"
 #include "collision/pair_contacts.hpp"
 #include "simulation/step_derivatives.hpp"

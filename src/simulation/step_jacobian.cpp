@@ -14,7 +14,6 @@ const char* find_reason(const Model& m, const Data<double>& d) {
   if (m.n.paths > 0 && (d.acting & driving_effects)) return "a tendon or an actuator on a path acts";
   if (m.n.force_limits > 0) return "the sum of several actuators is limited";
   if (d.acting & DYN_EFFECT_FLUID) return "a medium acts on a link";
-  if (active_rows(m, d) > 0) return "a constraint is enabled";
   if (w.report.rejected > 0 || w.report.steps != 1) return "the step was made in parts";
   constexpr double solved = 1e-9;
   if (w.report.residual > solved) return "the contact solver did not reach a residual of 1e-9";

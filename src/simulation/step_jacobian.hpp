@@ -14,7 +14,7 @@
 
 namespace dyn::simulation {
 
-enum class JacobianRowKind : Index { Normal, Stick, Slide, Limit };
+enum class JacobianRowKind : Index { Normal, Stick, Slide, Limit, Equality };
 
 struct JacobianRow {
   JacobianRowKind kind;
@@ -30,18 +30,18 @@ struct JacobianContact {
   double direction[2];                   // of sliding, along the tangents
   Vec3<double> force;                    // impulse on B, N s
   Vec3<double> position, slip_a, slip_b;
-  Motion<double> relative;               // of B against A at the point, at the end of the step
+  Motion<double> relative;  // of B against A at the point, at the end of the step
   ContactGeometry geometry;
 };
 
 // A row of the correction of positions, in the order of its sweeps.
 struct CorrectionRow {
-  Index row;                  // of J
-  Index contact;              // of JacobianContact; -1: a limit
-  Index exact;                // its number among those that were pushed, or -1
-  double wrong, slope;        // what is to be removed, and its derivative by the gap at the end of the step
+  Index row;            // of J
+  Index contact;        // of JacobianContact; -1: a limit
+  Index exact;          // its number among those that were pushed, or -1
+  double wrong, slope;  // what is to be removed, and its derivative by the gap at the end of the step
   double mu, compliance;
-  Index end = 0;              // of the first row of an island: one past its last
+  Index end = 0;  // of the first row of an island: one past its last
   int sweeps = 0;
 };
 
@@ -68,7 +68,8 @@ inline Index jacobian_rows(const Model& m) {
 template <class F>
 void jacobian_arrays(const Model& m, std::ptrdiff_t columns, JacobianArrays& x, F&& f) {
   const std::ptrdiff_t nv = m.n.nv, rows = jacobian_rows(m);
-  f(x.a, nv), f(x.diagonal, nv), f(x.diagonal_by_v, nv), f(x.correction, nv), f(x.twists, m.n.bodies), f(x.twists_before, m.n.bodies);
+  f(x.a, nv), f(x.diagonal, nv), f(x.diagonal_by_v, nv), f(x.correction, nv), f(x.twists, m.n.bodies),
+      f(x.twists_before, m.n.bodies);
   f(x.state, nv * columns), f(x.J, rows * nv), f(x.Z, rows * nv), f(x.K, rows * rows), f(x.factor, rows * rows);
   f(x.E, rows * 2 * nv), f(x.rate, rows * nv), f(x.wanted, rows * columns), f(x.lambda, rows * columns),
       f(x.rest, rows * columns), f(x.displacement, nv * columns);

@@ -42,7 +42,7 @@ struct StepJacobian {
   const Workspace& w = *d.step;
   const double h = w.options.dt;
   const std::ptrdiff_t nv = m.n.nv, mixed = 2 * nv + m.n.nu, columns = derivative_count(m);  // q, v, controls, then tau
-  Index rows = 0, contacts = 0;
+  Index rows = 0, contacts = 0, equality0 = 0, equalities = 0;  // equality0: first row of the equalities
 
   double* state(Index k) const { return y.state + columns * k; }
   double* displacement(Index k) const { return y.displacement + columns * k; }
@@ -101,8 +101,17 @@ struct StepJacobian {
       if (rows == jacobian_rows(m)) return "too many rows";
       y.rows[rows++] = {JacobianRowKind::Limit, k, 0, std::abs(w.limit_forces[k]) * h};
     }
-    return nullptr;
+    return find_equalities();
   }
+  // step_equalities.cpp
+  const char* find_equalities();
+  void add_equality_rows() const;
+  void factor_equalities(double softness) const;
+  const char* find_equality_impulses() const;
+  void differentiate_equality_forces() const;
+  KktSystem<double> equality_system() const;
+  void differentiate_equality_rates() const;
+  const char* correct_drift() const;
 
   // What free_flight adds to the velocity of bodies with children.
   integrator::FlightCorrection<double> flight(const Body& b, const Vec3<double>& c) const {
@@ -120,7 +129,8 @@ struct StepJacobian {
   // A force on B, and the opposite on A.
   void subtract_force(const JacobianContact& c, const Vec3<double>& force) const {
     const auto subtract = [&](Index body, const Vec3<double>& f) {
-      if (body) d.composite[body].f = d.composite[body].f - shift(Force<double>{f, Vec3<double>::zero()}, c.position - root(body));
+      if (body)
+        d.composite[body].f = d.composite[body].f - shift(Force<double>{f, Vec3<double>::zero()}, c.position - root(body));
     };
     subtract(c.body_b, force), subtract(c.body_a, force * -1.0);
   }
@@ -128,7 +138,7 @@ struct StepJacobian {
   // The implicit part of the inertia, and its derivative by v.
   integrator::Springs implicit_springs() const {
     using integrator::Springs;
-    return !(d.acting & DYN_EFFECT_SPRINGS)                             ? Springs::None
+    return !(d.acting & DYN_EFFECT_SPRINGS)                       ? Springs::None
            : w.options.integrator == DYN_INTEGRATOR_IMPLICIT_FAST ? Springs::All
                                                                   : Springs::Stiff;
   }
@@ -138,7 +148,8 @@ struct StepJacobian {
       for (Index k = 0; k < nv; ++k)
         y.diagonal[k] += E::secant(h * c[k], x.v[k]), y.diagonal_by_v[k] += E::secant_slope(h * c[k], x.v[k]);
     });
-    integrator::implicit_springs(m, d, h, implicit_springs(), [&](Index k, double stiffness) { y.diagonal[k] += h * h * stiffness; });
+    integrator::implicit_springs(m, d, h, implicit_springs(),
+                                 [&](Index k, double stiffness) { y.diagonal[k] += h * h * stiffness; });
     for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
       if (!d.saturated[k]) y.diagonal[r.v] += square(r.spec.gear) * (h * damping(r) + h * h * stiffness(r));
     });
@@ -266,9 +277,9 @@ struct StepJacobian {
       double turned[3] = {};
       for (int r = 0; r < 3; ++r)
         for (int s = 0; s < 6; ++s) turned[r] += block(3 + r, s) * impulse[at + s];
-      const integrator::FreeBodyFlight<double> free{linear, integrator::central_inertia<double>(b, c),
-                                                    load3(static_cast<const double*>(x.v_end + at + 3)) -
-                                                        load3(static_cast<const double*>(turned))};
+      const integrator::FreeBodyFlight<double> free{
+          linear, integrator::central_inertia<double>(b, c),
+          load3(static_cast<const double*>(x.v_end + at + 3)) - load3(static_cast<const double*>(turned))};
       // columns of the body's own q, v and tau
       const auto by_column = [&](std::ptrdiff_t column, const double* force, std::ptrdiff_t stride, double scale, int of_v) {
         double a[3] = {};
@@ -331,7 +342,8 @@ struct StepJacobian {
     const double t[2] = {dot(law.axes[0], U.linear + slip), dot(law.axes[1], U.linear + slip)};
     c.sliding = std::sqrt(t[0] * t[0] + t[1] * t[1]);
     const JacobianRow* const row = y.rows + c.first;
-    const double bound = law.material.friction * row[0].lambda, held = std::hypot(row[1].lambda, row[2].lambda);
+    const double bound = law.material.friction * row[0].lambda,
+                 held = std::sqrt(row[1].lambda * row[1].lambda + row[2].lambda * row[2].lambda);
     constexpr double rounding = 1e-7, still = 1e-9;
     if (!(held >= bound * (1 - rounding) && c.sliding > still)) return;
     for (int k = 0; k < 2; ++k) c.direction[k] = t[k] / c.sliding, y.rows[c.first + 1 + k].kind = JacobianRowKind::Slide;
@@ -343,7 +355,15 @@ struct StepJacobian {
     const dynMaterial& material = law.material;
     const double total = h * material.stiffness + material.damping;
     const double by_gap = gap > 0 ? 1 / h : is_soft(material) ? material.stiffness / total : 0;
-    add_row(E(c.first), J(c.first), by_gap, nv);
+    if (by_gap != 0) add_gap(c, by_gap, E(c.first));
+  }
+  // to += factor times the derivative of the gap by q.
+  void add_gap(const JacobianContact& c, double factor, double* to) const {
+    const ContactGeometry& g = c.geometry;
+    for_each_dof(c, y.twists, [&](Index j, const Motion<double>& S, const Motion<double>&, bool of_b) {
+      const double by = dot(g.by_step.gap, S.linear) + dot(g.by_turn.gap, S.angular);
+      to[user_dof(m, j)] += (of_b ? factor : -factor) * ratio(j) * by;
+    });
   }
   double compliance(const ContactLaw& law) const {
     const dynMaterial& material = law.material;
@@ -380,6 +400,7 @@ struct StepJacobian {
       J(r)[dof] = low ? 1 : -1;
       if (gap > 0) E(r)[dof] = J(r)[dof] / h;
     }
+    if (equalities > 0) add_equality_rows(), differentiate_equality_rates();
   }
 
   // K dlambda = -(J dv' + E): sticking and pressed rows. Sliding ones follow.
@@ -422,21 +443,21 @@ struct StepJacobian {
     K0[c.first] += mu * c.direction[0], K1[c.first] += mu * c.direction[1];
   }
 
-  // lambda = K^-1 wanted. Where K is singular, with a little regularisation, refined. Returns whether the equations are consistent
-  // and determine the motion.
+  // lambda = K^-1 wanted. Where K is singular, with a little regularisation, refined. Returns whether the equations are
+  // consistent and determine the motion.
   bool solve_rows() const {
     constexpr double softness = 1e-10, floor = 1e-14, independent = 1e-9, consistent = 1e-6;
     constexpr int refinements = 2;
     std::copy_n(y.K, rows * rows, y.factor);
-    if (factor_rows() > independent) {
+    if (factor_rows(y.factor, rows) > independent) {
       std::copy_n(y.wanted, rows * columns, y.lambda);
-      return substitute(y.lambda), true;
+      return substitute(y.factor, rows, y.lambda, columns), true;
     }
     double size = 0;
     for (Index r = 0; r < rows; ++r) size = std::max(size, std::abs(y.K[(rows + 1) * r]));
     std::copy_n(y.K, rows * rows, y.factor);
     for (Index r = 0; r < rows; ++r) y.factor[(rows + 1) * r] += softness * y.K[(rows + 1) * r] + floor * size;
-    factor_rows();
+    factor_rows(y.factor, rows);
     const auto largest = [&](const double* a) {
       double most = 0;
       for (Index k = 0; k < rows * columns; ++k) most = std::max(most, std::abs(a[k]));
@@ -446,13 +467,15 @@ struct StepJacobian {
     for (int n = 0;; ++n) {
       std::copy_n(y.wanted, rows * columns, y.rest);
       for (Index r = 0; r < rows; ++r)
-        for (Index s = 0; s < (n ? rows : 0); ++s) add_row(y.rest + columns * r, y.lambda + columns * s, -y.K[rows * r + s], columns);
+        for (Index s = 0; s < (n ? rows : 0); ++s)
+          add_row(y.rest + columns * r, y.lambda + columns * s, -y.K[rows * r + s], columns);
       if (n > refinements) return largest(y.rest) <= consistent * largest(y.wanted) && is_determined();
-      substitute(y.rest);
+      substitute(y.factor, rows, y.rest, columns);
       for (Index k = 0; k < rows * columns; ++k) y.lambda[k] += y.rest[k];
     }
   }
-  // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body differently.
+  // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body
+  // differently.
   bool is_determined() const {
     constexpr double open = 1e6, moves = 1e-4;
     double size = 0, impulses = 0, motion = 0, moved = 0;
@@ -461,7 +484,7 @@ struct StepJacobian {
       y.rest[columns * r] = 1 + 0.37 * double((7 * r) % 11);  // of no symmetry
       std::fill_n(y.rest + columns * r + 1, columns - 1, 0.0);
     }
-    substitute(y.rest);
+    substitute(y.factor, rows, y.rest, columns);
     for (Index r = 0; r < rows; ++r) impulses = std::max(impulses, std::abs(y.rest[columns * r]));
     if (!(impulses * size > open)) return true;
     for (Index k = 0; k < nv; ++k) {
@@ -475,8 +498,7 @@ struct StepJacobian {
     return motion <= moves * moved;
   }
   // Gauss with row pivots, in place. Returns the least pivot over the largest.
-  double factor_rows() const {
-    double* const F = y.factor;
+  double factor_rows(double* F, Index rows) const {
     double least = HUGE_VAL, most = 0;
     for (Index k = 0; k < rows; ++k) {
       Index pivot = k;
@@ -488,13 +510,13 @@ struct StepJacobian {
       least = std::min(least, std::abs(own)), most = std::max(most, std::abs(own));
       if (own == 0) own = 1;
       for (Index r = k + 1; r < rows; ++r)
-        if (double& by = F[rows * r + k]; by != 0) by /= own, add_row(F + rows * r + k + 1, F + rows * k + k + 1, -by, rows - k - 1);
+        if (double& by = F[rows * r + k]; by != 0)
+          by /= own, add_row(F + rows * r + k + 1, F + rows * k + k + 1, -by, rows - k - 1);
     }
     return most > 0 ? least / most : 0;
   }
-  // b, rows x columns, becomes the solution.
-  void substitute(double* b) const {
-    const double* const F = y.factor;
+  // b, rows x columns, becomes the solution of a factored matrix.
+  void substitute(const double* F, Index rows, double* b, std::ptrdiff_t columns) const {
     for (Index k = 0; k < rows; ++k) {
       if (y.pivots[k] != k) std::swap_ranges(b + columns * k, b + columns * (k + 1), b + columns * y.pivots[k]);
       double* const to = b + columns * k;
@@ -521,20 +543,31 @@ struct StepJacobian {
       });
     }
   }
+  bool with_equalities = false;  // their forces are known
+  void differentiate_inverse_dynamics(const double* fext) const {
+    columns_at(x.v, y.a);
+    if (fext) subtract_external_at_root(m, d, fext);
+    for (Index k = 0; k < contacts; ++k) subtract_force(y.contacts[k], y.contacts[k].force * (1 / h));
+    if (with_equalities) subtract_constraint_forces(m, d);
+    torque_derivatives(m, d, static_cast<const double*>(x.v), static_cast<const double*>(y.a));
+  }
   // All of it. Returns why it is not possible, or nullptr.
   const char* differentiate() {
     find_acceleration();
     const double* const fext = forces_on_bodies(m, d);
-    columns_at(x.v, y.a);
-    if (fext) subtract_external_at_root(m, d, fext);
-    for (Index k = 0; k < contacts; ++k) subtract_force(y.contacts[k], y.contacts[k].force * (1 / h));
-    torque_derivatives(m, d, static_cast<const double*>(x.v), static_cast<const double*>(y.a));
+    differentiate_inverse_dynamics(fext);
     find_twists(x.v_end, y.twists), find_twists(x.v, y.twists_before);
     find_diagonal();
     for (Index k = 0; k < nv; ++k) d.M[(nv + 1) * k] += y.diagonal[k];
     if (factorize(m, d)) return "the inertia is singular";
     invert(m, d);
+    if (equalities > 0) {
+      if (const char* const reason = find_equality_impulses()) return reason;
+      with_equalities = true, differentiate_inverse_dynamics(fext);
+      differentiate_equality_forces();
+    }
     differentiate_forces();
+    if (equalities > 0) std::fill_n(d.dtau_dq, nv * nv, 0.0);  // inverse dynamics leaves entries of unrelated joints as they are
     if (fext) differentiate_link_forces();
     for (Index k = 0; k < contacts; ++k) differentiate_impulse(y.contacts[k], y.contacts[k].force);
     solve_for_state();
@@ -545,7 +578,7 @@ struct StepJacobian {
         for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
       for (Index k = 0; k < nv; ++k) add_rows(state(k), y.lambda, columns, y.Z + k, nv, rows, columns);
     }
-    if (w.corrected) {
+    if (w.corrected || equalities > 0) {
       if (const char* const reason = correct()) return reason;
     } else {
       displace();
@@ -572,9 +605,12 @@ struct StepJacobian {
       double* const out = to(c);
       for (Index k = 0; k < nv; ++k) out[k] = displacement(k)[c] + own(0, k, c), out[nv + k] = state(k)[c];
     }
-    for_each_factor(m, [](Index, Index, Index) {}, [&]<class J>(const Body& b) {
-      if constexpr (J::nv > 1) for (std::ptrdiff_t c = 0; c < columns; ++c) end_of_joint<J>(b, c, to(c));
-    });
+    for_each_factor(
+        m, [](Index, Index, Index) {},
+        [&]<class J>(const Body& b) {
+          if constexpr (J::nv > 1)
+            for (std::ptrdiff_t c = 0; c < columns; ++c) end_of_joint<J>(b, c, to(c));
+        });
   }
   Vec3<double> column_of(const double* rows, Index at, std::ptrdiff_t c) const {
     return Vec3<double>::make(rows[columns * at + c], rows[columns * (at + 1) + c], rows[columns * (at + 2) + c]);
@@ -586,7 +622,8 @@ struct StepJacobian {
     if (c >= at && c < at + J::nv) own[c - at] = 1;
     const Vec3<double> turn = column_of(y.displacement, at + J::nv - 3, c);
     if constexpr (J::nv == 3) {
-      const Vec3<double> w = load3(static_cast<const double*>(x.v_end + at)) * h + load3(static_cast<const double*>(y.correction + at));
+      const Vec3<double> w =
+          load3(static_cast<const double*>(x.v_end + at)) * h + load3(static_cast<const double*>(y.correction + at));
       store3(exp3(w * -1.0) * load3(static_cast<const double*>(own)) + Jexp3(w) * turn, out + at);
     } else {
       const Motion<double> v = load_motion(static_cast<const double*>(x.v_end + at)),

@@ -74,9 +74,7 @@ struct Stepper {
     return {a.data, a.data + a.rows};
   }
   Derivatives analytic() { return derivatives(m, d, DYN_DERIVATIVE_METHOD_ANALYTIC); }
-  Derivatives central(double epsilon) {
-    return derivatives(m, d, DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES, epsilon);
-  }
+  Derivatives central(double epsilon) { return derivatives(m, d, DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES, epsilon); }
   // The two methods agree to `within` of the largest entry of each matrix, at least 1.
   Derivatives agree(double within = 1e-6, bool strict = true, double epsilon = 1e-6) {
     const Derivatives a = analytic(), c = central(epsilon);
@@ -95,7 +93,8 @@ struct Stepper {
   static std::string modes(const Derivatives& x) {
     std::string out;
     for (std::size_t k = 0; k < x.modes.size(); ++k)
-      out += "mode " + std::to_string(x.modes[k]) + " gap " + std::to_string(1e6 * x.contacts[k].contact.distance) + "e-6 force " +
+      out += "mode " + std::to_string(x.modes[k]) + " gap " + std::to_string(1e6 * x.contacts[k].contact.distance) +
+             "e-6 force " +
              std::to_string(std::hypot(x.contacts[k].force_on_b[0], x.contacts[k].force_on_b[1], x.contacts[k].force_on_b[2])) +
              (x.degenerate[k] ? " degenerate\n" : "\n");
     return out;
@@ -172,7 +171,8 @@ TEST(StepDerivatives, OtherIntegratorsHaveCentralDifferences) {
 
 Model ball_on_ground(double friction, double restitution = 0) {
   Scene scene;
-  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(friction)).sphere("ball", 1, 0.1, material(friction, restitution));
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(friction))
+      .sphere("ball", 1, 0.1, material(friction, restitution));
   return scene.finish();
 }
 
@@ -208,7 +208,8 @@ TEST(StepDerivatives, OfTwoElasticBallsAreExact) {
   EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
   for (const char* name : {"one", "two"}) {
     const std::string joint = std::string(name) + "_joint";
-    b.joint(Spec(joint.c_str(), DYN_JOINT_TYPE_PRISMATIC, nullptr, {name[0] == 't' ? 1.0 : 0.0, 0, 0}).about(1, 0, 0)).body(name, joint.c_str(), 1, {0, 0, 0});
+    b.joint(Spec(joint.c_str(), DYN_JOINT_TYPE_PRISMATIC, nullptr, {name[0] == 't' ? 1.0 : 0.0, 0, 0}).about(1, 0, 0))
+        .body(name, joint.c_str(), 1, {0, 0, 0});
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
     s.body = name, s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = 0.1, s.material = material(0, 1);
@@ -260,8 +261,7 @@ TEST(StepDerivatives, OfBallsOnEachOther) {
   Scene scene;
   scene.sphere("lower", 1, 0.1, material(0.6)).sphere("upper", 0.5, 0.05, material(0.6));
   Stepper run(scene.finish());
-  run.set(joined({upright(0, 0, 1), upright(0.09, 0, 1 + 0.12 - 1e-5)}),
-          {0.1, 0.2, 0.3, 1, 2, 3, 0.1, -0.2, 0.1, -1, 2, 0.5});
+  run.set(joined({upright(0, 0, 1), upright(0.09, 0, 1 + 0.12 - 1e-5)}), {0.1, 0.2, 0.3, 1, 2, 3, 0.1, -0.2, 0.1, -1, 2, 0.5});
   run.agree();
 }
 
@@ -307,7 +307,8 @@ Model standing(const char* name, const Numbers& angles, Numbers& q, double depth
   dyn_builder_free(b);
   q.assign(static_cast<std::size_t>(dyn_model_nq(m)), 0);
   q[6] = 1;
-  const double *const lower = dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), *const upper = dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT);
+  const double *const lower = dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), *const upper = dyn_model_array(
+                                                                                   m, DYN_MODEL_ARRAY_UPPER_LIMIT);
   for (std::size_t k = 7; k < q.size(); ++k) q[k] = std::clamp(angles[(k - 7) % angles.size()], lower[k] + 0.02, upper[k] - 0.02);
   int floor = 0;
   for (dynShapeInfo shape{}; floor < dyn_model_nshapes(m); ++floor) {
@@ -358,8 +359,8 @@ TEST(StepDerivatives, MotionThatForcesDoNotDetermineIsDegenerate) {
 TEST(StepDerivatives, OfAStandingHumanoid) {
   Numbers q;
   Numbers angles(33, 0.0);
-  angles[29 - 7] = 0.2, angles[35 - 7] = -0.2;      // legs apart
-  angles[33 - 7] = -0.2, angles[39 - 7] = 0.2;      // soles level
+  angles[29 - 7] = 0.2, angles[35 - 7] = -0.2;  // legs apart
+  angles[33 - 7] = -0.2, angles[39 - 7] = 0.2;  // soles level
   for (int leg : {28, 34}) angles[std::size_t(leg + 3 - 7)] = 0.1, angles[std::size_t(leg + 4 - 7)] = -0.1;
   Stepper run(standing("humanoid", angles, q, 1e-4), 2e-3);
   run.set(q);
@@ -376,6 +377,32 @@ TEST(StepDerivatives, OfAnArmAtItsLimit) {
   run.agree();
 }
 
+// A mechanism, its loops closed, at rest and in motion.
+Model mechanism(const char* name) {
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_model_load((std::string(DYN_MODELS_DIR "/mechanisms/") + name).c_str(), nullptr, &m)) << dyn_last_error();
+  return Model(m);
+}
+void close_loops(Stepper& run, Numbers q, Numbers v) {
+  ASSERT_EQ(DYN_OK, dyn_project(run.m, run.d, q.data(), v.data(), nullptr, q.data(), v.data(), nullptr)) << dyn_last_error();
+  run.set(q, v);
+}
+
+TEST(StepDerivatives, OfMechanisms) {
+  for (const char* name : {"four_bar.urdf", "four_bar_in_space.urdf"}) {
+    SCOPED_TRACE(name);
+    for (double speed : {0.0, 0.7}) {
+      Stepper run(mechanism(name));
+      Numbers q(static_cast<std::size_t>(run.m.nq())), v(static_cast<std::size_t>(run.m.nv()), speed);
+      ASSERT_EQ(DYN_OK, dyn_configuration_neutral(run.m, q.data()));
+      for (double& x : q) x += 0.2;
+      close_loops(run, q, v);
+      const Derivatives x = run.agree(1e-5);
+      EXPECT_EQ(DYN_OK, x.status) << dyn_last_error();
+    }
+  }
+}
+
 // ---------------------------------------------------------------------------------------------------- forces
 
 TEST(StepDerivatives, OfWrenchesAndControls) {
@@ -384,7 +411,8 @@ TEST(StepDerivatives, OfWrenchesAndControls) {
   run.set(s.q, s.v, s.tau);
   const double wrench[6] = {1, -2, 3, 0.3, 0.2, -0.1}, point[3] = {0.1, 0.2, 0.3};
   for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, DYN_REFERENCE_WORLD})
-    ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, run.m.nframes() - 1, r == DYN_REFERENCE_WORLD ? nullptr : point, wrench, r))
+    ASSERT_EQ(DYN_OK,
+              dyn_data_apply_wrench(run.m, run.d, run.m.nframes() - 1, r == DYN_REFERENCE_WORLD ? nullptr : point, wrench, r))
         << dyn_last_error();
   run.agree();
 }
