@@ -1,7 +1,7 @@
 // Inverse and forward dynamics, the joint-space inertia and its factor: what must hold between them.
 #include "algorithm/trees.hpp"
 #include "algorithm/cholesky.hpp"
-#include "guard.hpp"
+#include "host.hpp"
 
 namespace dyn_test {
 namespace {
