@@ -1,5 +1,5 @@
-// On the board, through dyn.h alone: a quadruped that lands on its feet, with data in this program's memory and bounded iterations of the
-// contact solver, and the PC's results.
+// On the board, through dyn.h alone: a quadruped that lands on its feet, with data in this program's memory and bounded
+// iterations of the contact solver, and the PC's results.
 #include "board.hpp"
 #include "dyn.h"
 #include DYN_TABLES

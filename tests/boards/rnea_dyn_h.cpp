@@ -1,4 +1,5 @@
-// On the board, through dyn.h alone: RNEA of the arm from a model in flash and data in this program's memory, and the PC's results.
+// On the board, through dyn.h alone: RNEA of the arm from a model in flash and data in this program's memory, and the PC's
+// results.
 #include <cstring>
 
 #include "board.hpp"
@@ -41,7 +42,8 @@ int board::program() {
   q[2] = __builtin_nan("");
   const double before = tau[2];
   const bool refused = dyn_rnea(m, d, q, v, a, nullptr, tau) == DYN_ERROR_NONFINITE && tau[2] == before;
-  board::print("  RNEA: "), board::print(instructions), board::print(" instructions\n  refused: "), board::print(dyn_last_error());
+  board::print("  RNEA: "), board::print(instructions), board::print(" instructions\n  refused: ");
+  board::print(dyn_last_error());
   board::print("\n  data "), board::print(std::uint64_t(dyn_data_size(m, DYN_PART_INVERSE))), board::print(" bytes, stack ");
   board::print(board::stack_used()), board::print("\n  "), board::print(std::uint64_t(nv)), board::print(" of ");
   board::print(std::uint64_t(sizeof figures / sizeof *figures)), board::print(" figures, largest difference ");

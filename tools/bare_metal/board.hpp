@@ -35,8 +35,8 @@ int program();
 // Bytes of stack since reset.
 std::uint32_t stack_used();
 
-// Instructions since it was made. Under QEMU's -icount shift=0 an instruction takes 1 ns: a Cortex-M counts ticks of SysTick (24 bits,
-// DYN_TICKS a second), RISC-V the instructions themselves.
+// Instructions since it was made. Under QEMU's -icount shift=0 an instruction takes 1 ns: a Cortex-M counts ticks of SysTick
+// (24 bits, DYN_TICKS a second), RISC-V the instructions themselves.
 class Instructions {
  public:
 #ifdef __riscv

@@ -1,4 +1,5 @@
-/* Control of an arm, a cycle at a time: gravity compensation or computed torque, and what happens when a cycle fails. No heap, no operating system. */
+/* Control of an arm, a cycle at a time: gravity compensation or computed torque, and what happens when a cycle fails. No heap, no
+   operating system. */
 #ifndef CONTROL_H
 #define CONTROL_H
 
