@@ -68,7 +68,7 @@ void StepJacobian::factor_equalities(double softness) const {
   std::copy_n(y.K, n * n, y.factor);
   constexpr double floor = 1e-14;
   for (Index r = 0; r < n; ++r) y.factor[(n + 1) * r] += softness * y.K[(n + 1) * r] + floor * most;
-  factor_rows(y.factor, n);
+  factor_with_pivots(y.factor, n);
 }
 
 // The impulses of the equalities: those that inverse dynamics at a lacks. d.tau: inverse dynamics without them.

@@ -26,6 +26,42 @@ const char* find_reason(const Model& m, const Data<double>& d) {
 
 }  // namespace
 
+// All of it. Returns why it is not possible, or nullptr.
+const char* StepJacobian::differentiate() {
+  find_acceleration();
+  const double* const fext = forces_on_bodies(m, d);
+  differentiate_inverse_dynamics(fext);
+  find_twists(x.v_end, y.twists), find_twists(x.v, y.twists_before);
+  find_diagonal();
+  for (Index k = 0; k < nv; ++k) d.M[(nv + 1) * k] += y.diagonal[k];
+  if (factorize(m, d)) return "the inertia is singular";
+  invert(m, d);
+  if (equalities > 0) {
+    if (const char* const reason = find_equality_impulses()) return reason;
+    with_equalities = true, differentiate_inverse_dynamics(fext);
+    differentiate_equality_forces();
+  }
+  differentiate_forces();
+  if (equalities > 0) std::fill_n(d.dtau_dq, nv * nv, 0.0);  // inverse dynamics leaves entries of unrelated joints as they are
+  if (fext) differentiate_link_forces();
+  for (Index k = 0; k < contacts; ++k) differentiate_impulse(y.contacts[k], y.contacts[k].force);
+  solve_for_state();
+  sum_impulses(y.a), add_flight(y.a);
+  if (rows > 0) {
+    differentiate_rows(), assemble();
+    if (!solve_rows())
+      for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
+    for (Index k = 0; k < nv; ++k) add_rows(state(k), y.lambda, columns, y.Z + k, nv, rows, columns);
+  }
+  if (w.corrected || equalities > 0) {
+    if (const char* const reason = correct()) return reason;
+  } else {
+    displace();
+  }
+  write();
+  return nullptr;
+}
+
 void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double) {
   start_from(m, d, x);
   StepJacobian s{m, d, x};
