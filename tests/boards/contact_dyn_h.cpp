@@ -1,25 +1,14 @@
 // On the board, through dyn.h alone: a quadruped that lands on its feet, with data in this program's memory and bounded
 // iterations of the contact solver, and the PC's results.
-#include "board.hpp"
-#include "dyn.h"
+#include "boards/through_dyn_h.hpp"
 #include DYN_TABLES
 
 namespace {
 
+using boards::failed;
+
 constexpr dynParts parts = DYN_PART_SIMULATION | DYN_PART_CHOLESKY;
 alignas(64) __attribute__((section(".slow"))) char memory[data_bytes + 4096];  // and a handle
-double worst = 0;
-int next = 0;
-
-void compare(double x) {
-  const double want = figures[next++], off = __builtin_fabs(x - want) / __builtin_fmax(1, __builtin_fabs(want));
-  if (!(off <= worst)) worst = off;
-}
-
-int failed(const char* what) {
-  board::print(what), board::print(": "), board::print(dyn_last_error()), board::print("\n");
-  return 1;
-}
 
 }  // namespace
 
@@ -49,6 +38,7 @@ int board::program() {
     if (dyn_data_step_report(m, d, &report)) return failed("dyn_data_step_report");
     iterations = report.iterations > iterations ? report.iterations : iterations;
   }
+  boards::Comparison compare(figures);
   compare(report.contacts);
   dynArray x;
   x.struct_size = sizeof x;
@@ -60,11 +50,8 @@ int board::program() {
   board::print("  step with contacts: "), board::print(all / steps), board::print(" instructions\n  longest step: ");
   board::print(longest), board::print(" instructions\n  at most "), board::print(std::uint64_t(iterations));
   board::print(" iterations a step, unsolved "), board::print(std::uint64_t(report.unsolved));
-  board::print("\n  data "), board::print(std::uint64_t(dyn_data_size(m, parts))), board::print(" bytes, stack ");
-  board::print(board::stack_used()), board::print("\n  "), board::print(std::uint64_t(next)), board::print(" of ");
-  board::print(std::uint64_t(sizeof figures / sizeof *figures)), board::print(" figures, largest difference ");
-  board::print(std::uint64_t(worst * 1e18)), board::print("e-18\n");
-  const bool good = worst <= 1e-12 && report.unsolved == 0 && iterations <= 50 && sizeof memory <= 512 * 1024;
+  compare.print(dyn_data_size(m, parts));
+  const bool good = compare.worst() <= 1e-12 && report.unsolved == 0 && iterations <= 50 && sizeof memory <= 512 * 1024;
   // what is refused: a result of another state, data that is gone
   const bool stale = dyn_cholesky(m, d) == DYN_ERROR_STALE;
   dyn_data_free(d);

@@ -2,20 +2,16 @@
 // results.
 #include <cstring>
 
-#include "board.hpp"
 #include "boards/dice.hpp"
-#include "dyn.h"
+#include "boards/through_dyn_h.hpp"
 #include DYN_TABLES
 
 namespace {
 
+using boards::failed;
+
 alignas(64) char memory[data_bytes + 2048];  // and a handle
 double q[32], v[32], a[32], tau[32];
-
-int failed(const char* what) {
-  board::print(what), board::print(": "), board::print(dyn_last_error()), board::print("\n");
-  return 1;
-}
 
 }  // namespace
 
@@ -33,20 +29,14 @@ int board::program() {
   for (int k = 0; k < calls; ++k)
     if (dyn_rnea(m, d, q, v, a, nullptr, tau)) return failed("dyn_rnea");
   const std::uint64_t instructions = count() / calls;
-  double worst = 0;
-  for (int k = 0; k < nv; ++k) {
-    const double want = figures[k], off = __builtin_fabs(tau[k] - want) / __builtin_fmax(1, __builtin_fabs(want));
-    if (!(off <= worst)) worst = off;
-  }
+  boards::Comparison compare(figures);
+  for (int k = 0; k < nv; ++k) compare(tau[k]);
   // what is refused: each with its status, and tau as it was
   q[2] = __builtin_nan("");
   const double before = tau[2];
   const bool refused = dyn_rnea(m, d, q, v, a, nullptr, tau) == DYN_ERROR_NONFINITE && tau[2] == before;
   board::print("  RNEA: "), board::print(instructions), board::print(" instructions\n  refused: ");
   board::print(dyn_last_error());
-  board::print("\n  data "), board::print(std::uint64_t(dyn_data_size(m, DYN_PART_INVERSE))), board::print(" bytes, stack ");
-  board::print(board::stack_used()), board::print("\n  "), board::print(std::uint64_t(nv)), board::print(" of ");
-  board::print(std::uint64_t(sizeof figures / sizeof *figures)), board::print(" figures, largest difference ");
-  board::print(std::uint64_t(worst * 1e18)), board::print("e-18\n");
-  return refused && worst <= 1e-15 ? 0 : 1;
+  compare.print(dyn_data_size(m, DYN_PART_INVERSE));
+  return refused && compare.worst() <= 1e-15 ? 0 : 1;
 }
