@@ -151,7 +151,7 @@ void Island::solve(dynContactReport& best) {
     solver::Budget b;
     b.tolerance = t.tolerance,
     b.max_iterations = std::min(w.method_iterations(), std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
-    b.enough = enough, b.few = tuning::island::few_iterations, b.fewest = tuning::island::fewest_iterations;
+    b.enough = enough, b.few = tuning::island::few_iterations;
     b.warm = b.sweeps = t.warm;
     b.brief = true, b.limit = &w.limit;
     dynContactReport report{};

@@ -61,9 +61,7 @@ inline constexpr double correction_softness = 1e-6;
 inline constexpr double far_softness = 1e-2;
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr int relaxed_every = 64;        // steps of dt: the smallest impulses cost a Newton step
-// of the dense matrix, after which a tolerated residual ends it, or one that is much finer: impulses of nearly redundant contacts
-// have a residual of 1e-8 that no method reduces
-inline constexpr Index few_iterations = 30, fewest_iterations = 12;
+inline constexpr Index few_iterations = 30;     // of the dense matrix, after which a tolerated residual ends it
 inline constexpr int rounds = 3;                // of method_iterations for all methods together; once more for fixed corrections
 inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt; with an accuracy, at impacts
 inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default

@@ -10,9 +10,8 @@ namespace dyn::solver {
 struct Budget {
   double tolerance = 0;  // of the residual (unit of Worst)
   Index max_iterations = 0;
-  double enough = -1;  // of the residual: after `few` iterations, so much ends the solve,
+  double enough = -1;  // of the residual: after `few` iterations, so much ends the solve
   Index few = 0;
-  Index fewest = 0;  // and after these, where it is much finer
   double relaxation = 0;
   bool newton = true;
   bool warm = false;  // start from the caller's guess
@@ -25,13 +24,8 @@ struct Budget {
   double best = HUGE_VAL;  // residual of w.y
 
   bool is_rough() const { return enough > tolerance; }
-  // Iterations with which the best residual ends the solve.
-  Index allowed() const {
-    if (best > enough) return max_iterations;
-    return std::min(best > tuning::accept::much_finer * enough ? few : fewest, max_iterations);
-  }
   bool spent() {
-    if (iterations + newton_steps >= allowed()) {
+    if (iterations + newton_steps >= (best <= enough ? std::min(few, max_iterations) : max_iterations)) {
       status = DYN_CONTACT_STATUS_MAX_ITERATIONS;
       return true;
     }

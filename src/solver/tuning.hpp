@@ -20,7 +20,6 @@ inline constexpr double max_residual = 1e-2;      // above it impulses miss the 
 inline constexpr double restitution_step = 1e-2;  // bisection of the restitution scale ends at this width
 inline constexpr double near_round_off = 10;      // of the rounding of G y: errors below are computed in extended precision
 inline constexpr double lost_speed = 1e-4;        // share of the speeds below which the rounding of an impulse must stay
-inline constexpr double much_finer = 1e-3;        // of the residual that is enough: more iterations are not worth it
 inline constexpr double immovable = 1e-24;        // of the largest diagonal: rows below move by rounding only (squared 1e-12)
 }  // namespace accept
 
