@@ -63,7 +63,8 @@ void RedundantRows::terms(const EqualityRows& x) const {
       const double turn = length_of(w), unit = m.has_mimic || turn > 0 ? 1 : length;
       for (Index r = 0; r < s.rows; ++r) {
         const Wrench& x = wrenches[r];
-        enter(k, r, unit * (dot(x.force, v) + dot(x.moment, w)), unit * (x.size * length_of(v + cross(w, x.at)) + x.couple * turn));
+        const double whole = x.size * length_of(v + cross(w, x.at)) + x.couple * turn;
+        enter(k, r, unit * (dot(x.force, v) + dot(x.moment, w)), unit * whole);
       }
     }
   };
@@ -118,7 +119,8 @@ void RedundantRows::couple_rows() const {
 }
 
 bool RedundantRows::clearly_independent_rows() const {
-  return acting == n && least_share > std::sqrt(suspicious) && factor_rows(S, ld, n, 0.0, 0.0, work.factor, work.vector(0)) > suspicious;
+  return acting == n && least_share > std::sqrt(suspicious) &&
+         factor_rows(S, ld, n, 0.0, 0.0, work.factor, work.vector(0)) > suspicious;
 }
 
 // Coefficients, in S, of the kept rows in a row that they determine: R_K c = R_row.
