@@ -87,7 +87,7 @@ void RedundantRows::find_acting_rows() {
       }
       const double entry = S[ld * (row + r) + row + r];
       double& share = d.row_share[x.s->first + r];
-      share = whole > 0 ? most / whole : 0, least_share = std::min(least_share, share);
+      share = whole > 0 ? most / whole : 0;
       place[row + r] = -1;
       if (!(entry > 0 && share > 0)) continue;
       state[acting] = row + r, bound_of[acting] = whole, scale[acting] = share / std::sqrt(entry);
@@ -96,11 +96,11 @@ void RedundantRows::find_acting_rows() {
   });
 }
 
-// S: from the lower triangle of G.
+// S: the lower triangle, from that of G.
 void RedundantRows::scale_acting_rows() const {
   for (Index b = 0; b < acting; ++b) {
     const double* const column = S + ld * state[b];
-    for (Index a = b; a < acting; ++a) S[ld * b + a] = S[ld * a + b] = column[state[a]] * (scale[a] * scale[b]);
+    for (Index a = b; a < acting; ++a) S[ld * b + a] = column[state[a]] * (scale[a] * scale[b]);
   }
 }
 
@@ -118,13 +118,29 @@ void RedundantRows::couple_rows() const {
   });
 }
 
-bool RedundantRows::clearly_independent_rows() const {
-  return acting == n && least_share > std::sqrt(suspicious) &&
-         factor_rows(S, ld, n, 0.0, 0.0, work.factor, work.vector(0)) > suspicious;
+// Whether no row depends on those before it. Mechanisms couple few of their rows: in this order L D L^T stays sparse.
+bool RedundantRows::independent_rows() const {
+  double *const W = work.factor, *const Dinv = work.vector(0);
+  factor_rows(S, ld, acting, 0.0, 0.0, W, Dinv);
+  for (Index row = 0; row < acting; ++row) {
+    const double pivot = W[ld * row + row];
+    if (pivot >= suspicious) continue;
+    if (!(pivot > rounding * n)) return false;
+    std::fill_n(weight, acting, 0.0);
+    for (Index k = row - 1; k >= 0; --k) {  // L^T c = the row of L
+      const double* const column = W + ld * k;
+      double sum = column[row];
+      for (Index j = k + 1; j < row; ++j) sum -= column[j] * weight[j];
+      weight[k] = sum * Dinv[k];
+    }
+    if (share_left(row) < misalignment) return false;
+  }
+  return true;
 }
 
 // Coefficients, in S, of the kept rows in a row that they determine: R_K c = R_row.
 void RedundantRows::weights(Index row, Index rank) const {
+  std::fill_n(weight, acting, 0.0);
   for (Index k = rank - 1; k >= 0; --k) {
     double sum = R[ld * k + row];
     for (Index j = k + 1; j < rank; ++j) sum -= R[ld * k + pivots[j]] * weight[pivots[j]];
@@ -132,11 +148,9 @@ void RedundantRows::weights(Index row, Index rank) const {
   }
 }
 
-// Share of its terms by which the joints move a row less what the kept ones determine of it.
-double RedundantRows::moved(Index row, Index rank) const {
-  std::fill_n(weight, acting, 0.0);
-  weights(row, rank);
-  for (Index k = 0; k < rank; ++k) weight[pivots[k]] *= -scale[pivots[k]];
+// Share of its terms by which the joints move a row less what others, by their weights, determine of it.
+double RedundantRows::share_left(Index row) const {
+  for (Index a = 0; a < acting; ++a) weight[a] *= -scale[a];
   weight[row] = scale[row];
   double *const sum = d.row_sums, *const whole = d.row_sums + m.n.nv;
   for_each_row([&](const EqualityRows& x, Index) {
@@ -165,13 +179,15 @@ double RedundantRows::moved(Index row, Index rank) const {
 // Pivoted Cholesky, R^T R = S. Returns the number of rows kept.
 Index RedundantRows::eliminate() {
   Index rank = 0;
+  mirror(S, ld, acting);
   for (Index i = 0; i < acting; ++i) remaining[i] = S[ld * i + i], state[i] = 0;
   for (Index k = 0; k < acting; ++k) {
     Index best = largest_entry(remaining, acting);
     if (state[best] != 0) best = Index(std::find(state, state + acting, 0) - state);  // no number: some overflowed
     const double pivot = remaining[best];
     remaining[best] = -HUGE_VAL;
-    const double share = pivot > 0 && pivot < suspicious ? moved(best, rank) : pivot > 0;
+    double share = pivot > 0;
+    if (pivot > 0 && pivot < suspicious) weights(best, rank), share = share_left(best);
     if (!(pivot > rounding * n) || (share < misalignment)) {
       moved_by[best] = share;
       state[best] = 2;
@@ -203,7 +219,6 @@ void RedundantRows::finish(Index rank) {
     double* column = d.row_dependence + std::ptrdiff_t(rank) * dropped;
     d.row_system[3 + dropped++] = i;
     const Index a = place[i];
-    std::fill_n(weight, acting, 0.0);
     if (a >= 0) weights(a, rank);
     for (Index b = 0; b < acting; ++b)
       if (state[b] != 2) *column++ = a >= 0 ? weight[b] * scale[b] / scale[a] : 0;
@@ -220,7 +235,11 @@ Index RedundantRows::drop() {
   if (n == 0) return 0;
   couple_rows();
   find_acting_rows(), scale_acting_rows();
-  if (clearly_independent_rows()) return 0;
+  if (independent_rows()) {
+    std::fill_n(state, acting, 1);
+    if (acting < n) finish(acting);
+    return n - acting;
+  }
   Index rank = eliminate();
   const auto misaligned = [&] {
     double most = 0;

@@ -26,7 +26,7 @@ class RedundantRows {
   Data<double>& d;
   RowWork<double> work;
   Index count, n = 0, acting = 0;
-  double misalignment, length, least_share = 1;
+  double misalignment, length;
   std::ptrdiff_t ld = 0;
   double *S = work.scaled, *R = work.range, *scale = work.vector(1), *remaining = work.vector(2), *weight = work.vector(3),
          *moved_by = work.vector(5), *bound_of = work.vector(6);
@@ -41,9 +41,9 @@ class RedundantRows {
   void couple_rows() const;
   void find_acting_rows();
   void scale_acting_rows() const;
-  bool clearly_independent_rows() const;
-  double moved(Index row, Index rank) const;
+  bool independent_rows() const;
   void weights(Index row, Index rank) const;
+  double share_left(Index row) const;
   Index eliminate();
   bool is_singular(Index rank);
   void evaluate(const double* v) const;

@@ -58,7 +58,6 @@ bool RedundantRows::is_singular(Index rank) {
   for_each_row([&](const EqualityRows& x, Index row) { std::copy_n(rates + row, x.s->rows, x.s->rate); });
   for (Index i = 0; i < acting; ++i) {
     if (state[i] != 2 || !(moved_by[i] > aligned) || !(moved_by[i] < misalignment)) continue;
-    std::fill_n(weight, acting, 0.0);
     weights(i, rank);
     double sum = bend[i], whole = scale[i] * bound_of[i];
     for (Index j = 0; j < acting; ++j) sum -= weight[j] * bend[j], whole += std::abs(weight[j]) * scale[j] * bound_of[j];
