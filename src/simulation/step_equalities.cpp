@@ -51,7 +51,7 @@ void StepJacobian::add_equality_rows() const {
 }
 
 // G of the equalities, with a softness of its diagonal, factored.
-void StepJacobian::factor_equalities(double softness) const {
+solver::RankedLu StepJacobian::factor_equalities(double softness) const {
   const Index n = equalities;
   double most = 0;
   for (Index r = 0; r < n; ++r) {
@@ -68,7 +68,9 @@ void StepJacobian::factor_equalities(double softness) const {
   std::copy_n(y.K, n * n, y.factor);
   constexpr double floor = 1e-14;
   for (Index r = 0; r < n; ++r) y.factor[(n + 1) * r] += softness * y.K[(n + 1) * r] + floor * most;
-  factor_with_pivots(y.factor, n);
+  solver::RankedLu lu = lu_of(n);
+  lu.factor(0);
+  return lu;
 }
 
 // The impulses of the equalities: those that inverse dynamics at a lacks. d.tau: inverse dynamics without them.
@@ -83,7 +85,9 @@ const char* StepJacobian::find_equality_impulses() const {
   });
   for (Index k = 0; k < m.n.limits; ++k) lacking[user_dof(m, m.limits()[k].dof)] -= h * w.limit_forces[k];
   std::fill_n(J(equality0), nv * n, 0.0);
-  add_equality_rows(), factor_equalities(1e-10);
+  add_equality_rows();
+  const solver::RankedLu lu = factor_equalities(1e-10);
+  double* const more = y.wanted;
   std::fill_n(lambda, n, 0.0);
   for (int round = 0; round < 3; ++round) {
     for (Index r = 0; r < n; ++r) {
@@ -91,8 +95,8 @@ const char* StepJacobian::find_equality_impulses() const {
       for (Index k = 0; k < nv; ++k) b[r] += y.Z[nv * (equality0 + r) + k] * lacking[k];
       for (Index s = 0; s < n; ++s) b[r] -= y.K[n * r + s] * lambda[s];
     }
-    substitute(y.factor, n, b, 1);
-    for (Index r = 0; r < n; ++r) lambda[r] += b[r];
+    lu.solve(b, 1, more);
+    for (Index r = 0; r < n; ++r) lambda[r] += more[r];
   }
   double off = 0, most = 0;
   for (Index k = 0; k < nv; ++k) most = std::max(most, std::abs(lacking[k]));
@@ -133,20 +137,20 @@ const char* StepJacobian::correct_drift() const {
   double size = 0;
   for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index) {
     for (Index r = 0; r < s.rows; ++r) {
-      y.lambda[s.first + r] = -tuning::island::correction * s.error[r];
+      y.rest[s.first + r] = -tuning::island::correction * s.error[r];
       size = std::max(size, std::abs(s.error[r]));
     }
   });
   constexpr double far = 1e-5;  // m, rad
   if (size > far) return "constraints drift by more than 1e-5";
-  factor_equalities(tuning::island::correction_softness);
-  substitute(y.factor, n, y.lambda, 1);
+  const solver::RankedLu lu = factor_equalities(tuning::island::correction_softness);
+  lu.solve(y.rest, 1, y.lambda);
   const bool corrected = size > tuning::slop * std::min(1.0, w.length);  // else rounding: the step leaves it
   for (Index r = 0; r < (corrected ? n : 0); ++r) add_row(y.correction, y.Z + nv * (equality0 + r), y.lambda[r], nv);
   for (Index r = 0; r < n; ++r)
     for (Index k = 0; k < nv; ++k) y.rest[nv * r + k] = -tuning::island::correction * J(equality0 + r)[k];
-  substitute(y.factor, n, y.rest, nv);
-  for (Index k = 0; k < nv; ++k) add_rows(y.turned + nv * k, y.rest, nv, y.Z + nv * equality0 + k, nv, n, nv);
+  lu.solve(y.rest, nv, y.lambda);
+  for (Index k = 0; k < nv; ++k) add_rows(y.turned + nv * k, y.lambda, nv, y.Z + nv * equality0 + k, nv, n, nv);
   return nullptr;
 }
 

@@ -7,7 +7,7 @@
 //   pressed       dc + dbias + compliance dlambda = 0
 //   sticks        dc = 0
 //   slides        lambda_t = -mu lambda_n u / |u|, differentiated
-// Redundant rows make G singular. Their equations are consistent, so a little regularisation, refined, solves them.
+// Redundant rows make G singular. Their equations are consistent: independent ones determine the motion.
 #pragma once
 
 #include "simulation/contact_geometry.hpp"
@@ -48,12 +48,12 @@ struct CorrectionRow {
 struct JacobianArrays {
   double *a, *diagonal, *diagonal_by_v, *correction;
   Motion<double>*twists, *twists_before;  // of bodies, at their trees' roots
-  double *state, *J, *Z, *K, *factor, *E, *rate, *wanted, *lambda, *rest, *displacement;
+  double *state, *J, *Z, *K, *factor, *scale, *E, *rate, *wanted, *lambda, *rest, *displacement;
   JacobianRow* rows;
   JacobianContact* contacts;
   CorrectionRow* corrections;
   double *G, *dG, *turned, *W;
-  Index* pivots;
+  Index *pivots, *unknowns;
 };
 
 inline constexpr Index exact_corrections = 24;  // rows whose matrix is differentiated, too
@@ -70,10 +70,10 @@ void jacobian_arrays(const Model& m, std::ptrdiff_t columns, JacobianArrays& x, 
   const std::ptrdiff_t nv = m.n.nv, rows = jacobian_rows(m);
   f(x.a, nv), f(x.diagonal, nv), f(x.diagonal_by_v, nv), f(x.correction, nv), f(x.twists, m.n.bodies),
       f(x.twists_before, m.n.bodies);
-  f(x.state, nv * columns), f(x.J, rows * nv), f(x.Z, rows * nv), f(x.K, rows * rows), f(x.factor, rows * rows);
+  f(x.state, nv * columns), f(x.J, rows * nv), f(x.Z, rows * nv), f(x.K, rows * rows), f(x.factor, rows * rows), f(x.scale, rows);
   f(x.E, rows * 2 * nv), f(x.rate, rows * nv), f(x.wanted, rows * columns), f(x.lambda, rows * columns),
       f(x.rest, rows * columns), f(x.displacement, nv * columns);
-  f(x.rows, rows), f(x.contacts, rows), f(x.pivots, rows);
+  f(x.rows, rows), f(x.contacts, rows), f(x.pivots, rows), f(x.unknowns, rows);
   const std::ptrdiff_t exact = std::min<std::ptrdiff_t>(rows, exact_corrections);
   f(x.corrections, rows), f(x.G, rows * rows), f(x.dG, exact * exact * nv), f(x.turned, nv * nv), f(x.W, nv * nv);
 }

@@ -6,33 +6,11 @@
 #include "integrator/free_flight_derivatives.hpp"
 #include "simulation/semi_implicit_euler.hpp"
 #include "simulation/step_derivatives.hpp"
+#include "solver/complete_pivoting.hpp"
 
 namespace dyn::simulation {
 
-// to += factor from
-inline void add_row(double* __restrict to, const double* __restrict from, double factor, std::ptrdiff_t n) {
-  for (std::ptrdiff_t c = 0; c < n; ++c) to[c] += factor * from[c];
-}
-
-// to += sum of factors[stride l] from[l], rows of n numbers each `room` apart; rows with the factor 0 are left out.
-inline void add_rows(double* __restrict to, const double* __restrict from, std::ptrdiff_t room, const double* factors,
-                     std::ptrdiff_t stride, Index count, std::ptrdiff_t n) {
-  const double* row[4];
-  double by[4];
-  int kept = 0;
-  const auto flush = [&] {
-    for (; kept < 4; ++kept) row[kept] = row[0], by[kept] = 0;
-    const double *const a = row[0], *const b = row[1], *const c = row[2], *const e = row[3];
-    for (std::ptrdiff_t k = 0; k < n; ++k) to[k] += by[0] * a[k] + by[1] * b[k] + by[2] * c[k] + by[3] * e[k];
-    kept = 0;
-  };
-  for (Index l = 0; l < count; ++l) {
-    if (factors[stride * l] == 0) continue;
-    row[kept] = from + room * l, by[kept++] = factors[stride * l];
-    if (kept == 4) flush();
-  }
-  if (kept) flush();
-}
+using solver::add_row, solver::add_rows;
 
 struct StepJacobian {
   const Model& m;
@@ -84,7 +62,7 @@ struct StepJacobian {
   // step_equalities.cpp
   const char* find_equalities();
   void add_equality_rows() const;
-  void factor_equalities(double softness) const;
+  solver::RankedLu factor_equalities(double softness) const;
   const char* find_equality_impulses() const;
   void differentiate_equality_forces() const;
   KktSystem<double> equality_system() const;
@@ -137,9 +115,8 @@ struct StepJacobian {
   void assemble() const;
   void slide(const JacobianContact& c) const;
   bool solve_rows() const;
-  bool is_determined() const;
-  double factor_with_pivots(double* F, Index rows) const;
-  void substitute(const double* F, Index rows, double* b, std::ptrdiff_t columns) const;
+  bool is_determined(const solver::RankedLu& lu) const;
+  solver::RankedLu lu_of(Index n) const { return {y.factor, n, y.pivots, y.unknowns}; }
 
   bool with_equalities = false;  // their forces are known
   void differentiate_inverse_dynamics(const double* fext) const {
