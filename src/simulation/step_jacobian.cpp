@@ -51,7 +51,6 @@ const char* StepJacobian::differentiate() {
     differentiate_rows(), assemble();
     if (!solve_rows())
       for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
-    for (Index k = 0; k < nv; ++k) add_rows(state(k), y.lambda, columns, y.Z + k, nv, rows, columns);
   }
   if (w.corrected || equalities > 0) {
     if (const char* const reason = correct()) return reason;

@@ -14,10 +14,16 @@ void StepJacobian::assemble() const {
     for (std::ptrdiff_t c = 0; c < columns; ++c) b[c] = -b[c];
   }
   for (Index r = 0; r < rows; ++r)
-    for (Index s = 0; s <= r; ++s) {
-      double sum = 0;
-      for (Index k = 0; k < nv; ++k) sum += J(r)[k] * y.Z[nv * s + k];
-      y.K[rows * r + s] = y.K[rows * s + r] = sum;
+    for (Index s = 0; s <= r; s += 4) {  // sums side by side
+      const double *const z = y.Z + nv * s, *const j = J(r);
+      const Index count = std::min<Index>(4, r + 1 - s);
+      double sum[4] = {};
+      const auto add = [&](Index k, Index n) {
+        for (Index i = 0; i < n; ++i) sum[i] += j[k] * z[nv * i + k];
+      };
+      for (Index k = 0; k < nv; ++k)
+        if (j[k] != 0) count == 4 ? add(k, 4) : add(k, count);
+      for (Index i = 0; i < count; ++i) y.K[rows * r + s + i] = y.K[rows * (s + i) + r] = sum[i];
     }
   for (Index k = 0; k < contacts; ++k) y.K[(rows + 1) * y.contacts[k].first] += compliance(w.laws[y.contacts[k].contact]);
   constexpr double rounding = 1e-14;  // rows that nothing moves
@@ -51,8 +57,8 @@ void StepJacobian::slide(const JacobianContact& c) const {
   K0[c.first] += mu * c.direction[0], K1[c.first] += mu * c.direction[1];
 }
 
-// lambda: K lambda = wanted. Rows are scaled: units and masses differ. Returns whether the equations are consistent and determine
-// the motion.
+// Adds J^T lambda to the state, K lambda = wanted. Rows are scaled: units and masses differ. Returns whether the equations are
+// consistent and determine the motion.
 bool StepJacobian::solve_rows() const {
   constexpr double independent = 1e-9, consistent = 1e-6;
   const auto scale_of = [&](Index r) {
@@ -70,9 +76,11 @@ bool StepJacobian::solve_rows() const {
   }
   const double size = largest(0, rows);
   solver::RankedLu lu = lu_of(rows);
-  lu.factor(independent), lu.solve(y.wanted, columns, y.lambda);
-  for (Index r = 0; r < rows; ++r)
-    for (std::ptrdiff_t c = 0; c < columns; ++c) y.lambda[columns * r + c] *= y.scale[r];
+  lu.factor(independent), lu.solve(y.wanted, columns);
+  for (Index k = 0; k < nv; ++k) {
+    for (Index r = 0; r < lu.rank; ++r) y.rest[r] = y.Z[nv * lu.columns[r] + k] * y.scale[lu.columns[r]];
+    add_rows(state(k), y.wanted, columns, y.rest, 1, lu.rank, columns);
+  }
   return largest(lu.rank, rows) <= consistent * size && is_determined(lu);
 }
 
@@ -80,18 +88,17 @@ bool StepJacobian::solve_rows() const {
 // differently.
 bool StepJacobian::is_determined(const solver::RankedLu& lu) const {
   constexpr double moves = 1e-4;
-  double* const open = y.rest;
+  double *const open = y.rest, *const sum = x.plus, *const all = sum + nv;
   for (Index at = lu.rank; at < rows; ++at) {
     lu.null_vector(at, open);
-    double motion = 0, moved = 0;
-    for (Index k = 0; k < nv; ++k) {
-      double sum = 0, all = 0;
-      for (Index r = 0; r < rows; ++r) {
-        const double by = y.Z[nv * r + k] * open[r] * y.scale[r];
-        sum += by, all += std::abs(by);
-      }
-      motion = std::max(motion, std::abs(sum)), moved = std::max(moved, all);
+    std::fill_n(sum, 2 * nv, 0.0);
+    for (Index r = 0; r < rows; ++r) {
+      const double by = open[r] * y.scale[r];
+      const double* const z = y.Z + nv * r;
+      for (Index k = 0; k < (by != 0 ? nv : 0); ++k) sum[k] += z[k] * by, all[k] += std::abs(z[k] * by);
     }
+    double motion = 0, moved = 0;
+    for (Index k = 0; k < nv; ++k) motion = std::max(motion, std::abs(sum[k])), moved = std::max(moved, all[k]);
     if (motion > moves * moved) return false;
   }
   return true;

@@ -62,23 +62,27 @@ struct RankedLu {
     }
   }
 
-  // x, n x count: a solution whose unknowns beyond the rank are zero. b, as large: its rows beyond the rank are what no solution
-  // meets.
-  void solve(double* b, std::ptrdiff_t count, double* x) const {
+  // b, n x count, becomes: in row k < rank, unknown columns[k] of a solution whose unknowns beyond the rank are zero; in the rows
+  // beyond the rank, what no solution meets.
+  void solve(double* b, std::ptrdiff_t count) const {
     for (Index k = 0; k < rank; ++k)
       if (rows[k] != k) std::swap_ranges(b + count * k, b + count * (k + 1), b + count * rows[k]);
     for (Index k = 1; k < n; ++k) {
       double* const to = b + count * k;
       negate(to, count), add_rows(to, b, count, F + n * k, 1, std::min(k, rank), count), negate(to, count);
     }
-    std::fill_n(x, n * count, 0.0);
     for (Index k = rank - 1; k >= 0; --k) {
       double* const to = b + count * k;
       negate(to, count), add_rows(to, b + count * (k + 1), count, F + n * k + k + 1, 1, rank - k - 1, count);
       const double by = -1 / F[n * k + k];
       for (std::ptrdiff_t c = 0; c < count; ++c) to[c] *= by;
-      std::copy_n(to, count, x + count * columns[k]);
     }
+  }
+  // The same with all unknowns, in x.
+  void solve(double* b, std::ptrdiff_t count, double* x) const {
+    solve(b, count);
+    std::fill_n(x, n * count, 0.0);
+    for (Index k = 0; k < rank; ++k) std::copy_n(b + count * k, count, x + count * columns[k]);
   }
 
   // x: a solution of F x = 0 in which unknown columns[at] is 1 and the others beyond the rank are zero.
