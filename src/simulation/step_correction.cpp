@@ -136,6 +136,12 @@ struct Correction {
   void for_each_island(F&& f) {
     for (Index begin = 0; begin < count; begin = row(begin).end) f(begin, row(begin).end);
   }
+  // A contact beside equalities: their drift is removed with it or without it, by the side to which it pushes.
+  void flag(const CorrectionRow& r) const {
+    if (!(y.rows[r.row].lambda > 0)) return;
+    if (r.contact >= 0) x.modes.degenerate[y.contacts[r.contact].contact] = 1;
+    else ++x.degenerate;
+  }
   // Rows and mu of all islands that are corrected.
   const char* find() {
     for (Index n = 0, next; n < w.constraint_count; n = next) {
@@ -150,6 +156,7 @@ struct Correction {
       }
       if (held && largest > tuning::slop) return "overlaps and the drift of constraints are corrected together";
       if (held || !(largest > tuning::slop)) {
+        for (; held && begin < count; --count) flag(row(count - 1));
         count = begin;
         continue;
       }

@@ -175,8 +175,7 @@ Index degenerate_limits(const Model& m, const Data<double>& d, const StepDerivat
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
     if (is_ball(m, r) || !(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS)) continue;
-    const auto gap = [&](const double* q) { return std::min(q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - q[r.q]); };
-    count += d.step->limit_forces[k] != 0 ? std::abs(gap(x.q)) < margin : gap(x.q_next) < margin;
+    count += d.step->limit_forces[k] != 0 ? std::abs(limit_gap(m, x.q, k)) < margin : limit_gap(m, x.q_next, k) < margin;
   }
   return count;
 }

@@ -53,6 +53,11 @@ void start_from(const Model& m, Data<double>& d, const StepDerivatives& x);  // 
 void restore_state(const Model& m, Data<double>& d, const StepDerivatives& x);
 // Directly after begin_derivatives: finds the modes of the contacts. margin: see dynStepDerivativeOptions.
 void find_modes(const Model& m, Data<double>& d, StepDerivatives& x, double margin);
+// To the nearer limit of the record's joint.
+inline double limit_gap(const Model& m, const double* q, Index limit) {
+  const Index k = m.limits()[limit].q;
+  return std::min(q[k] - m.lower_limit()[k], m.upper_limit()[k] - q[k]);
+}
 // Which columns are wanted.
 struct Wanted {
   bool state, tau, control;

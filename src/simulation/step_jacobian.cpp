@@ -27,7 +27,7 @@ const char* find_reason(const Model& m, const Data<double>& d) {
 }  // namespace
 
 // All of it. Returns why it is not possible, or nullptr.
-const char* StepJacobian::differentiate() {
+const char* StepJacobian::differentiate(double margin) {
   find_acceleration();
   const double* const fext = forces_on_bodies(m, d);
   differentiate_inverse_dynamics(fext);
@@ -48,7 +48,7 @@ const char* StepJacobian::differentiate() {
   solve_for_state();
   sum_impulses(y.a), add_flight(y.a);
   if (rows > 0) {
-    differentiate_rows(), assemble();
+    differentiate_rows(), assemble(), flag_weak_rows(margin);
     if (!solve_rows())
       for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
   }
@@ -61,12 +61,12 @@ const char* StepJacobian::differentiate() {
   return nullptr;
 }
 
-void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double) {
+void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double margin) {
   start_from(m, d, x);
   StepJacobian s{m, d, x};
   if ((x.reason = find_reason(m, d)) || (x.reason = s.find_rows())) return;
   std::fill_n(x.jacobian.correction, m.n.nv, 0.0);
-  x.reason = s.differentiate();
+  x.reason = s.differentiate(margin);
 }
 
 }  // namespace dyn::simulation

@@ -114,6 +114,7 @@ struct StepJacobian {
   // step_row_system.cpp
   void assemble() const;
   void slide(const JacobianContact& c) const;
+  void flag_weak_rows(double margin) const;
   bool solve_rows() const;
   bool is_determined(const solver::RankedLu& lu) const;
   solver::RankedLu lu_of(Index n) const { return {y.factor, n, y.pivots, y.unknowns}; }
@@ -128,7 +129,7 @@ struct StepJacobian {
   }
 
   // step_jacobian.cpp
-  const char* differentiate();
+  const char* differentiate(double margin);
 
   const char* correct();  // displacement with the correction of positions (step_correction.cpp)
 

@@ -39,6 +39,16 @@ void StepJacobian::assemble() const {
   }
 }
 
+// Contacts and limits that hardly press: without them, their velocities would differ by less than the margin.
+void StepJacobian::flag_weak_rows(double margin) const {
+  for (Index r = 0; r < rows; ++r) {
+    const JacobianRow& row = y.rows[r];
+    if (row.lambda * y.K[(rows + 1) * r] >= margin) continue;
+    if (row.kind == JacobianRowKind::Normal) x.modes.degenerate[y.contacts[row.of].contact] = 1;
+    if (row.kind == JacobianRowKind::Limit && std::abs(limit_gap(m, x.q, row.of)) >= margin) ++x.degenerate;  // else find_modes counts it
+  }
+}
+
 // dlambda_t + mu e dlambda_n + mu lambda_n / |u| (1 - e e^T) du = 0, with du = K dlambda - b
 void StepJacobian::slide(const JacobianContact& c) const {
   const double mu = w.laws[c.contact].material.friction, by = mu * y.rows[c.first].lambda / c.sliding;

@@ -403,6 +403,70 @@ TEST(StepDerivatives, OfMechanisms) {
   }
 }
 
+// A four-bar whose coupler carries a ball that comes down on the ground within the step. Where the loop is open a little, the
+// contact joins in closing it, by the side to which that pushes: the contact is degenerate. Motion with a closed loop has no kink.
+TEST(StepDerivatives, OfAFourBarWithContact) {
+  Stepper alone(mechanism("four_bar.urdf"));
+  Numbers q(3, 0.2), v(3, 0.7);
+  close_loops(alone, q, v);
+  q = alone.value("q"), v = alone.value("v");
+  double X[12];
+  ASSERT_EQ(DYN_OK, dyn_forward_kinematics(alone.m, alone.d, q.data(), nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_frame_placement(alone.m, alone.d, dyn_model_frame_id(alone.m, "coupler"), X)) << dyn_last_error();
+  const double along = 0.5, radius = 0.1, low = X[10] + X[1] * along - radius;  // lowest point of the ball, y upwards
+  for (double friction : {0.0, 0.3, 2.0}) {
+    dynBuilder* b = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_builder_from_model(alone.m, &b));
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.body = "coupler", s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = radius, s.placement[9] = along, s.material = material(friction);
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
+    dyn_shape_spec_init(&s);
+    s.body = "universe", s.type = DYN_SHAPE_TYPE_HALF_SPACE, s.material = material(friction);
+    const double turned[12] = {1, 0, 0, 0, 0, -1, 0, 1, 0, 0, low - 1e-5, 0};  // its normal along y
+    std::copy_n(turned, 12, s.placement);
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
+    dynModel* m = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
+    dyn_builder_free(b);
+    Stepper run{Model(m)};
+    run.set(q, v);
+    const Derivatives x = run.analytic(), c = run.central(1e-6);
+    ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+    EXPECT_EQ(1, x.report.active) << friction;
+    EXPECT_EQ(1, x.report.degenerate) << friction;
+    const auto along = [&](const Derivatives& of, std::size_t row, std::size_t first) {  // its derivative along v
+      double sum = 0;
+      for (std::size_t k = 0; k < 3; ++k) sum += of.A[row + 6 * (first + k)] * v[k];
+      return sum;
+    };
+    const double size = largest(c.A);
+    for (std::size_t row = 0; row < 6; ++row)
+      for (std::size_t first : {std::size_t(0), std::size_t(3)})
+        EXPECT_NEAR(along(c, row, first), along(x, row, first), 1e-7 * size) << friction << ' ' << row << ' ' << first;
+    EXPECT_LE(difference(x.B, c.B), 1e-6 * std::max(1.0, largest(c.B)));
+  }
+}
+
+// Two fingers that press on a box and hold it up.
+TEST(StepDerivatives, OfAGripperWithAnObject) {
+  const char* const text =
+      "<mujoco><worldbody>"
+      "<body pos='-0.07 0 0'><joint type='slide' axis='1 0 0'/><geom type='sphere' size='0.02' mass='0.1' friction='1'/></body>"
+      "<body pos='0.07 0 0'><joint type='slide' axis='1 0 0'/><geom type='sphere' size='0.02' mass='0.1' friction='1'/></body>"
+      "<body><freejoint/><geom type='box' size='0.05 0.05 0.05' mass='0.2' friction='1'/></body></worldbody></mujoco>";
+  dynModel* m = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
+  Stepper run{Model(m)};
+  Numbers q(static_cast<std::size_t>(run.m.nq())), tau(static_cast<std::size_t>(run.m.nv()));
+  ASSERT_EQ(DYN_OK, dyn_model_configuration(run.m, "qpos0", q.data()));
+  q[0] = 1e-5, q[1] = -2e-5, tau[0] = 5, tau[1] = -5;
+  run.set(q, {}, tau);
+  const Derivatives x = run.agree(1e-5);
+  ASSERT_EQ(2, x.report.active);
+  for (dynContactMode mode : x.modes) EXPECT_EQ(DYN_CONTACT_MODE_STICK, mode);
+}
+
 // ---------------------------------------------------------------------------------------------------- forces
 
 TEST(StepDerivatives, OfWrenchesAndControls) {
@@ -434,6 +498,54 @@ TEST(StepDerivatives, SwitchesAreDegenerate) {
     found += x.degenerate[0];
   }
   EXPECT_EQ(99, found);
+}
+
+// A slider on the ground that is pushed with the largest friction, more or less 1e-6 of it.
+Model slider_on_ground(double friction) {
+  const std::string mu = std::to_string(friction),
+                    text = "<mujoco><worldbody><geom type='plane' size='1 1 1' friction='" + mu +
+                           "'/><body><joint type='slide' axis='1 0 0'/><joint type='slide' axis='0 1 0'/><joint type='slide' "
+                           "axis='0 0 1'/><geom type='sphere' size='0.1' mass='2' friction='" +
+                           mu + "'/></body></worldbody></mujoco>";
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_model_load_string(text.c_str(), nullptr, &m)) << dyn_last_error();
+  return Model(m);
+}
+TEST(StepDerivatives, TheLargestFrictionIsASwitch) {
+  constexpr double mu = 0.4, largest = mu * 2 * 9.81;
+  for (int k = -50; k <= 50; ++k) {
+    const double push = largest * (1 + 1.9e-8 * k), angle = 0.13 * k;
+    Stepper run(slider_on_ground(mu));
+    run.set({0, 0, 0.1 - 1e-5}, {}, {push * std::cos(angle), push * std::sin(angle), 0});
+    const Derivatives x = run.analytic();
+    ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+    ASSERT_EQ(1u, x.modes.size());
+    EXPECT_EQ(1, x.degenerate[0]) << k;
+  }
+  for (int k = 1; k <= 50; ++k)
+    for (const bool slides : {false, true}) {
+      const double push = largest * (slides ? 1 + 2e-3 * k : 1 - 1e-5 * k), angle = 0.13 * k;
+      SCOPED_TRACE(push / largest);
+      Stepper run(slider_on_ground(mu));
+      run.set({0, 0, 0.1 - 1e-5}, {}, {push * std::cos(angle), push * std::sin(angle), 0});
+      const Derivatives x = slides ? run.agree(1e-6, true, 1e-9) : run.analytic();
+      ASSERT_EQ(1u, x.modes.size());
+      EXPECT_EQ(slides ? DYN_CONTACT_MODE_SLIDE : DYN_CONTACT_MODE_STICK, x.modes[0]);
+      EXPECT_EQ(0, x.degenerate[0]);
+    }
+}
+
+// A ball whose gap closes at the end of the step, more or less 1e-7 m: it meets the ground or not.
+TEST(StepDerivatives, TheEndOfAFlightIsASwitch) {
+  for (int k = -50; k <= 50; ++k) {
+    Stepper run(ball_on_ground(0.5));
+    const double h = run.options.dt, speed = 0.5 + 0.01 * k;
+    run.set(upright(0, 0, 0.1 + speed * h + 9.81 * h * h + 1e-11 * k), {0.2, 0, -speed, 0, 1, 0});
+    const Derivatives x = run.analytic();
+    ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+    ASSERT_EQ(1u, x.modes.size()) << k;
+    EXPECT_EQ(1, x.degenerate[0]) << k;
+  }
 }
 
 TEST(StepDerivatives, ModesThatHoldAreNotDegenerate) {
