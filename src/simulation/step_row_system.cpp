@@ -49,39 +49,34 @@ void StepJacobian::flag_weak_rows(double margin) const {
   }
 }
 
-// dlambda_t + mu e dlambda_n + mu lambda_n / |u| (1 - e e^T) du = 0, with du = K dlambda - b
+// dlambda_t + mu e dlambda_n + mu lambda_n / |u| (1 - e e^T) du = 0, with du = K dlambda - b: along e, where the last term is
+// none, and across it.
 void StepJacobian::slide(const JacobianContact& c) const {
   const double mu = w.laws[c.contact].material.friction, by = mu * y.rows[c.first].lambda / c.sliding;
-  double *const K0 = y.K + rows * (c.first + 1), *const K1 = K0 + rows;
-  double *const b0 = y.wanted + columns * (c.first + 1), *const b1 = b0 + columns;
-  const double p[2] = {-c.direction[1] * by, c.direction[0] * by};  // (1 - e e^T) = n n^T with n across e
-  const double n[2] = {-c.direction[1], c.direction[0]};
-  const auto combine = [&](double* a, double* b, std::ptrdiff_t count) {
-    for (std::ptrdiff_t k = 0; k < count; ++k) {
-      const double across = n[0] * a[k] + n[1] * b[k];
-      a[k] = p[0] * across, b[k] = p[1] * across;
-    }
-  };
-  combine(K0, K1, rows), combine(b0, b1, columns);
-  K0[c.first + 1] += 1, K1[c.first + 2] += 1;
-  K0[c.first] += mu * c.direction[0], K1[c.first] += mu * c.direction[1];
+  const Index t = c.first + 1;
+  double *const along = y.K + rows * t, *const across = along + rows, *const b0 = y.wanted + columns * t, *const b1 = b0 + columns;
+  const double* const e = c.direction;
+  for (Index k = 0; k < rows; ++k) across[k] = by * (e[0] * across[k] - e[1] * along[k]), along[k] = 0;
+  for (std::ptrdiff_t k = 0; k < columns; ++k) b1[k] = by * (e[0] * b1[k] - e[1] * b0[k]), b0[k] = 0;
+  across[t] -= e[1], across[t + 1] += e[0];
+  along[t] += e[0], along[t + 1] += e[1], along[c.first] += mu;
 }
 
 // Adds J^T lambda to the state, K lambda = wanted. Rows are scaled: units and masses differ. Returns whether the equations are
 // consistent and determine the motion.
 bool StepJacobian::solve_rows() const {
   constexpr double independent = 1e-9, consistent = 1e-6;
-  const auto scale_of = [&](Index r) {
-    return y.rows[r].kind == JacobianRowKind::Slide && y.scale[r] > 0 ? 1 / y.scale[r] : y.scale[r];
-  };
   const auto largest = [&](Index first, Index end) {
     double most = 0;
     for (std::ptrdiff_t k = first * columns; k < end * columns; ++k) most = std::max(most, std::abs(y.wanted[k]));
     return most;
   };
   for (Index r = 0; r < rows; ++r) {
-    const double by = scale_of(r);
-    for (Index s = 0; s < rows; ++s) y.factor[rows * r + s] = y.K[rows * r + s] * (by * y.scale[s]);
+    double* const row = y.factor + rows * r;
+    double most = 0, by = y.scale[r];
+    for (Index s = 0; s < rows; ++s) row[s] = y.K[rows * r + s] * y.scale[s], most = std::max(most, std::abs(row[s]));
+    if (y.rows[r].kind == JacobianRowKind::Slide) by = most > 0 ? 1 / most : 0;
+    for (Index s = 0; s < rows; ++s) row[s] *= by;
     for (std::ptrdiff_t c = 0; c < columns; ++c) y.wanted[columns * r + c] *= by;
   }
   const double size = largest(0, rows);
