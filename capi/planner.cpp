@@ -255,7 +255,7 @@ dynStatus dyn_planner_set_guess(dynPlanner* planner, const dynModel* model, cons
     if (const Index j = zero_norm_joint(m, q + std::ptrdiff_t(k) * p.nq))
       return fail(DYN_ERROR_QUATERNION, "%s: the quaternion of joint '%s' in q of knot %d is zero: give one of norm 1", function,
                   m.string(m.joints()[j].name), int(k));
-  copy_out(q, nq, p.q), copy_out(v, nv, p.v);
+  if (q) copy_out(q, nq, p.q), copy_out(v, nv, p.v);
   if (u) copy_out(u, nu, p.u);
   else std::fill_n(p.u, nu, 0.0);
   p.has_states = q != nullptr;

@@ -12,6 +12,7 @@ constexpr double first_regularisation = 1e-6, factor = 10;
 constexpr double still_converges = 1e-5;  // regularisation, with which a small expected decrease says something
 constexpr double sufficient = 1e-4;       // share of the expected decrease that a step must reach (Armijo)
 constexpr int halvings = 10;
+constexpr double long_step = 0.4, short_step = 0.01;  // the regularisation is lowered beyond, raised below
 constexpr double share_of_gaps = 0.5;     // of the merit's expected decrease, at least, comes from closing gaps
 
 bool is_finite(const double* x, std::ptrdiff_t n) {
@@ -92,11 +93,18 @@ struct Solver {
     return false;
   }
 
+  // The input moved inside its bounds by epsilon: where a range ends, central differences would give half the slope.
+  const double* inner_input(Index k) const {
+    const double* const u = input(k, p.u);
+    for (Index a = 0; a < p.inputs; ++a)
+      p.du[a] = p.upper[a] - p.lower[a] > 2 * o.epsilon ? std::clamp(u[a], p.lower[a] + o.epsilon, p.upper[a] - o.epsilon) : u[a];
+    return p.du;
+  }
   // A and B of the steps from knot k; and the gap, if it is not known.
   bool differentiate(Index k, bool gaps_known) {
     const double *const q = p.q + std::ptrdiff_t(k) * p.nq, *const v = p.v + std::ptrdiff_t(k) * p.nv;
     simulation::StepDerivatives& x = *d.derivatives;
-    set(q, v, input(k, p.u));
+    set(q, v, inner_input(k));
     for (Index s = 0; s < o.steps; ++s) {
       if (s > 0) std::copy_n(x.q_next, p.nq, d.q), std::copy_n(x.v_next, p.nv, d.v), d.step->growth = 0;
       dynDerivativeMethod used{};
@@ -123,7 +131,7 @@ struct Solver {
   }
   // A = A_s A and B = A_s B + B_s, from the derivatives of step s.
   void chain(Index k, Index s, const double* by) const {
-    const std::ptrdiff_t n = p.n, first = 2 * n + (p.input == DYN_PLAN_INPUT_TAU ? 0 : p.nv);
+    const std::ptrdiff_t n = p.n, first = n + (p.input == DYN_PLAN_INPUT_TAU ? 0 : p.nv);
     const auto follow = [&](double* columns, Index count) {
       for (Index j = 0; j < count; ++j) {
         double* const column = columns + std::ptrdiff_t(p.ld) * j;
@@ -255,7 +263,8 @@ struct Solver {
         continue;
       }
       linear = false;
-      if (report.step_length > 0.4) lower();
+      if (report.step_length > long_step) lower();
+      else if (report.step_length < short_step && !raise()) return;
     }
   }
 
