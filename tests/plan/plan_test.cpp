@@ -52,7 +52,7 @@ TEST(Planner, SolvesALinearQuadraticProblemInOneIteration) {
 // outwards at bounds.
 TEST(Planner, IsOptimalWithinBounds) {
   constexpr int N = 40;
-  constexpr double h = 0.1, mass = 2, R = 0.3, Q[2] = {2, 0.5}, lower = -0.25, upper = 0.3;
+  constexpr double h = 0.1, mass = 2, R = 0.3, Q[2] = {2, 0.5}, lower = -0.4, upper = 0.5;
   Planning p(slider(), N, DYN_PLAN_INPUT_TAU, h);
   p.cost(DYN_PLAN_COST_TYPE_STATE, 1, 10).weights = Q, p.cost(DYN_PLAN_COST_TYPE_INPUT, R, 0);
   p.problem.lower = &lower, p.problem.upper = &upper;
@@ -259,9 +259,10 @@ TEST(Planner, TakesTheCallersCosts) {
   SwingUp own, callers;
   callers.costs.clear();
   callers.problem.function = add_costs;
-  own.options.max_iterations = callers.options.max_iterations = 30;
+  own.begin({0, 0.1}, {0, 0}), callers.begin({0, 0.1}, {0, 0});  // at 0 the difference to pi has either sign
+  own.options.max_iterations = callers.options.max_iterations = 3;
   own.solve_well(), callers.solve_well();
-  EXPECT_NEAR(own.report.cost, callers.report.cost, 1e-6 * own.report.cost);
+  EXPECT_NEAR(own.report.cost, callers.report.cost, 1e-9 * own.report.cost);
   callers.problem.function = [](void*, const dynPlanPoint* at) { return int(at->knot == 3); };
   EXPECT_EQ(DYN_ERROR_CANCELLED, callers.solve());
   callers.problem.function = [](void*, const dynPlanPoint* at) { return *at->cost = nan, 0; };
