@@ -1550,7 +1550,7 @@ class Planner {
     inputs_ = input == DYN_PLAN_INPUT_TAU ? model_.nv() : dyn_model_nu(model_.get());
   }
   dynPlanner* get() const noexcept { return planner_.get(); }
-  // q, v: N + 1 columns, or empty: the motion by u, of N columns, or empty: zero.
+  // q, v: N + 1 columns, or held: the motion by u, of N columns, or held: zero.
   void set_guess(Input q, Input v, Input u) {
     check(dyn_planner_set_guess(get(), model_.get(), q.of((knots_ + 1) * model_.nq(), "q"), v.of((knots_ + 1) * model_.nv(), "v"),
                                 u.of(knots_ * inputs_, "u")));
@@ -1566,10 +1566,8 @@ class Planner {
     x.report.struct_size = sizeof x.report;
     out.q = x.q.data(), out.v = x.v.data(), out.u = x.u.data(), out.gaps = x.gaps.data(), out.report = &x.report, out.K = K.data();
     check(dyn_planner_solve(get(), model_.get(), data.get(), &problem, &options, &out));
-    for (int k = 0; k < N; ++k) {
-      x.K.emplace_back(inputs_, n);
-      std::copy_n(K.data() + static_cast<std::size_t>(k) * static_cast<std::size_t>(inputs_ * n), inputs_ * n, x.K.back().data());
-    }
+    const double* next = K.data();
+    for (int k = 0; k < N; ++k, next += inputs_ * n) x.K.emplace_back(inputs_, n), x.K.back().values.assign(next, next + inputs_ * n);
     return x;
   }
 

@@ -6,15 +6,20 @@ namespace dyn::plan {
 
 namespace {
 
-using solver::Lanes;
+using Lanes = Simd<double, block_lanes>;
+static_assert(solver::lanes % block_lanes == 0);  // columns are padded to it
 
-// to += A^T B, columns of `ld` numbers, the padded ones zero. to(i, j) = to[i + room j]. In tiles of 2 x 2.
-void add_transposed_product(const double* A, Index a_count, const double* B, Index b_count, Index ld, double* to, Index room) {
+enum class Half { Both, Upper };
+
+// to += A^T B, columns of `ld` numbers, the padded ones zero. to(i, j) = to[i + room j]. In tiles of 2 x 2. Half::Upper: i <= j
+// at least.
+void add_transposed_product(const double* A, Index a_count, const double* B, Index b_count, Index ld, double* to, Index room,
+                            Half half = Half::Both) {
   const auto tile = [&]<int rows, int columns>(Index i, Index j) {
     Lanes sum[rows][columns];
     for (auto& row : sum)
       for (Lanes& s : row) s = Lanes::zero();
-    for (Index l = 0; l < ld; l += solver::lanes) {
+    for (Index l = 0; l < ld; l += block_lanes) {
       Lanes a[rows];
       for (int r = 0; r < rows; ++r) a[r] = Lanes::load(A + std::ptrdiff_t(ld) * (i + r) + l);
       for (int c = 0; c < columns; ++c) {
@@ -28,8 +33,9 @@ void add_transposed_product(const double* A, Index a_count, const double* B, Ind
   Index j = 0;
   for (; j + 2 <= b_count; j += 2) {
     Index i = 0;
-    for (; i + 2 <= a_count; i += 2) tile.operator()<2, 2>(i, j);
-    if (i < a_count) tile.operator()<1, 2>(i, j);
+    const Index end = half == Half::Upper ? std::min<Index>(a_count, j + 2) : a_count;
+    for (; i + 2 <= end; i += 2) tile.operator()<2, 2>(i, j);
+    if (i < end) tile.operator()<1, 2>(i, j);
   }
   for (Index i = 0; j < b_count && i < a_count; ++i) tile.operator()<1, 1>(i, j);
 }
@@ -72,7 +78,7 @@ struct Backward {
       for (Index j = 0; j < n; ++j) p.Q_ux[a + std::ptrdiff_t(rd) * j] = l_ux[p.free[a] + std::ptrdiff_t(p.inputs) * j];
     }
     add_transposed_times(A, n, ld, p.V_x, p.Q_x), add_transposed_times(B, r, ld, p.V_x, p.Q_u);
-    add_transposed_product(A, n, p.VA, n, ld, p.Q_xx, n);
+    add_transposed_product(A, n, p.VA, n, ld, p.Q_xx, n, Half::Upper);
     add_transposed_product(B, r, p.VA, n, ld, p.Q_ux, rd);
     add_transposed_product(B, r, p.VB, r, ld, p.Q_uu, rd);
   }
@@ -119,11 +125,11 @@ struct Backward {
     double* const T = p.product;
     std::copy_n(p.Q_ux, std::ptrdiff_t(n) * rd, T);
     add_transposed_product(p.Q_uu, r, p.gain, n, rd, T, rd);
-    add_transposed_product(p.gain, n, T, n, rd, p.Q_xx, n);
-    add_transposed_product(p.Q_ux, n, p.gain, n, rd, p.Q_xx, n);
+    add_transposed_product(p.gain, n, T, n, rd, p.Q_xx, n, Half::Upper);
+    add_transposed_product(p.Q_ux, n, p.gain, n, rd, p.Q_xx, n, Half::Upper);
     for (Index j = 0; j < n; ++j)
-      for (Index i = 0; i < n; ++i)
-        p.V_xx[i + std::ptrdiff_t(ld) * j] = 0.5 * (p.Q_xx[i + std::ptrdiff_t(n) * j] + p.Q_xx[j + std::ptrdiff_t(n) * i]);
+      for (Index i = 0; i <= j; ++i)
+        p.V_xx[i + std::ptrdiff_t(ld) * j] = p.V_xx[j + std::ptrdiff_t(ld) * i] = p.Q_xx[i + std::ptrdiff_t(n) * j];
   }
 };
 
