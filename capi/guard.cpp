@@ -35,6 +35,8 @@ dynStatus check(const dynContactSolver* solver) {
   return check_magic(solver, live_contact_solver, "contact solver", "dyn_contact_solver_new");
 }
 
+dynStatus check(const dynPlanner* planner) { return check_magic(planner, live_planner, "planner", "dyn_planner_new"); }
+
 const char* name_of_part(dynParts part) {
   static constexpr const char* names[] = {
       "KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS", "CHOLESKY", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
@@ -248,6 +250,20 @@ void Call::have_effects_of(bool steps) {
 
 void Call::end_step() {
   for (Input which : {input_q, input_v}) d().version[which] = ++body->counter;
+}
+
+void Call::suspend() {
+  end_step();
+#if DYN_CHECKED
+  body->busy.store(0, std::memory_order_release);
+#endif
+}
+
+void Call::resume() {
+#if DYN_CHECKED
+  body->busy.store(1, std::memory_order_release);
+#endif
+  have_effects_of(true);
 }
 
 void Call::end_search() {

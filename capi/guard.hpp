@@ -18,7 +18,8 @@ void touch_last_error();
 
 inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u,
                                live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u,
-                               live_broad_phase = 0x64616f72626e7964u, live_contact_solver = 0x746e6f63626e7964u;
+                               live_broad_phase = 0x64616f72626e7964u, live_contact_solver = 0x746e6f63626e7964u,
+                               live_planner = 0x6e616c706e7964u;
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // Sums of 0 times each of x[0 .. n-1]: zero where all are finite.
@@ -124,6 +125,15 @@ struct dynContactSolver {
   void* memory;  // of w and its arrays, from the heap; nullptr: w and this handle are in the caller's memory
 };
 
+namespace dyn::plan {
+struct Planner;
+}
+struct dynPlanner {
+  std::uint64_t magic;
+  dyn::plan::Planner* p;
+  void* memory;  // of p and its arrays, from the heap; nullptr: p and this handle are in the caller's memory
+};
+
 namespace dyn::capi {
 
 dynStatus no_model(const dynModel* model);
@@ -133,6 +143,7 @@ dynStatus check(const dynBatch* batch);
 dynStatus check(const dynMesh* mesh);
 dynStatus check(const dynBroadPhase* broad_phase);
 dynStatus check(const dynContactSolver* solver);
+dynStatus check(const dynPlanner* planner);
 
 // The number of a named configuration, or -1 with the error set.
 Index find_configuration(const Model& m, const char* name);
@@ -198,6 +209,9 @@ class Call {
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();
   void end_step();
+  // Around a function of the caller's that uses the data; q and v were set without their versions.
+  void suspend();
+  void resume();
   // The call has replaced q by its solution, where the placements are.
   void end_search();
 

@@ -1,4 +1,4 @@
-// Data and contact solvers on the heap.
+// Data, contact solvers and planners on the heap.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -28,6 +28,27 @@ std::string large_parts(const Model& m, dynParts asked) {
   return text;
 }
 
+template <class H>
+void free_with_memory(H* handle) {
+  std::free(handle->memory);
+  free_handle(handle);
+}
+// A handle with memory of its own. init(memory, size, handle): makes one in that memory.
+template <class H, class Init>
+dynStatus new_with_memory(const char* function, std::size_t size, H** out, Init&& init) {
+  size = (size + 63) / 64 * 64;
+  void* const memory = std::aligned_alloc(64, size);
+  H* const handle = memory ? new_handle<H>() : nullptr;
+  if (!handle) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
+  H* inner = nullptr;
+  init(memory, size, &inner);
+  *handle = *inner;
+  handle->memory = memory;
+  inner->magic = freed;
+  *out = handle;
+  return DYN_OK;
+}
+
 }  // namespace
 
 void dyn::capi::free_heap(dynData* data) {
@@ -35,10 +56,8 @@ void dyn::capi::free_heap(dynData* data) {
   free_handle(data);
 }
 
-void dyn::capi::free_heap(dynContactSolver* solver) {
-  std::free(solver->memory);
-  free_handle(solver);
-}
+void dyn::capi::free_heap(dynContactSolver* solver) { free_with_memory(solver); }
+void dyn::capi::free_heap(dynPlanner* planner) { free_with_memory(planner); }
 
 extern "C" {
 
@@ -73,16 +92,19 @@ dynStatus dyn_contact_solver_new(int max_rows, dynContactSolver** solver) {
   constexpr const char* function = "dyn_contact_solver_new";
   if (const dynStatus s = check_max_rows(function, max_rows)) return s;
   if (!solver) return fail(DYN_ERROR_ARGUMENT, "%s: solver is NULL: pass the address of a dynContactSolver*", function);
-  const std::size_t size = dyn_contact_solver_size(max_rows);
-  void* const memory = std::aligned_alloc(64, (size + 63) / 64 * 64);
-  dynContactSolver* const handle = memory ? new_handle<dynContactSolver>() : nullptr;
-  if (!handle) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
-  dynContactSolver* inner = nullptr;
-  dyn_contact_solver_init(max_rows, memory, size, &inner);
-  handle->w = inner->w, handle->memory = memory, handle->magic = live_contact_solver;
-  inner->magic = freed;
-  *solver = handle;
-  return DYN_OK;
+  return new_with_memory(function, dyn_contact_solver_size(max_rows), solver, [&](void* memory, std::size_t size, auto** inner) {
+    dyn_contact_solver_init(max_rows, memory, size, inner);
+  });
+}
+
+dynStatus dyn_planner_new(const dynModel* model, int knots, dynPlanInput input, dynPlanner** planner) {
+  constexpr const char* function = "dyn_planner_new";
+  if (const dynStatus s = check_planner(function, model, knots, input)) return s;
+  if (!planner) return fail(DYN_ERROR_ARGUMENT, "%s: planner is NULL: pass the address of a dynPlanner*", function);
+  return new_with_memory(function, dyn_planner_size(model, knots, input), planner,
+                         [&](void* memory, std::size_t size, auto** inner) {
+                           dyn_planner_init(model, knots, input, memory, size, inner);
+                         });
 }
 
 }  // extern "C"

@@ -1,4 +1,4 @@
-// Data and contact solvers in memory that is given: by the caller, or from the heap (heap.cpp).
+// Data, contact solvers and planners in memory that is given: by the caller, or from the heap (heap.cpp).
 #pragma once
 
 #include "guard.hpp"
@@ -13,9 +13,11 @@ dynStatus check_parts(const char* function, const Model& m, dynParts parts);
 void set_up(dynData* data, const Model& m, dynParts parts, void* memory);
 
 dynStatus check_max_rows(const char* function, int max_rows);
+dynStatus check_planner(const char* function, const dynModel* model, int knots, dynPlanInput input);
 
 // Of handles that own their memory.
 void free_heap(dynData* data);
 void free_heap(dynContactSolver* solver);
+void free_heap(dynPlanner* planner);
 
 }  // namespace dyn::capi

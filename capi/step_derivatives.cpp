@@ -26,20 +26,6 @@ bool good_output(Call& call, const dynStepDerivatives& out) {
   return call.status == DYN_OK;
 }
 
-// Derivatives in x. Returns what integrator::step returns.
-Index differentiate(const Model& m, Data<double>& d, simulation::StepDerivatives& x, const dynStepDerivativeOptions& options,
-                    const simulation::Wanted& wanted, dynStepDerivativeReport& report) {
-  if (const Index failed = simulation::begin_derivatives(m, d, x)) return failed;
-  simulation::find_modes(m, d, x, options.margin);
-  report.method = DYN_DERIVATIVE_METHOD_ANALYTIC;
-  if (options.method != DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES) simulation::step_jacobian(m, d, x, options.margin);
-  if (options.method == DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES || (options.method == DYN_DERIVATIVE_METHOD_AUTO && x.reason)) {
-    report.method = DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES;
-    return simulation::step_differences(m, d, x, options.epsilon, wanted);
-  }
-  return 0;
-}
-
 void write(const Model& m, const simulation::StepDerivatives& x, const dynStepDerivatives& out, dynStepDerivativeReport& report) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nu = m.n.nu;
   copy_out(x.by, 4 * nv * nv, out.A), copy_out(x.by + 4 * nv * nv, 2 * nv * nv, out.B);
@@ -88,7 +74,8 @@ dynStatus dyn_step_derivatives(const dynModel* model, dynData* data, const dynSt
   dynStepDerivativeReport report{};
   call.have_effects_of(true), call.begin_step();
   const Index failed =
-      differentiate(m, d, x, *options, {out->A != nullptr, out->B != nullptr, out->B_control != nullptr}, report);
+      simulation::differentiate_step(m, d, x, {options->method, options->epsilon, options->margin},
+                                     {out->A != nullptr, out->B != nullptr, out->B_control != nullptr}, report.method);
   const bool refused = options->method == DYN_DERIVATIVE_METHOD_ANALYTIC && x.reason;
   dynStatus status = failed ? explain_step(m, d, failed, call.function, d.time[0]) : DYN_OK;
   if (!failed && refused)

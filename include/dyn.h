@@ -2682,6 +2682,156 @@ DYN_API dynStatus dyn_step_derivatives(const dynModel* model, dynData* data,
                                        const dynStepDerivativeOptions* options,
                                        const dynStepDerivatives* out);
 
+/* Optimal control: inputs of N steps that minimise a sum of costs, within bounds. */
+
+/* The inputs that a planner chooses. */
+typedef enum dynPlanInput {
+  DYN_PLAN_INPUT_TAU = 0,    /* tau, nv numbers. Controls stay as they are in the data. */
+  DYN_PLAN_INPUT_CONTROL = 1 /* Controls of actuators, nu numbers. tau stays as it is in the data. */
+} dynPlanInput;
+
+/* Error e of a cost and its number of components. */
+typedef enum dynPlanCostType {
+  /* 2 nv: dyn_difference from the reference's q to q, and v minus the reference's v. Reference: q and v,
+     nq + nv numbers; default: neutral, at rest. */
+  DYN_PLAN_COST_TYPE_STATE = 0,
+  DYN_PLAN_COST_TYPE_INPUT = 1, /* nv or nu: input minus reference (default zero). None at the last knot. */
+  /* 3: origin of the frame minus reference (default zero), world axes. */
+  DYN_PLAN_COST_TYPE_FRAME_POSITION = 2,
+  /* 3: rotation vector from the reference (9 numbers, default identity) to the frame, in the frame's axes. */
+  DYN_PLAN_COST_TYPE_FRAME_ORIENTATION = 3,
+  /* 6: logarithm of the placement in the reference (12 numbers, default identity), [linear; angular]. */
+  DYN_PLAN_COST_TYPE_FRAME_PLACEMENT = 4,
+  DYN_PLAN_COST_TYPE_COM = 5 /* 3: centre of mass minus reference (default zero), world axes. */
+} dynPlanCostType;
+
+/* A cost: weight / 2 times the sum of weights[i] e[i]^2, at each knot. */
+typedef struct dynPlanCost {
+  uint32_t struct_size;       /* set by dyn_plan_cost_init */
+  dynPlanCostType type;       /* default STATE */
+  int32_t frame;              /* of FRAME_...; default 0 */
+  int32_t reference_stride;   /* numbers from a knot's reference to the next one's; default 0: one for all */
+  double weight;              /* >= 0, of knots 0 to N - 1; default 1 */
+  double terminal_weight;     /* >= 0, of knot N; default 1 */
+  const double* knot_weights; /* N + 1 factors >= 0 on these weights; NULL: 1 */
+  const double* weights;      /* of each component, >= 0; NULL: 1 */
+  const double* reference;    /* NULL: see the type */
+} dynPlanCost;
+DYN_API void dyn_plan_cost_init(dynPlanCost* cost, uint32_t struct_size);
+#define dyn_plan_cost_init(x) dyn_plan_cost_init(x, sizeof(dynPlanCost))
+
+/* A knot as the caller's cost sees it. x = (q, v) on the tangent space, 2 nv; n inputs: nv or nu. Matrices
+   are full. The function adds to what the pointers hold. Derivatives are NULL when the cost alone is asked
+   for. Hessians should be positive semi-definite. */
+typedef struct dynPlanPoint {
+  int32_t knot;            /* 0 to N */
+  int32_t inputs;          /* n; 0 at knot N */
+  const dynModel* model;
+  dynData* data;           /* to compute with: it may be changed, but for its options and contents of parts */
+  const double *q, *v, *u; /* u: NULL at knot N */
+  double* cost;
+  double *l_x, *l_u;       /* gradients: 2 nv, n */
+  double *l_xx, *l_ux, *l_uu; /* 2 nv x 2 nv, n x 2 nv, n x n */
+} dynPlanPoint;
+
+/* What is to be minimised, and within which bounds. */
+typedef struct dynPlanProblem {
+  uint32_t struct_size;        /* set by dyn_plan_problem_init */
+  int32_t cost_count;
+  const dynPlanCost* costs;    /* cost_count */
+  /* nv or nu: of inputs, may be infinite. An input with equal bounds has that value. NULL: ranges of
+     controls; effort limits, and none on the degrees of freedom of free flyers (tau = 0) */
+  const double *lower, *upper;
+  /* adds other costs; NULL: none. Returning non-zero ends the call with DYN_ERROR_CANCELLED */
+  int (*function)(void* context, const dynPlanPoint* point);
+  void* context;
+} dynPlanProblem;
+DYN_API void dyn_plan_problem_init(dynPlanProblem* problem, uint32_t struct_size);
+#define dyn_plan_problem_init(x) dyn_plan_problem_init(x, sizeof(dynPlanProblem))
+
+typedef struct dynPlanOptions {
+  uint32_t struct_size;        /* set by dyn_plan_options_init */
+  int32_t max_iterations;      /* >= 1; default 100. 1: an iteration a call, as in model predictive control */
+  double tolerance;            /* >= 0: converged if an iteration would lower the cost by less than
+                                  tolerance (1 + |cost|); default 1e-9 */
+  double gap_tolerance;        /* >= 0: and no gap is larger; default 1e-8 */
+  /* >= 0: share of the diagonal of the inputs' Hessian that is added to it at first; default 0 */
+  double regularisation;
+  double max_regularisation;   /* default 1e9: beyond it the call ends */
+  double epsilon, margin;      /* see dynStepDerivativeOptions; default 1e-6 */
+  dynDerivativeMethod method;  /* of derivatives of steps; default AUTO */
+  int32_t steps;               /* >= 1: steps of dt from a knot to the next; default 1 */
+} dynPlanOptions;
+DYN_API void dyn_plan_options_init(dynPlanOptions* options, uint32_t struct_size);
+#define dyn_plan_options_init(x) dyn_plan_options_init(x, sizeof(dynPlanOptions))
+
+/* Why a planner ended. */
+typedef enum dynPlanStatus {
+  DYN_PLAN_STATUS_CONVERGED = 0,      /* The tolerances are met. */
+  DYN_PLAN_STATUS_MAX_ITERATIONS = 1, /* The iterations ran out. */
+  DYN_PLAN_STATUS_REGULARISATION = 2, /* No step lowers the cost, and the regularisation is at its limit. */
+  DYN_PLAN_STATUS_STEP_FAILED = 3     /* A step from a knot of the guess fails: see knot. */
+} dynPlanStatus;
+
+/* Report of a planner. */
+typedef struct dynPlanReport {
+  uint32_t struct_size;
+  dynPlanStatus status;
+  int32_t iterations;         /* backward passes */
+  int32_t knot;               /* whose step failed; -1: none */
+  double cost;
+  double gap;                 /* largest component of a gap */
+  double bound_violation;     /* largest; 0 but for a guess that no iteration replaced */
+  double expected_decrease;   /* of the cost, by the quadratic model of the last iteration */
+  double regularisation;      /* to go on with */
+  double step_length;         /* of the last iteration, 0 to 1 */
+  int64_t steps;              /* steps made, derivatives not counted */
+  int32_t analytic, differences; /* derivatives of steps by each method */
+} dynPlanReport;
+
+/* Outputs. x = (q, v) on the tangent space. The best input at a state x near knot k's is
+   u[k] + K[k] (x (-) x[k]), clamped to its bounds. */
+typedef struct dynPlanOutput {
+  uint32_t struct_size; /* set by dyn_plan_output_init */
+  int32_t reserved;     /* 0 */
+  double *q, *v;        /* N + 1 columns: nq, nv */
+  double* u;            /* N columns: nv or nu */
+  double* K;            /* N matrices: nv or nu x 2 nv */
+  double* gaps; /* N columns: 2 nv, the step from knot k minus knot k + 1; zero: the states are a motion */
+  dynPlanReport* report;
+} dynPlanOutput;
+DYN_API void dyn_plan_output_init(dynPlanOutput* out, uint32_t struct_size);
+#define dyn_plan_output_init(x) dyn_plan_output_init(x, sizeof(dynPlanOutput))
+
+typedef struct dynPlanner dynPlanner; /* keeps a plan of N steps of a model; one thread at a time */
+#ifndef DYN_BARE
+/* Makes a planner of N = knots steps on the heap. */
+DYN_API dynStatus dyn_planner_new(const dynModel* model, int knots, dynPlanInput input, dynPlanner** planner);
+#endif
+/* Returns bytes for dyn_planner_init; 0: an argument is wrong. */
+DYN_API size_t dyn_planner_size(const dynModel* model, int knots, dynPlanInput input);
+/* Makes the planner in the caller's memory, aligned to 64, without heap. Freeing it leaves the memory. */
+DYN_API dynStatus dyn_planner_init(const dynModel* model, int knots, dynPlanInput input, void* memory,
+                                   size_t size, dynPlanner** planner);
+DYN_API void dyn_planner_free(dynPlanner* planner); /* NULL is allowed */
+/* Sets the guess of the next solve. u: N columns; NULL: zero. q and v: N + 1 columns, which need not be a
+   motion; NULL, both: the motion by u. New planners have the guess of NULL. */
+DYN_API dynStatus dyn_planner_set_guess(dynPlanner* planner, const dynModel* model, const double* q,
+                                        const double* v, const double* u);
+/* Moves the plan by some knots to the front, for the next sample of time. Its end is repeated. */
+DYN_API dynStatus dyn_planner_shift(dynPlanner* planner, int knots);
+/* Lowers the cost from the guess, or from the last plan. The plan begins at the data's q and v; the data's
+   options of steps, effects, contacts and held inputs count. The data keeps its state; its results are stale
+   afterwards. Needs part STEP_DERIVATIVES, and COM for costs of frames and of the centre of mass. options
+   NULL: defaults. A plan that has not converged is no error: see status. Two calls from equal states and
+   guesses give the same bits. Activations of actuators are no part of x: models that have some are refused.
+   Each iteration takes derivatives of the steps, solves the linear-quadratic problem backwards (with the
+   bounds of the inputs), and moves along the solution with the largest step 1, 1/2, 1/4, .. that lowers the
+   cost and the gaps. Gaps shrink by 1 - step. (Tassa, Mansard, Todorov 2014; Mastalli et al. 2020) */
+DYN_API dynStatus dyn_planner_solve(dynPlanner* planner, const dynModel* model, dynData* data,
+                                    const dynPlanProblem* problem, const dynPlanOptions* options,
+                                    const dynPlanOutput* out);
+
 /* Material of a collision shape in this data; shape -1: of all shapes. Checked as in the builder. */
 DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape,
                                               const dynMaterial* material);

@@ -1518,6 +1518,67 @@ inline dynContactOptions contact_options() {
   dyn_contact_options_init(&options);
   return options;
 }
+inline dynPlanCost plan_cost(dynPlanCostType type) {
+  dynPlanCost cost;
+  dyn_plan_cost_init(&cost);
+  cost.type = type;
+  return cost;
+}
+inline dynPlanProblem plan_problem() {
+  dynPlanProblem problem;
+  dyn_plan_problem_init(&problem);
+  return problem;
+}
+inline dynPlanOptions plan_options() {
+  dynPlanOptions options;
+  dyn_plan_options_init(&options);
+  return options;
+}
+// Inputs of N steps that minimise costs within bounds.
+class Planner {
+ public:
+  struct Plan {
+    Matrix q, v, u;         // a column for each knot; u: one less
+    std::vector<Matrix> K;  // of each knot: inputs x 2 nv
+    Matrix gaps;            // 2 nv x N
+    dynPlanReport report;
+  };
+  Planner(Model model, int knots, dynPlanInput input) : model_(std::move(model)), knots_(knots) {
+    dynPlanner* made = nullptr;
+    check(dyn_planner_new(model_.get(), knots, input, &made));
+    planner_.reset(made);
+    inputs_ = input == DYN_PLAN_INPUT_TAU ? model_.nv() : dyn_model_nu(model_.get());
+  }
+  dynPlanner* get() const noexcept { return planner_.get(); }
+  // q, v: N + 1 columns, or held: the motion by u, of N columns, or held: zero.
+  void set_guess(Input q, Input v, Input u) {
+    check(dyn_planner_set_guess(get(), model_.get(), q.of((knots_ + 1) * model_.nq(), "q"), v.of((knots_ + 1) * model_.nv(), "v"),
+                                u.of(knots_ * inputs_, "u")));
+  }
+  void shift(int knots = 1) { check(dyn_planner_shift(get(), knots)); }
+  // The problem's arrays are not checked for their sizes (dynPlanProblem, dynPlanCost).
+  Plan solve(Data& data, const dynPlanProblem& problem, const dynPlanOptions& options = plan_options()) {
+    const int N = knots_, n = 2 * model_.nv();
+    Plan x{Matrix(model_.nq(), N + 1), Matrix(model_.nv(), N + 1), Matrix(inputs_, N), {}, Matrix(n, N), {}};
+    std::vector<double> K(static_cast<std::size_t>(N) * static_cast<std::size_t>(inputs_ * n));
+    dynPlanOutput out;
+    dyn_plan_output_init(&out);
+    x.report.struct_size = sizeof x.report;
+    out.q = x.q.data(), out.v = x.v.data(), out.u = x.u.data(), out.gaps = x.gaps.data(), out.report = &x.report, out.K = K.data();
+    check(dyn_planner_solve(get(), model_.get(), data.get(), &problem, &options, &out));
+    const double* next = K.data();
+    for (int k = 0; k < N; ++k, next += inputs_ * n) x.K.emplace_back(inputs_, n), x.K.back().values.assign(next, next + inputs_ * n);
+    return x;
+  }
+
+ private:
+  struct Free {
+    void operator()(dynPlanner* planner) const noexcept { dyn_planner_free(planner); }
+  };
+  Model model_;
+  int knots_, inputs_ = 0;
+  std::unique_ptr<dynPlanner, Free> planner_;
+};
 // (compliance, bias) of a spring and damper.
 inline std::array<double, 2> contact_compliance(double stiffness, double damping, double dt, double gap = 0) {
   std::array<double, 2> out{};

@@ -69,6 +69,13 @@ Index step_once(const Model& m, Data<double>& d) {
   return is_finite(d.q, m.n.nq) && is_finite(d.v, m.n.nv) ? 0 : not_finite;
 }
 
+void solve_exactly(Workspace& w) {
+  constexpr double tolerance = 1e-12;
+  w.options.tolerance = w.options.tolerance > 0 ? std::min(w.options.tolerance, tolerance) : tolerance;
+  w.options.time_budget = 0, w.options.ledger = 0, w.options.accuracy = 0, w.ledger.open = false;
+  w.report = {};
+}
+
 Index begin_derivatives(const Model& m, Data<double>& d, StepDerivatives& x) {
   Workspace& w = *d.step;
   wake_all(m, d);
@@ -78,10 +85,7 @@ Index begin_derivatives(const Model& m, Data<double>& d, StepDerivatives& x) {
   std::copy_n(w.contacts, w.contact_count, x.contacts), x.contact_count = w.contact_count;
   x.growth = w.growth, x.options = w.options, x.report = w.report, x.ledger = w.ledger.open;
   x.steps = 1, x.degenerate = 0, x.reason = nullptr;
-  constexpr double tolerance = 1e-12;
-  w.options.tolerance = w.options.tolerance > 0 ? std::min(w.options.tolerance, tolerance) : tolerance;
-  w.options.time_budget = 0, w.options.ledger = 0, w.options.accuracy = 0, w.ledger.open = false;
-  w.report = {};
+  solve_exactly(w);
   if (const Index failed = step_once(m, d)) return failed;
   std::copy_n(d.q, m.n.nq, x.q_next), std::copy_n(d.v, m.n.nv, x.v_next);
   velocity_at_end(m, x, has_file_rows(d), x.v_end);
@@ -192,6 +196,18 @@ void find_modes(const Model& m, Data<double>& d, StepDerivatives& x, double marg
   double largest = 0;
   for (Index k = 0; k < x.modes.count; ++k) largest = std::max(largest, shape::norm(load3(x.modes.contacts[k].force_on_b)));
   for (Index k = 0; k < x.modes.count; ++k) find.find(k, largest, margin);
+}
+
+Index differentiate_step(const Model& m, Data<double>& d, StepDerivatives& x, const DerivativeSettings& settings,
+                         const Wanted& wanted, dynDerivativeMethod& used) {
+  if (const Index failed = begin_derivatives(m, d, x)) return failed;
+  find_modes(m, d, x, settings.margin);
+  used = DYN_DERIVATIVE_METHOD_ANALYTIC;
+  if (settings.method != DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES) step_jacobian(m, d, x, settings.margin);
+  const bool covered = settings.method != DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES && !x.reason;
+  if (covered || settings.method == DYN_DERIVATIVE_METHOD_ANALYTIC) return 0;
+  used = DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES;
+  return step_differences(m, d, x, settings.epsilon, wanted);
 }
 
 }  // namespace dyn::simulation

@@ -44,6 +44,8 @@ std::size_t derivative_bytes(const Model& m);
 // In memory of that size, aligned to 64 bytes.
 StepDerivatives* place_derivatives(const Model& m, void* memory);
 
+// Options of a step to be differentiated: contacts solved to 1e-12, nothing that depends on a clock, no ledger.
+void solve_exactly(Workspace& w);
 // Saves the state and makes a step. Returns 0 or what integrator::step returns, or not_finite. The state is then that of the end
 // of the step, and restore_state must be called in any case.
 inline constexpr Index not_finite = -5;
@@ -67,5 +69,14 @@ Index step_differences(const Model& m, Data<double>& d, StepDerivatives& x, doub
 
 // Fills x.by by implicit differentiation, or sets x.reason (step_jacobian.cpp).
 void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double margin);
+
+struct DerivativeSettings {
+  dynDerivativeMethod method;
+  double epsilon, margin;
+};
+// All of this: a step from the state in d, and its derivatives in x by the method `used`. Returns as begin_derivatives, and
+// restore_state must be called in any case. Method ANALYTIC does not cover the step if x.reason is set.
+Index differentiate_step(const Model& m, Data<double>& d, StepDerivatives& x, const DerivativeSettings& settings,
+                         const Wanted& wanted, dynDerivativeMethod& used);
 
 }  // namespace dyn::simulation

@@ -234,6 +234,10 @@ TEST(Handles, TablesAreComplete) {
           "dyn_data_set_shape_material", "dyn_data_shape_material",
           // tests/simulation/step_derivatives_test.cpp
           "dyn_step_derivative_options_init", "dyn_step_derivatives_init",
+          // tests/plan
+          "dyn_plan_cost_init", "dyn_plan_problem_init", "dyn_plan_options_init", "dyn_plan_output_init", "dyn_planner_new",
+          "dyn_planner_size", "dyn_planner_init", "dyn_planner_free", "dyn_planner_set_guess", "dyn_planner_shift",
+          "dyn_planner_solve",
           // tests/simulation/actuation_test.cpp
           "dyn_actuator_init", "dyn_builder_add_actuator", "dyn_builder_set_gravity_compensation", "dyn_builder_set_medium",
           "dyn_builder_add_pair", "dyn_data_set_control", "dyn_data_apply_wrench", "dyn_data_clear_wrenches",

@@ -14,6 +14,7 @@ struct Robot {
   Surfaces surfaces;
   dynContactSolver* solver = nullptr;
   dynBatch* batch = nullptr;
+  dynPlanner* planner = nullptr;
   dynGeometry ball = geometry();
   double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, x[6] = {0, 0, 1, 0, 0, 0};
   double G[9] = {2, 0, 0, 0, 2, 0, 0, 0, 2}, g[3] = {0, 0, -1}, lambda[3] = {}, out[64] = {};
@@ -21,9 +22,10 @@ struct Robot {
   Robot() {
     EXPECT_EQ(DYN_OK, dyn_contact_solver_new(3, &solver));
     EXPECT_EQ(DYN_OK, dyn_batch_new(m, 0, 1, &batch));
+    EXPECT_EQ(DYN_OK, dyn_planner_new(m, 2, DYN_PLAN_INPUT_CONTROL, &planner));
     EXPECT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr));
   }
-  ~Robot() { dyn_contact_solver_free(solver), dyn_batch_free(batch); }
+  ~Robot() { dyn_contact_solver_free(solver), dyn_batch_free(batch), dyn_planner_free(planner); }
 
   static dynGeometry geometry() {
     dynGeometry s;
@@ -167,6 +169,14 @@ const std::map<std::string, Row> rows = {
     READ(dynStepDerivativeOptions, dyn_step_derivative_options_init, margin, dynStepDerivatives out;
          dyn_step_derivatives_init(&out); return dyn_step_derivatives(r.m, r.d, &s, &out);),
     READ(dynStepDerivatives, dyn_step_derivatives_init, report, return dyn_step_derivatives(r.m, r.d, nullptr, &s);),
+    READ(dynPlanCost, dyn_plan_cost_init, reference, dynPlanProblem problem; dyn_plan_problem_init(&problem); problem.costs = &s;
+         problem.cost_count = 1; return dyn_planner_solve(r.planner, r.m, r.d, &problem, nullptr, nullptr);),
+    READ(dynPlanProblem, dyn_plan_problem_init, context,
+         return dyn_planner_solve(r.planner, r.m, r.d, &s, nullptr, nullptr);),
+    READ(dynPlanOptions, dyn_plan_options_init, margin, dynPlanProblem problem; dyn_plan_problem_init(&problem);
+         return dyn_planner_solve(r.planner, r.m, r.d, &problem, &s, nullptr);),
+    READ(dynPlanOutput, dyn_plan_output_init, report, dynPlanProblem problem; dyn_plan_problem_init(&problem);
+         return dyn_planner_solve(r.planner, r.m, r.d, &problem, nullptr, &s);),
     READ(dynMeshOptions, dyn_mesh_options_init, relative_to, (void)r; dynMesh* mesh = nullptr;
          return dyn_mesh_load("/nowhere/m.stl", &s, &mesh);),
     READ(dynHeightField, dyn_height_field_init, bottom, (void)r; const double h[4] = {1, 1, 1, 1}; s.columns = s.rows = 2;
@@ -203,6 +213,8 @@ const std::map<std::string, Row> rows = {
     WRITTEN(dynStepReport, residual, return dyn_data_step_report(r.m, r.d, s);),
     WRITTEN(dynStepDerivativeReport, reason, dynStepDerivatives out; dyn_step_derivatives_init(&out); out.report = s;
             return dyn_step_derivatives(r.m, r.d, nullptr, &out);),
+    WRITTEN(dynPlanReport, steps, dynPlanOutput out; dyn_plan_output_init(&out); out.report = s; dynPlanProblem problem;
+            dyn_plan_problem_init(&problem); return dyn_planner_solve(r.planner, r.m, r.d, &problem, nullptr, &out);),
     WRITTEN(dynErrorLedger, cone, return dyn_data_ledger(r.m, r.d, s);),
     WRITTEN(dynMeshInfo, area, return dyn_mesh_info(r.surfaces.field, s);),
     WRITTEN(dynMeshArrays, planes, return dyn_mesh_arrays(r.surfaces.field, s);),

@@ -15,6 +15,7 @@ algorithm
 collision
 solver integrator
 simulation
+plan
 mesh
 load
 """

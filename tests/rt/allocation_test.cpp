@@ -142,6 +142,30 @@ TEST(Allocations, NoneInContactSolvers) {
   dyn_contact_solver_free(s);
 }
 
+// A swing of an arm: derivatives, the line search, and errors.
+TEST(Allocations, NoneInPlanners) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  const Model m = chain(3);
+  const Data d(m);
+  dynPlanner* planner = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_planner_new(m, 10, DYN_PLAN_INPUT_TAU, &planner)) << dyn_last_error();
+  dynPlanCost cost[2];
+  dyn_plan_cost_init(&cost[0]), dyn_plan_cost_init(&cost[1]);
+  cost[0].type = DYN_PLAN_COST_TYPE_FRAME_PLACEMENT, cost[1].type = DYN_PLAN_COST_TYPE_INPUT;
+  cost[0].frame = m.nframes() - 1;
+  dynPlanProblem problem;
+  dyn_plan_problem_init(&problem);
+  problem.costs = cost, problem.cost_count = 2;
+  const long before = allocations, locked = locks;
+  EXPECT_EQ(DYN_OK, dyn_planner_solve(planner, m, d, &problem, nullptr, nullptr)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_planner_shift(planner, 1));
+  cost[0].weight = -1;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_planner_solve(planner, m, d, &problem, nullptr, nullptr));
+  EXPECT_EQ(before, allocations);
+  EXPECT_EQ(locked, locks);
+  dyn_planner_free(planner);
+}
+
 // Every algorithm, states that fail among them: nothing is allocated or locked in any thread, and there are as many system calls
 // for thousands of states as for a few.
 TEST(Allocations, NoneInBatches) {

@@ -100,6 +100,7 @@ from .mesh import Mesh, MeshInfo, load_mesh
 from .model import Model
 from .picture import Camera, Renderer, write_png
 from .placement import Placement
+from .planner import Plan, PlanCost, Planner, PlanPoint
 from .recording import Recording
 from .simulate import Simulation, Trajectory
 from .sensor import Sensor
@@ -118,7 +119,8 @@ __all__ = [
     "Data", "DcMotor", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "ForceLimit", "FrameInfo",
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
-    "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "Parameter", "ParseError", "PartError", "Placement", "QuaternionError",
+    "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "Parameter", "ParseError", "PartError", "Placement",
+    "Plan", "PlanCost", "PlanPoint", "Planner", "QuaternionError",
     "RayHit", "Rays", "Recording", "Renderer", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
     "StateLayout", "StepReport", "StrictError", "Tendon", "TendonElement", "TendonPath", "Trajectory", "UnknownNameError",
     "UnsupportedError", "Viewer", "WORLD", "accuracy", "batch",

@@ -14,9 +14,11 @@ from .tables import FIELDS
 OWNERS = {
     "model": "Model", "data": "Data", "builder": "Builder", "batch": "Batch", "mesh": "Mesh", "contact_solver": "ContactSolver",
     "broad_phase": "BroadPhase", "se3": "Placement",
+    "planner": "Planner",
 }  # fmt: skip
 """Class of the functions dyn_model_..., dyn_data_..., and so on."""
 DIFFERENT = {
+    "dyn_planner_new": "Model.planner", "dyn_planner_init": "Model.planner", "dyn_planner_size": "Model.planner",
     "dyn_data_new": "Model.data", "dyn_data_init": "Model.data", "dyn_data_size": "Model.data_size",
     "dyn_data_array": "Data.field", "dyn_data_pair": "Data.pair_reason", "dyn_data_effect_info": "Data.plan",
     "dyn_effect_count": "Data.plan", "dyn_field_id": "Data.field", "dyn_batch_new": "Model.batch", "dyn_batch_run": "dyn.Batch",

@@ -21,13 +21,14 @@ from .errors import ArgumentError
 from .library import check, last_error, lib
 from .mocap import ModelMocaps
 from .model_arrays import ModelArrays
+from .planner import Planner
 from .saving import Saving
 from .sensor import ModelSensors
 from .tendon import ModelTendons
 
 if TYPE_CHECKING:
     from .arrays import Integers, Numbers
-    from .enums import PartLike
+    from .enums import PartLike, PlanInputLike
 
 
 class Model(
@@ -140,6 +141,10 @@ class Model(
     def batch(self, threads: int | None = None, parts: PartLike = Part.ALL) -> Batch:
         """Every algorithm over arrays of states, with several threads (None: as many as this process has processors)."""
         return Batch(self, threads, parts)
+
+    def planner(self, knots: int, input: PlanInputLike = "control") -> Planner:
+        """A planner of inputs over `knots` steps: "control", those of actuators, or "tau"."""
+        return Planner(self, knots, input)
 
     def inertial_parameters(self) -> Numbers:
         """pi of all joints' bodies, (10 (njoints - 1),): ten a body, [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] in the joint's
