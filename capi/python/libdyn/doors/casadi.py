@@ -14,8 +14,6 @@ Python, with exact Jacobians and Hessians by differences of them.
 from __future__ import annotations
 
 import os
-import shutil
-import subprocess
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,9 +21,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import casadi  # type: ignore[import-not-found, import-untyped, unused-ignore]
 import numpy as np
 
-from .. import files
-from ..errors import ArgumentError, UnsupportedError
-from ..library import path as library_path
+from ..errors import ArgumentError
+from .compiled import compiler, shared_library
 from .function import Function
 from .tangent import blocks
 
@@ -52,7 +49,7 @@ def _write(f: Function, path: Path, symbol: str) -> Path:
     words = np.frombuffer(image + bytes(-len(image) % 8), "<u8")
     stepping = f.data.step_options if f.name == "step" else None
     lines = [
-        f"/* {f.name} of {f.model.name!r}, written by libdyn.doors.casadi. */".replace("*/ ", ""),
+        f"/* {f.name}, written by libdyn.doors.casadi. */",
         f"#define DOOR_NAME {symbol}",
         f"#define DOOR_KIND DOOR_{f.name.upper()}",
         f"#define DOOR_FRAME {f.frame}",
@@ -66,24 +63,9 @@ def _write(f: Function, path: Path, symbol: str) -> Path:
     return path
 
 
-def compiler() -> str | None:
-    """The C compiler: of the environment variable CC, or cc, gcc, clang."""
-    return next(filter(None, map(shutil.which, (os.environ.get("CC", ""), "cc", "gcc", "clang"))), None)
-
-
 def build(source: str | os.PathLike) -> Path:
     """Compiles a file of generate, and returns the shared library beside it, which casadi.external takes."""
-    source, cc = Path(source), compiler()
-    if not cc:
-        raise UnsupportedError("there is no C compiler: install one, or set CC to it.")
-    made = source.with_suffix(".so")
-    folder = files.library_folder()
-    command = [cc, "-O2", "-std=c11", "-shared", "-fPIC", "-fvisibility=hidden", f"-I{files.include()}", str(source), "-o", str(made),
-               str(Path(library_path).resolve()) if os.sep in library_path else "-ldyn", f"-Wl,-rpath,{folder}"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode:
-        raise UnsupportedError(f"{cc} could not compile {source}: {done.stderr.strip()}")
-    return made
+    return shared_library(source, "cc", "-std=c11")
 
 
 def function(model: Model, name: str, *, method: Literal["auto", "compiled", "callback"] = "auto", symbol: str = "",
@@ -97,7 +79,7 @@ def function(model: Model, name: str, *, method: Literal["auto", "compiled", "ca
     if method not in ("auto", "compiled", "callback"):
         raise ArgumentError(f"method is {method!r}, but must be 'auto', 'compiled' or 'callback'.")
     f, symbol = Function(model, name, threads=1, **options), symbol or name
-    if method == "callback" or (method == "auto" and not compiler()):
+    if method == "callback" or (method == "auto" and not compiler("cc")):
         return _kept(_Value(symbol, f))
     with tempfile.TemporaryDirectory() as folder:  # the library stays loaded
         return casadi.external(symbol, str(build(_write(f, Path(folder) / f"{symbol}.c", symbol))))

@@ -12,6 +12,7 @@ and begins without forces of an earlier step: it depends on its arguments alone.
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from ctypes import byref, sizeof
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -93,33 +94,37 @@ class Function:
             y = self._steps(rows)[0] if self.name == "step" else [self._values(rows)]
         return tuple(o.reshape(*lead, -1) for o in y)
 
-    def jacobians(self, *x: Any) -> tuple[tuple[Numbers, ...], list[list[Numbers]]]:
-        """Outputs, and J: J[o][i] is the derivative of output o by input i, (..., size of o, size of i)."""
+    def tangents(self, *x: Any) -> tuple[tuple[Numbers, ...], list[list[Numbers]]]:
+        """Outputs, and J on tangent spaces: J[o][i] is the derivative of output o by input i, (..., rows, columns)."""
         lead, rows = self._rows(x)
         with self._lock:
             if self.name == "step":
                 y, J = self._steps(rows, True)
             else:
                 y, J = [self._values(rows)], [self._derivatives(rows)]
-        inverse = tangent_map_inverse(self.model, rows[0])
-        out = []
-        for o, (value, by) in enumerate(zip(y, J)):
-            by = [by[0] @ inverse, *by[1:]]
-            columns = [self.lift(o, value[:, None], j.swapaxes(-1, -2)).swapaxes(-1, -2) for j in by]
-            out += [[j.reshape(*lead, *j.shape[1:]) for j in columns]]
-        return tuple(o.reshape(*lead, -1) for o in y), out
+        return tuple(o.reshape(*lead, -1) for o in y), [[j.reshape(*lead, *j.shape[1:]) for j in by] for by in J]
+
+    def jacobians(self, *x: Any) -> tuple[tuple[Numbers, ...], list[list[Numbers]]]:
+        """Outputs, and J by numbers: J[o][i] is the derivative of output o by input i, (..., size of o, size of i)."""
+        y, J = self.tangents(*x)
+        inverse = tangent_map_inverse(self.model, np.asarray(x[0], np.float64))
+        by_numbers = [[by[0] @ inverse, *by[1:]] for by in J]
+        return y, [[self.lift(o, y[o][..., None, :], j.swapaxes(-1, -2)).swapaxes(-1, -2) for j in by] for o, by in enumerate(by_numbers)]
+
+    def check(self, shapes: Sequence[tuple[int, ...]]) -> None:
+        """Refuses inputs of other shapes."""
+        if len(shapes) != len(self.inputs):
+            raise SizeError(f"{self.name} takes {', '.join(i.name for i in self.inputs)}, but {len(shapes)} arrays are given.")
+        lead = tuple(shapes[0][:-1])
+        for shape, i in zip(shapes, self.inputs):
+            if tuple(shape) != (*lead, i.size):
+                raise SizeError(f"{i.name} has shape {tuple(shape)}, but must have shape {(*lead, i.size)} of model {self.model.name!r}.")
 
     def _rows(self, x: tuple[Any, ...]) -> tuple[tuple[int, ...], list[Numbers]]:
         """Axes in front, and the inputs as (N, size)."""
-        if len(x) != len(self.inputs):
-            raise SizeError(f"{self.name} has {len(x)} inputs, but takes {', '.join(i.name for i in self.inputs)}.")
         arrays = [numbers(a, i.name) for a, i in zip(x, self.inputs)]
-        lead = arrays[0].shape[:-1]
-        for a, i in zip(arrays, self.inputs):
-            if a.shape != (*lead, i.size):
-                expected = ", ".join(map(str, (*lead, i.size)))
-                raise SizeError(f"{i.name} has shape {a.shape}, but must have shape ({expected}) of model {self.model.name!r}.")
-        return lead, [np.ascontiguousarray(a).reshape(-1, i.size) for a, i in zip(arrays, self.inputs)]
+        self.check([np.shape(a) for a in (*arrays, *x[len(arrays) :])])
+        return arrays[0].shape[:-1], [np.ascontiguousarray(a).reshape(-1, i.size) for a, i in zip(arrays, self.inputs)]
 
     def _values(self, x: list[Numbers]) -> Numbers:
         if self.name == "frame_placement":
