@@ -25,7 +25,13 @@ typedef struct {
   double *t, *u, *w, *y, *zeros; /* vectors; y: outputs one after another */
 } Memory;
 
+typedef struct {
+  int iq, iv, nq, nv;
+} Joint;
+
 static const dynModel* model;
+static Joint* joints;
+static int n_joints;
 static int nq, nv, nu, n_in, n_out, rows, columns; /* rows, columns: of J */
 static Variable in[MOST_INPUTS], out[MOST_OUTPUTS];
 /* Sparsities of inputs and outputs: {rows, columns, 1} is dense. */
@@ -41,6 +47,18 @@ static int count_out(int f) {
 }
 static int size_in(int k) {
   return k < n_in ? in[k].size : k < n_in + 2 * n_out ? out[(k - n_in) % n_out].size : in[k - n_in - 2 * n_out].size;
+}
+
+/* Joints that have coordinates: a follower has none. */
+static int list_joints(void) {
+  if (!(joints = calloc((size_t)dyn_model_njoints(model), sizeof *joints))) return 1;
+  for (int j = 1; j < dyn_model_njoints(model); ++j) {
+    dynJointInfo info;
+    info.struct_size = sizeof info;
+    if (dyn_model_joint_info(model, j, &info)) return 1;
+    if (info.nv) joints[n_joints++] = (Joint){info.idx_q, info.idx_v, info.nq, info.nv};
+  }
+  return 0;
 }
 
 static int make_shapes(void) {
@@ -78,7 +96,7 @@ static int open_model(void) {
       out[1] = (Variable){"v_next", nv, nv};
       for (int k = 0; k < n_in; ++k) columns += in[k].tangent;
       for (int k = 0; k < n_out; ++k) rows += out[k].tangent;
-      failed = make_shapes();
+      failed = list_joints() || make_shapes();
       atomic_store(&opened, !failed);
     }
   }
@@ -121,11 +139,7 @@ static void down_quaternion(const double* q, const double* x, double scale, doub
 /* Calls act(context, first of q, first of v, nq, nv) for the coordinates of each joint. */
 typedef void (*Act)(void* context, int iq, int iv, int joint_nq, int joint_nv);
 static void each_joint(Act act, void* context) {
-  for (int j = 1; j < dyn_model_njoints(model); ++j) {
-    dynJointInfo info;
-    info.struct_size = sizeof info;
-    if (dyn_model_joint_info(model, j, &info) == DYN_OK && info.nv) act(context, info.idx_q, info.idx_v, info.nq, info.nv);
-  }
+  for (int j = 0; j < n_joints; ++j) act(context, joints[j].iq, joints[j].iv, joints[j].nq, joints[j].nv);
 }
 
 typedef struct {
@@ -235,7 +249,9 @@ static void lift_transposed(int o, const double* y, const double* seed, double* 
 
 /* ------------------------------------------------------------------------------------------------- the function */
 
-/* The value, outputs one after another in y, and, where J is wanted, the Jacobian on tangent spaces, rows x columns. */
+/* The value, outputs one after another in y, and, where J is wanted, the Jacobian on tangent spaces, rows x columns.
+   y may be NULL where no Jacobian by numbers depends on it (LIFTED). */
+enum { LIFTED = DOOR_KIND == DOOR_FRAME_PLACEMENT || DOOR_KIND == DOOR_STEP };
 static int evaluate(Memory* m, const double** x, double* y, double* J) {
   const size_t block = (size_t)nv * nv;
   if (DOOR_KIND == DOOR_ABA) {
@@ -243,10 +259,11 @@ static int evaluate(Memory* m, const double** x, double* y, double* J) {
     dynAbaDerivatives d;
     dyn_aba_derivatives_init(&d);
     d.ddq_dq = J, d.ddq_dv = J + block, d.ddq_dtau = J + 2 * block;
-    return dyn_aba(model, m->data, x[0], x[1], x[2], NULL, y) || dyn_aba_derivatives(model, m->data, x[0], x[1], x[2], NULL, &d);
+    return (y && dyn_aba(model, m->data, x[0], x[1], x[2], NULL, y)) ||
+           dyn_aba_derivatives(model, m->data, x[0], x[1], x[2], NULL, &d);
   }
   if (DOOR_KIND == DOOR_RNEA) {
-    if (dyn_rnea(model, m->data, x[0], x[1], x[2], NULL, y)) return 1;
+    if (y && dyn_rnea(model, m->data, x[0], x[1], x[2], NULL, y)) return 1;
     return J && (dyn_rnea_derivatives(model, m->data, x[0], x[1], x[2], NULL, J, J + block) ||
                  dyn_crba(model, m->data, x[0], J + 2 * block));
   }
@@ -294,10 +311,11 @@ static void blocks(Memory* m, const double* q, double** res, int stride, int tra
     for (int i = 0, column = 0; i < n_in; column += in[i++].tangent) {
       double* to = res[transposed ? i * stride + o : o * stride + i];
       if (!to) continue;
-      double* lifted = m->X; /* size of the output x columns of the tangent space */
+      const int done = i && !transposed;
+      double* lifted = done ? to : m->X; /* size of the output x columns of the tangent space */
       for (int k = 0; k < in[i].tangent; ++k)
         lift(o, m->y + at, m->J + row + (size_t)(column + k) * rows, lifted + (size_t)k * out[o].size);
-      for (int r = 0; r < out[o].size; ++r) {
+      for (int r = 0; !done && r < out[o].size; ++r) {
         for (int k = 0; k < in[i].tangent; ++k) m->u[k] = lifted[r + (size_t)k * out[o].size];
         if (i) memcpy(m->w, m->u, (size_t)in[i].size * sizeof *m->w);
         else up(q, m->u, m->w, 1);
@@ -309,14 +327,14 @@ static void blocks(Memory* m, const double* q, double** res, int stride, int tra
 
 static int jacobian(Memory* m, const double** arg, double** res) {
   const double* x[MOST_INPUTS];
-  if (evaluate(m, given(m, arg, x), m->y, m->J)) return 1;
+  if (evaluate(m, given(m, arg, x), LIFTED ? m->y : NULL, m->J)) return 1;
   blocks(m, x[0], res, n_in, 0);
   return 0;
 }
 
 static int adjoint(Memory* m, const double** arg, double** res) {
   const double* x[MOST_INPUTS];
-  if (evaluate(m, given(m, arg, x), m->y, m->J)) return 1;
+  if (evaluate(m, given(m, arg, x), LIFTED ? m->y : NULL, m->J)) return 1;
   products(m->J, m->y, arg + n_in + n_out, m->t, m->u);
   for (int i = 0, column = 0; i < n_in; column += in[i++].tangent) {
     if (!res[i]) continue;
@@ -455,12 +473,16 @@ static int adjoint_jacobian(Memory* m, const double** arg, double** res) {
 
 /* ---------------------------------------------------------------------------------------------- what CasADi asks */
 
+/* Data and buffers stay for the next caller: generated code takes and gives them in each call. */
 static void release(int k) {
-  if (k < 0 || k >= MOST_DATA) return;
+  if (k >= 0 && k < MOST_DATA) atomic_flag_clear(&taken[k]);
+}
+static int give_up(int k) {
   dyn_data_free(memory[k].data);
   free(memory[k].J);
   memset(&memory[k], 0, sizeof memory[k]);
-  atomic_flag_clear(&taken[k]);
+  release(k);
+  return -1;
 }
 
 /* Data and buffers of one caller at a time. -1: no memory. */
@@ -473,22 +495,20 @@ static int checkout(void) {
   while (k < MOST_DATA && atomic_flag_test_and_set(&taken[k])) ++k;
   if (k == MOST_DATA) return -1;
   Memory* m = &memory[k];
+  if (m->data) return k;
   const size_t J = (size_t)rows * columns, N = (size_t)columns + nq, H = 2 * N * N + 16 * N, vector = N + 12;
   const size_t X = 6 * (size_t)nv * nv + vector * N;
   m->J = calloc(J + H + X + 5 * vector, sizeof *m->J);
-  if (!m->J || dyn_data_new(model, parts[DOOR_KIND], &m->data) != DYN_OK) {
-    release(k);
-    return -1;
-  }
+  if (!m->J || dyn_data_new(model, parts[DOOR_KIND], &m->data) != DYN_OK) return give_up(k);
   m->H = m->J + J, m->X = m->H + H, m->t = m->X + X, m->u = m->t + vector, m->w = m->u + vector;
   m->y = m->w + vector, m->zeros = m->y + vector;
   if (DOOR_KIND == DOOR_STEP) {
     dynStepOptions options;
     options.struct_size = sizeof options;
-    if (dyn_data_step_options(model, m->data, &options)) return release(k), -1;
+    if (dyn_data_step_options(model, m->data, &options)) return give_up(k);
     if (DOOR_DT > 0) options.dt = DOOR_DT;
     if (DOOR_INTEGRATOR >= 0) options.integrator = (dynIntegrator)DOOR_INTEGRATOR;
-    if (dyn_data_set_step_options(model, m->data, &options)) return release(k), -1;
+    if (dyn_data_set_step_options(model, m->data, &options)) return give_up(k);
   }
   return k;
 }
