@@ -55,8 +55,11 @@ def fill(package, prefix):
                          "libdyn.")
     libraries = folders.pop()
     package.mkdir(parents=True)
-    for file in [*PACKAGE.glob("libdyn/*.py"), PACKAGE / "libdyn/py.typed"]:
-        shutil.copy(file, package)
+    for pattern in ("*.py", "py.typed", "doors/*.py", "doors/native/*.c*"):
+        for file in (PACKAGE / "libdyn").glob(pattern):
+            there = package / file.relative_to(PACKAGE / "libdyn")
+            there.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(file, there)
     (package / "lib").mkdir()
     for file in [libraries / SONAME, *libraries.glob(MODULE)]:
         shutil.copyfile(file, package / "lib" / file.name)  # the file, not the link

@@ -32,6 +32,11 @@ _first = c_double.from_buffer
 _empty = np.empty
 
 
+def processors() -> int:
+    """Those that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def _count(q: Any) -> int:
     """Number of states."""
     try:
@@ -100,7 +105,7 @@ class Batch(Algorithms, Rollouts):
         self.model = model
         """The robot."""
         if threads is None:
-            threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+            threads = processors()
         if not isinstance(threads, int) or abs(threads) >= 2**31:
             raise ArgumentError(f"threads is {threads!r}, but must be a number of threads.")
         handle = c_void_p()

@@ -224,6 +224,8 @@ def test_program(name, program, folder, monkeypatch):
             pass
     if name.startswith("states"):
         pytest.importorskip("mujoco")
+    for package in re.findall(r"^from libdyn.doors import (\w+)", program, re.M):
+        pytest.importorskip(package)
     if "gym" in program:
         pytest.importorskip("gymnasium")
     if ".plot(" in program:
