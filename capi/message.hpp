@@ -23,8 +23,11 @@ dynStatus fail(dynStatus status, const char* format, ...)
 #elif DYN_MESSAGES == 1
 dynStatus fail_with(dynStatus status, const char* format, ...);
 template <class... Args>
-dynStatus fail(dynStatus status, const char* format, Args... args) {
-  return fail_with(status, sizeof...(Args) ? format_of_values<Args...>.data() : format, args...);
+dynStatus fail(dynStatus status, [[maybe_unused]] const char* format, Args... args) {
+  if constexpr (sizeof...(Args) == 0)
+    return fail_with(status, format);
+  else
+    return fail_with(status, format_of_values<Args...>.data(), args...);
 }
 #else
 template <class... Args>

@@ -12,10 +12,14 @@ namespace dyn::capi {
 template <class... Args>
 constexpr auto values_format() {
   const auto item = []<class T>(std::type_identity<T>) -> const char* {
-    if constexpr (std::is_floating_point_v<T>) return "%g";
-    else if constexpr (!std::is_integral_v<T> && !std::is_enum_v<T>) return "%s";
-    else if constexpr (sizeof(T) == 8) return std::is_signed_v<T> ? "%lld" : "%llu";
-    else return std::is_signed_v<T> ? "%d" : "%u";
+    if constexpr (std::is_floating_point_v<T>)
+      return "%g";
+    else if constexpr (!std::is_integral_v<T> && !std::is_enum_v<T>)
+      return "%s";
+    else if constexpr (sizeof(T) == 8)
+      return std::is_signed_v<T> ? "%lld" : "%llu";
+    else
+      return std::is_signed_v<T> ? "%d" : "%u";
   };
   std::array<char, 5 * sizeof...(Args) + 1> text{};
   std::size_t at = 0;

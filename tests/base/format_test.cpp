@@ -1,6 +1,5 @@
 // Tests of the printf of boards against the C library's.
 #include "format.hpp"
-#include "short_message.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+
+#include "short_message.hpp"
 
 namespace {
 
@@ -62,8 +63,7 @@ std::string short_message(Args... args) {
 TEST(Format, AShortMessageIsTheValuesOfAMessage) {
   const char* const function = "dyn_rnea";
   EXPECT_EQ("dyn_rnea q 2 NaN", short_message(function, "q", 2, "NaN"));
-  EXPECT_EQ("-1 7 4294967296 -4294967296 1 0.25",
-            short_message(-1, 7u, std::uint64_t(1) << 32, -4294967296LL, true, 0.25));
+  EXPECT_EQ("-1 7 4294967296 -4294967296 1 0.25", short_message(-1, 7u, std::uint64_t(1) << 32, -4294967296LL, true, 0.25));
   enum Colour : std::uint16_t { red = 3 };
   EXPECT_EQ("3", short_message(red));
 }

@@ -6,8 +6,8 @@
 
 #include "boards/figures.hpp"
 #include "boards/worst.hpp"
-#include "model/block.hpp"
 #include "guard.hpp"
+#include "model/block.hpp"
 
 namespace {
 
@@ -54,7 +54,8 @@ void write_image(std::FILE* f, const dynModel* m, std::uint32_t flags) {
 
 // The robot, and what run(out) computes.
 template <class Run>
-void write(const std::string& dir, const char* name, const dynModel* m, std::size_t bytes, Run&& run, const std::vector<double>& start = {}) {
+void write(const std::string& dir, const char* name, const dynModel* m, std::size_t bytes, Run&& run,
+           const std::vector<double>& start = {}) {
   std::FILE* f = std::fopen((dir + "/" + name + ".hpp").c_str(), "w");
   if (!f) std::perror(dir.c_str()), std::exit(1);
   std::fprintf(f, "#if DYN_LANES != 4\n");
@@ -76,7 +77,9 @@ void write(const std::string& dir, const char* name, const dynModel* handle, Fig
   const dyn::Model& m = *handle->m;  // with names: what they are is no figure
   const dyn::Zeros zeros(X::bytes(m));
   write(dir, name, handle, X::bytes(m), [&](auto&& out) {
-    figures(m, zeros.memory, out, [](const char*, int calls, auto&& call) { while (calls--) call(); });
+    figures(m, zeros.memory, out, [](const char*, int calls, auto&& call) {
+      while (calls--) call();
+    });
   });
 }
 
@@ -84,8 +87,10 @@ void write(const std::string& dir, const char* name, const dynModel* handle, Fig
 void write_worst(const std::string& dir, const char* name, const dynModel* m, const std::vector<double>& start) {
   dynData* d = nullptr;
   check(dyn_data_new(m, boards::worst_parts_of_steps, &d));
-  write(dir, name, m, dyn_data_size(m, boards::worst_parts_of_steps),
-        [&](auto&& out) { check(boards::worst_figures(m, d, start.data(), out, [](const char*, auto&& call) { return call(); })); }, start);
+  write(
+      dir, name, m, dyn_data_size(m, boards::worst_parts_of_steps),
+      [&](auto&& out) { check(boards::worst_figures(m, d, start.data(), out, [](const char*, auto&& call) { return call(); })); },
+      start);
   dyn_data_free(d);
 }
 

@@ -1,5 +1,5 @@
-// Algorithms of a control cycle through dyn.h, each in many states: results for comparison, and the work of every call. No heap and
-// no files: the same source on boards and on a PC.
+// Algorithms of a control cycle through dyn.h, each in many states: results for comparison, and the work of every call. No heap
+// and no files: the same source on boards and on a PC.
 #pragma once
 
 #include "boards/dice.hpp"
@@ -7,7 +7,8 @@
 
 namespace boards {
 
-constexpr dynParts worst_parts = DYN_PART_INVERSE | DYN_PART_FORWARD | DYN_PART_MASS | DYN_PART_JACOBIANS;
+// CHOLESKY: of ABA with mimic joints
+constexpr dynParts worst_parts = DYN_PART_INVERSE | DYN_PART_FORWARD | DYN_PART_CHOLESKY | DYN_PART_JACOBIANS;
 constexpr dynParts worst_parts_of_steps = worst_parts | DYN_PART_SIMULATION;
 constexpr int worst_states = 20, worst_steps = 60, worst_iterations = 50;
 

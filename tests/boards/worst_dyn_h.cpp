@@ -28,7 +28,8 @@ class Longest {
     return status;
   }
   void print() {
-    if (name_) board::print("  "), board::print(name_), board::print(": "), board::print(longest_), board::print(" instructions\n");
+    if (name_)
+      board::print("  "), board::print(name_), board::print(": "), board::print(longest_), board::print(" instructions\n");
     longest_ = 0;
   }
 

@@ -9,7 +9,7 @@ cpu = ["-mcpu=cortex-m7", "-mfpu=fpv5-d16", "-mfloat-abi=hard", "-mthumb"]
 env.Replace(AR="arm-none-eabi-gcc-ar", CC="arm-none-eabi-gcc", CXX="arm-none-eabi-g++", RANLIB="arm-none-eabi-gcc-ranlib",
             ARFLAGS=["rc"], PROGSUFFIX=".elf")
 env.Append(CCFLAGS=cpu + ["-O2", "-ffunction-sections"], CXXFLAGS=["-std=gnu++20", "-fno-exceptions", "-fno-rtti"],
-           CPPDEFINES=[("DYN_TICKS", 25000000)], CPPPATH=[root + "/tools/bare_metal", root + "/tests/boards/packages_stubs"],
+           CPPDEFINES=[("DYN_TICKS", 25000000)], CPPPATH=[root + "/tools/bare_metal", root + "/tests/boards/packages_test/stubs"],
            LINKFLAGS=cpu + ["-nostdlib", "-Wl,--gc-sections", "-Wl,--fatal-warnings", "-T", "mps2.ld"],
            LIBPATH=[root + "/tools/bare_metal"], LIBS=["c", "m", "gcc"])
 Default(env.BuildProgram())
