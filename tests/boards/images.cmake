@@ -55,8 +55,8 @@ macro(dyn_image kind robot)
   dyn_link(${kind}_${robot} dyn_core_static ${x_BOARDS})
 endmacro()
 
-# A program that includes dyn.h alone: name SOURCES files PARTS parts BOARDS boards DEFINES definitions MESSAGES kind. What depends on the parts
-# and on messages is compiled for them.
+# A program that includes dyn.h alone: name SOURCES files PARTS parts BOARDS boards DEFINES definitions MESSAGES kind. What depends on
+# the parts and on messages is compiled for them.
 macro(dyn_program name)
   cmake_parse_arguments(x "" "MESSAGES" "SOURCES;PARTS;BOARDS;DEFINES" ${ARGN})
   dyn_objects_of(${name} dyn_board SOURCES ${x_SOURCES} DEFINES ${x_DEFINES} $<$<BOOL:${DYN_REPRODUCIBLE}>:DYN_LANES=4>)
@@ -86,8 +86,8 @@ list(GET DYN_BOARDS 0 board)
 option(DYN_ALL_IMAGES "Images with other messages, and of the quadruped on internal headers" ON)
 if(DYN_ALL_IMAGES)
   foreach(messages short none)
-    dyn_program(rnea_dyn_h_${messages} SOURCES ${CMAKE_CURRENT_LIST_DIR}/rnea_dyn_h.cpp PARTS INVERSE BOARDS ${board} MESSAGES ${messages}
-                DEFINES DYN_TABLES="rnea_arm.hpp" DYN_REFUSAL_${messages})
+    dyn_program(rnea_dyn_h_${messages} SOURCES ${CMAKE_CURRENT_LIST_DIR}/rnea_dyn_h.cpp PARTS INVERSE BOARDS ${board}
+                MESSAGES ${messages} DEFINES DYN_TABLES="rnea_arm.hpp" DYN_REFUSAL_${messages})
   endforeach()
 endif()
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m7")
@@ -106,7 +106,8 @@ add_custom_target(worst)
 set(worst "run ${command}\n")
 string(COMPARE NOTEQUAL ${board} an547 steps)
 foreach(robot arm quadruped humanoid)
-  dyn_objects_of(worst_${robot} dyn_board SOURCES ${CMAKE_CURRENT_LIST_DIR}/worst_dyn_h.cpp DEFINES DYN_TABLES="worst_${robot}.hpp" DYN_STEPS=${steps})
+  dyn_objects_of(worst_${robot} dyn_board SOURCES ${CMAKE_CURRENT_LIST_DIR}/worst_dyn_h.cpp
+                 DEFINES DYN_TABLES="worst_${robot}.hpp" DYN_STEPS=${steps})
   dyn_elf(worst_${robot} ${board} dyn_board $<TARGET_OBJECTS:worst_${robot}_objects>)
   set_target_properties(worst_${robot}_objects worst_${robot} PROPERTIES EXCLUDE_FROM_ALL ON)
   add_dependencies(worst worst_${robot})

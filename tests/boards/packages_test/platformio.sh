@@ -29,8 +29,8 @@ version=$("$python" -c 'from platformio.dependencies import get_core_dependencie
 scons=$PLATFORMIO_CORE_DIR/packages/tool-scons platforms=$PLATFORMIO_CORE_DIR/platforms
 mkdir -p "$scons" "$platforms" "$work/project/src"
 installed() {  # type, name, version, owner
-  printf '{"type": "%s", "name": "%s", "version": "%s", "spec": {"owner": %s, "id": null, "name": "%s", "requirements": null, "uri": null}}' \
-    "$1" "$2" "$3" "$4" "$2"
+  local spec="{\"owner\": $4, \"id\": null, \"name\": \"$2\", \"requirements\": null, \"uri\": null}"
+  echo "{\"type\": \"$1\", \"name\": \"$2\", \"version\": \"$3\", \"spec\": $spec}"
 }
 printf '{"name": "tool-scons", "version": "%s"}' "$version" >"$scons/package.json"
 installed tool tool-scons "$version" '"platformio"' >"$scons/.piopm"
