@@ -20,7 +20,11 @@ thread_local char last_error[1024];
 }  // namespace
 
 #if DYN_MESSAGES
+#if DYN_MESSAGES == 2
 dynStatus fail(dynStatus status, const char* format, ...) {
+#else
+dynStatus fail_with(dynStatus status, const char* format, ...) {
+#endif
   va_list args;
   va_start(args, format);
 #if DYN_NO_HOST

@@ -6,25 +6,9 @@
 #include <cstdint>
 
 #include "dyn.h"
+#include "message.hpp"
 
 namespace dyn::capi {
-
-// Sets the thread's last error. printf's format; no heap. Returns the status. Boards may go without texts (DYN_MESSAGES=0).
-#ifndef DYN_MESSAGES
-#define DYN_MESSAGES 1
-#endif
-#if DYN_MESSAGES
-dynStatus fail(dynStatus status, const char* format, ...)
-#if !DYN_NO_HOST  // where an int32_t may be a long, which is as wide as an int
-    __attribute__((format(printf, 2, 3)))
-#endif
-    ;
-#else
-template <class... Args>
-dynStatus fail(dynStatus status, const char*, const Args&...) {
-  return status;
-}
-#endif
 
 // Other sizes are mistakes: no struct was ever shorter (8 is the size of a pointer), and none is so long.
 inline constexpr std::uint32_t smallest_struct = 12, largest_struct = 4096;

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <string>
 
+#include "short_message.hpp"
+
 namespace {
 
 std::string formatted(std::size_t size, const char* format, ...) {
@@ -51,6 +53,19 @@ TEST(Format, ATextWithoutRoomIsCut) {
 TEST(Format, AFormatThatEndsEarlyIsSafe) {
   EXPECT_EQ("a", formatted(256, "a%"));
   EXPECT_EQ("a", formatted(256, "a%."));
+}
+
+template <class... Args>
+std::string short_message(Args... args) {
+  return formatted(256, dyn::capi::format_of_values<Args...>.data(), args...);
+}
+
+TEST(Format, AShortMessageIsTheValuesOfAMessage) {
+  const char* const function = "dyn_rnea";
+  EXPECT_EQ("dyn_rnea q 2 NaN", short_message(function, "q", 2, "NaN"));
+  EXPECT_EQ("-1 7 4294967296 -4294967296 1 0.25", short_message(-1, 7u, std::uint64_t(1) << 32, -4294967296LL, true, 0.25));
+  enum Colour : std::uint16_t { red = 3 };
+  EXPECT_EQ("3", short_message(red));
 }
 
 }  // namespace

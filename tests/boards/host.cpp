@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "boards/figures.hpp"
-#include "model/block.hpp"
+#include "boards/worst.hpp"
 #include "guard.hpp"
+#include "model/block.hpp"
 
 namespace {
 
@@ -25,16 +26,15 @@ dynModel* load(const std::string& path, dynBase base) {
   return m;
 }
 
-// The quadruped above a floor, and its initial state.
-dynModel* on_floor(const dynModel* robot) {
+// A robot above a floor, which lies at some height, and its configuration there.
+dynModel* on_floor(const dynModel* robot, const std::vector<double>& q, double height = 0) {
   dynBuilder* b = nullptr;
   check(dyn_builder_from_model(robot, &b));
   dynShapeSpec floor;
   dyn_shape_spec_init(&floor);
   floor.type = DYN_SHAPE_TYPE_HALF_SPACE, floor.name = "floor";
+  floor.placement[11] = height;
   check(dyn_builder_add_shape(b, &floor));
-  std::vector<double> q = {0, 0, 0.331, 0, 0, 0, 1};
-  for (int leg = 0; leg < 4; ++leg) q.insert(q.end(), {0, 0.8, -1.5});
   check(dyn_builder_add_configuration(b, "standing", q.data(), q.size()));
   dynModel* m = nullptr;
   check(dyn_builder_finish(b, &m));
@@ -52,24 +52,46 @@ void write_image(std::FILE* f, const dynModel* m, std::uint32_t flags) {
   std::fprintf(f, "\n};\n");
 }
 
-template <class X, class Figures>
-void write(const std::string& dir, const char* name, const dynModel* handle, Figures&& figures) {
-  const dyn::Model& m = *handle->m;  // with names: what they are is no figure
+// The robot, and what run(out) computes.
+template <class Run>
+void write(const std::string& dir, const char* name, const dynModel* m, std::size_t bytes, Run&& run,
+           const std::vector<double>& start = {}) {
   std::FILE* f = std::fopen((dir + "/" + name + ".hpp").c_str(), "w");
   if (!f) std::perror(dir.c_str()), std::exit(1);
   std::fprintf(f, "#if DYN_LANES != 4\n");
-  write_image(f, handle, DYN_IMAGE_NARROW | DYN_IMAGE_NAMELESS);
+  write_image(f, m, DYN_IMAGE_NARROW | DYN_IMAGE_NAMELESS);
   std::fprintf(f, "#else\n");
-  write_image(f, handle, DYN_IMAGE_NAMELESS);
+  write_image(f, m, DYN_IMAGE_NAMELESS);
   std::fprintf(f, "#endif\nconstexpr double figures[] = {");
-  const std::size_t bytes = X::bytes(m);
-  const dyn::Zeros zeros(bytes);
   int n = 0;
-  figures(m, zeros.memory, [&](double x) { std::fprintf(f, "%s%a,", n++ % 8 ? " " : "\n", x); },
-          [](const char*, int calls, auto&& call) { while (calls--) call(); });
+  run([&](double x) { std::fprintf(f, "%s%a,", n++ % 8 ? " " : "\n", x); });
   std::fprintf(f, "\n};\nconstexpr unsigned long data_bytes = %zu;\n", bytes);
+  if (!start.empty()) std::fprintf(f, "constexpr double start[] = {");
+  for (double x : start) std::fprintf(f, "%a, ", x);
+  if (!start.empty()) std::fprintf(f, "};\n");
   std::fclose(f);
-  std::printf("%s: model %llu bytes, data %zu, %d figures\n", name, (unsigned long long)m.bytes, bytes, n);
+  std::printf("%s: model %zu bytes, data %zu, %d figures\n", name, std::size_t(m->m->bytes), bytes, n);
+}
+template <class X, class Figures>
+void write(const std::string& dir, const char* name, const dynModel* handle, Figures&& figures) {
+  const dyn::Model& m = *handle->m;  // with names: what they are is no figure
+  const dyn::Zeros zeros(X::bytes(m));
+  write(dir, name, handle, X::bytes(m), [&](auto&& out) {
+    figures(m, zeros.memory, out, [](const char*, int calls, auto&& call) {
+      while (calls--) call();
+    });
+  });
+}
+
+// A robot of the table of worst cases, with the steps from start.
+void write_worst(const std::string& dir, const char* name, const dynModel* m, const std::vector<double>& start) {
+  dynData* d = nullptr;
+  check(dyn_data_new(m, boards::worst_parts_of_steps, &d));
+  write(
+      dir, name, m, dyn_data_size(m, boards::worst_parts_of_steps),
+      [&](auto&& out) { check(boards::worst_figures(m, d, start.data(), out, [](const char*, auto&& call) { return call(); })); },
+      start);
+  dyn_data_free(d);
 }
 
 }  // namespace
@@ -83,10 +105,18 @@ int main(int count, char** argument) {
   const auto contact = [](auto&&... x) { contact_figures(x...); };
   dynModel* const arm = load(models + "/robots/panda.urdf", DYN_BASE_FIXED);
   dynModel* const quadruped = load(models + "/robots/go2.urdf", DYN_BASE_FLOATING);
-  dynModel* const landing = on_floor(quadruped);
+  dynModel* const humanoid = load(models + "/robots/humanoid.urdf", DYN_BASE_FLOATING);
+  const std::vector<double> reaching = {0, 0.6, 0, -2.2, 0, 2.8, 0.8, 0.02};
+  std::vector<double> landing = {0, 0, 0.331, 0, 0, 0, 1}, standing = {0, 0, 0.926, 0, 0, 0, 1};
+  for (int leg = 0; leg < 4; ++leg) landing.insert(landing.end(), {0, 0.8, -1.5});
+  standing.resize(std::size_t(dyn_model_nq(humanoid)));
+  dynModel* const quadruped_on_floor = on_floor(quadruped, landing);
   write<Rnea>(out, "rnea_arm", arm, rnea);
   write<Dynamics>(out, "dynamics_arm", arm, dynamics);
   write<Dynamics>(out, "dynamics_quadruped", quadruped, dynamics);
-  write<Steps>(out, "contact_quadruped", landing, contact);
+  write<Steps>(out, "contact_quadruped", quadruped_on_floor, contact);
+  write_worst(out, "worst_arm", on_floor(arm, reaching, -0.01), reaching);
+  write_worst(out, "worst_quadruped", quadruped_on_floor, landing);
+  write_worst(out, "worst_humanoid", on_floor(humanoid, standing), standing);
   return 0;
 }

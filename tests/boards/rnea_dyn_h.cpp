@@ -10,6 +10,14 @@ namespace {
 
 using boards::failed;
 
+#if defined DYN_REFUSAL_none
+constexpr const char refusal[] = "";
+#elif defined DYN_REFUSAL_short
+constexpr const char refusal[] = "dyn_rnea q 2 NaN";
+#else
+constexpr const char refusal[] = "dyn_rnea: q[2] is NaN: give a finite number";
+#endif
+
 alignas(64) char memory[data_bytes + 2048];  // and a handle
 double q[32], v[32], a[32], tau[32];
 
@@ -34,7 +42,8 @@ int board::program() {
   // what is refused: each with its status, and tau as it was
   q[2] = __builtin_nan("");
   const double before = tau[2];
-  const bool refused = dyn_rnea(m, d, q, v, a, nullptr, tau) == DYN_ERROR_NONFINITE && tau[2] == before;
+  const bool refused = dyn_rnea(m, d, q, v, a, nullptr, tau) == DYN_ERROR_NONFINITE && tau[2] == before &&
+                       std::strcmp(dyn_last_error(), refusal) == 0;
   board::print("  RNEA: "), board::print(instructions), board::print(" instructions\n  refused: ");
   board::print(dyn_last_error());
   compare.print(dyn_data_size(m, DYN_PART_INVERSE));

@@ -1,8 +1,19 @@
 # libdyn_core.a: the templates' instances, for programs on internal headers. On boards without an operating system also libdyn.a: dyn.h without what needs
 # a heap, files or threads (dyn_board). Elsewhere libdyn_core.a holds the builder and dyn.h, too, without what loads files.
 set(DYN_PARTS "" CACHE STRING "Parts that programs on boards may ask for, as INVERSE;FORWARD: code and buffers of others are left out. Empty: all")
-option(DYN_MESSAGES "Boards: texts of dyn_last_error" ON)
+set(DYN_MESSAGES full CACHE STRING "Boards: what dyn_last_error returns: full, sentences; short, their values; none, nothing")
+set_property(CACHE DYN_MESSAGES PROPERTY STRINGS full short none)
 option(DYN_CHECK_MODELS "Boards: dyn_model_from_buffer checks every index and number, not the checksum and the layout alone (37 KB)" OFF)
+
+# The definition of DYN_MESSAGES (capi/message.hpp) for a value of the option.
+function(dyn_messages_level result value)
+  set(levels none short full)
+  list(FIND levels "${value}" level)
+  if(level LESS 0)
+    message(FATAL_ERROR "DYN_MESSAGES is ${value}: give full, short or none")
+  endif()
+  set(${result} ${level} PARENT_SCOPE)
+endfunction()
 
 # The definition of DYN_PARTS for some parts; none: all.
 function(dyn_parts_definition result)
@@ -21,8 +32,9 @@ function(dyn_core_library)
   target_compile_options(dyn_core PRIVATE -fno-exceptions -fno-rtti)
   set(parts core capi)
   if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
+    dyn_messages_level(messages ${DYN_MESSAGES})
     option(DYN_SMALL "The compiler decides what is in line: less flash, slower" ON)
-    target_compile_definitions(dyn_flags INTERFACE DYN_NO_HOST=1 DYN_PORTABLE=1 $<$<BOOL:${DYN_SMALL}>:DYN_SMALL=1> DYN_MESSAGES=$<BOOL:${DYN_MESSAGES}>
+    target_compile_definitions(dyn_flags INTERFACE DYN_NO_HOST=1 DYN_PORTABLE=1 $<$<BOOL:${DYN_SMALL}>:DYN_SMALL=1>
                                DYN_CHECK_MODELS=$<BOOL:${DYN_CHECK_MODELS}>)
     list(FILTER DYN_CAPI_SOURCES EXCLUDE REGEX "/capi/(batch.*|broad_phase|builder.*|heap|host|load|mesh|rollout|save|thread_pool|warmup)\\.cpp$")
     dyn_objects(dyn_capi "${DYN_CAPI_SOURCES}")
@@ -33,7 +45,7 @@ function(dyn_core_library)
     endif()
     dyn_parts_definition(parts_definition ${DYN_PARTS})
     set_source_files_properties(capi/data.cpp capi/guard.cpp PROPERTIES COMPILE_DEFINITIONS "${parts_definition}")  # which alone depend on them
-    target_compile_definitions(dyn_capi PRIVATE DYN_ARCH_NAME="${CMAKE_SYSTEM_PROCESSOR}")
+    target_compile_definitions(dyn_capi PRIVATE DYN_ARCH_NAME="${CMAKE_SYSTEM_PROCESSOR}" DYN_MESSAGES=${messages})
   else()
     dyn_objects(dyn_host "${DYN_BUILDER_SOURCES}")
     dyn_objects(dyn_capi "${DYN_CAPI_SOURCES}")

@@ -1,0 +1,3 @@
+#include "board.hpp"
+
+int main() { return board::program(); }

@@ -1,0 +1,1 @@
+// The part of Zephyr that samples/gravity uses is zephyr/sys/printk.h (tests/boards/packages).
