@@ -50,7 +50,8 @@ def assert_derivatives(f, x, J, tolerance=1e-8):
         columns = [derivative(f, x, i, k) for k in range(a.shape[-1])]
         for o, by in enumerate(J):
             expected = np.stack([c[o] for c in columns], -1)
-            np.testing.assert_allclose(by[i], expected, atol=tolerance * max(1, abs(expected).max()), rtol=0, err_msg=f"{o} by {i}")
+            atol = tolerance * max(1, abs(expected).max())
+            np.testing.assert_allclose(by[i], expected, atol=atol, rtol=0, err_msg=f"{o} by {i}")
 
 
 def tuples(y):

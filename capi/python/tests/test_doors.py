@@ -84,8 +84,8 @@ def test_controls_of_actuators():
 
 def test_refusals():
     m = doors.load("go2")
-    for wrong, words in (({"name": "abba"}, "abba"), ({"name": "aba", "frame": 1}, "frame_placement"), ({"name": "frame_placement"}, "frame"),
-                         ({"name": "rnea", "dt": 1e-3}, "dt")):
+    for wrong, words in (({"name": "abba"}, "abba"), ({"name": "aba", "frame": 1}, "frame_placement"),
+                         ({"name": "frame_placement"}, "frame"), ({"name": "rnea", "dt": 1e-3}, "dt")):
         with pytest.raises(dyn.ArgumentError, match=words):
             Function(m, **wrong)
     f = Function(m, "aba")
@@ -95,6 +95,7 @@ def test_refusals():
         f(m.neutral(), np.zeros(3), np.zeros(18))
     with pytest.raises(dyn.NonFiniteError):
         f(m.neutral(), np.full(18, np.nan), np.zeros(18))
-    chain = dyn.Builder("chain").add_joint("c", "composite", parts=[{"type": "spherical"}, {"type": "prismatic", "axis": (0, 0, 1)}])
+    parts = [{"type": "spherical"}, {"type": "prismatic", "axis": (0, 0, 1)}]
+    chain = dyn.Builder("chain").add_joint("c", "composite", parts=parts)
     with pytest.raises(dyn.UnsupportedError, match="'c'"):
         blocks(chain.add_body("a", "c", 1, (0, 0, 0), np.eye(3)).finish())

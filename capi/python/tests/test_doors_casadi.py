@@ -63,7 +63,8 @@ def test_second_order(robot, name, method):
         return [np.concatenate([sum(w @ by[i] for w, by in zip(weights, J)) for i in range(len(x))])]
 
     close(gradient[:, 0], products(*x)[0], atol=1e-9)
-    expected = np.concatenate([np.stack([doors.derivative(products, x, i, k)[0] for k in range(a.size)], -1) for i, a in enumerate(x)], -1)
+    columns = [doors.derivative(products, x, i, k)[0] for i, a in enumerate(x) for k in range(a.size)]
+    expected = np.stack(columns, -1)
     exact = method == "compiled" and name != "step"
     close(H, expected, atol=(1e-8 if exact else 1e-5) * max(1, abs(expected).max()))
     if exact:
@@ -94,8 +95,8 @@ def test_the_file_stands_alone(tmp_path):
     """The C file holds the model: it is compiled without warnings, and opened by its path."""
     m = doors.load("go2")
     source = door.generate(m, "step", tmp_path / "leap.c", symbol="leap", dt=2e-3)
-    subprocess.run([compiler("cc"), "-std=c11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{CAPI.parent / 'include'}", str(source)],
-                   check=True)
+    warnings = ("-std=c11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{CAPI.parent / 'include'}")
+    subprocess.run([compiler("cc"), *warnings, str(source)], check=True)
     leap = casadi.external("leap", str(door.build(source)))
     x = [m.neutral(), np.ones(18), np.ones(18)]
     expected = doors.Function(m, "step", dt=2e-3)(*x)

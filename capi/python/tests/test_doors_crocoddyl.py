@@ -33,7 +33,7 @@ def slope(f):
 @pytest.mark.parametrize("kind", ["euler", "step"])
 @pytest.mark.parametrize("robot", doors.ROBOTS)
 def test_derivatives(robot, kind):
-    """On the tangent spaces of the state, through Crocoddyl's integrator and in libdyn's step. Legs have motors, the base has none."""
+    """On tangent spaces of the state, through Crocoddyl's integrator and in libdyn's step. The base has no motors."""
     f, x = doors.opened(robot, "step")
     m, base = f.model, 6 * (robot == "go2")
     motors = np.eye(m.nv)[:, base:]
@@ -52,7 +52,8 @@ def test_derivatives(robot, kind):
         action.calc(other, x, u)
         return state.diff(center, np.array(other.xnext))
 
-    close(Fx, np.stack([slope(lambda h: after(moved(state, start, k, h), u)) for k in range(state.ndx)], -1), atol=1e-8 * abs(Fx).max())
+    by_x = np.stack([slope(lambda h: after(moved(state, start, k, h), u)) for k in range(state.ndx)], -1)
+    close(Fx, by_x, atol=1e-8 * abs(Fx).max())
     close(Fu, np.stack([slope(lambda h: after(start, u + h * e)) for e in np.eye(len(u))], -1), atol=1e-8)
 
 

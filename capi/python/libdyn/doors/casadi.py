@@ -97,7 +97,8 @@ def _kept(callback: Any) -> Any:
 class _Callback(casadi.Callback):  # type: ignore[misc, unused-ignore]
     """Inputs: those of f, then outputs that CasADi hands over. outputs: (name, rows, columns)."""
 
-    def __init__(self, symbol: str, f: Function, inputs: list[tuple[str, int]], outputs: list[tuple[str, int, int]], options: dict):
+    def __init__(self, symbol: str, f: Function, inputs: list[tuple[str, int]], outputs: list[tuple[str, int, int]],
+                 options: dict):
         casadi.Callback.__init__(self)
         self.f, self.inputs, self.outputs, self.symbol = f, inputs, outputs, symbol
         self.construct(symbol, options)

@@ -1,4 +1,4 @@
-"""Crocoddyl: action models over libdyn's dynamics and steps (package crocoddyl; see the page doors for versions that go together).
+"""Crocoddyl: action models over libdyn's dynamics and steps (package crocoddyl; the page doors names versions that work).
 
     from libdyn.doors import crocoddyl as door
     running = crocoddyl.IntegratedActionModelEuler(door.DifferentialAction(model, residual), dt)

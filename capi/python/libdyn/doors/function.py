@@ -52,7 +52,8 @@ class Function:
         if name not in NAMES:
             raise ArgumentError(f"name is {name!r}, but must be one of {', '.join(NAMES)}.")
         if (frame is None) == (name == "frame_placement"):
-            raise ArgumentError(f"{name}: frame is {frame!r}, but {'is needed' if frame is None else 'belongs to frame_placement'}.")
+            wanted = "is needed" if frame is None else "belongs to frame_placement"
+            raise ArgumentError(f"{name}: frame is {frame!r}, but {wanted}.")
         if name != "step" and not (dt is integrator is None):
             raise ArgumentError(f"{name}: dt and integrator belong to step.")
         if not model.nv:
@@ -109,7 +110,8 @@ class Function:
         y, J = self.tangents(*x)
         inverse = tangent_map_inverse(self.model, np.asarray(x[0], np.float64))
         by_numbers = [[by[0] @ inverse, *by[1:]] for by in J]
-        return y, [[self.lift(o, y[o][..., None, :], j.swapaxes(-1, -2)).swapaxes(-1, -2) for j in by] for o, by in enumerate(by_numbers)]
+        rows = [value[..., None, :] for value in y]
+        return y, [[self.lift(o, rows[o], j.swapaxes(-1, -2)).swapaxes(-1, -2) for j in by] for o, by in enumerate(by_numbers)]
 
     def check(self, shapes: Sequence[tuple[int, ...]]) -> None:
         """Refuses inputs of other shapes."""
@@ -118,7 +120,8 @@ class Function:
         lead = tuple(shapes[0][:-1])
         for shape, i in zip(shapes, self.inputs):
             if tuple(shape) != (*lead, i.size):
-                raise SizeError(f"{i.name} has shape {tuple(shape)}, but must have shape {(*lead, i.size)} of model {self.model.name!r}.")
+                raise SizeError(f"{i.name} has shape {tuple(shape)}, but must have shape {(*lead, i.size)} of model "
+                                f"{self.model.name!r}.")
 
     def _rows(self, x: tuple[Any, ...]) -> tuple[tuple[int, ...], list[Numbers]]:
         """Axes in front, and the inputs as (N, size)."""

@@ -84,22 +84,21 @@ def _velocity(xp: Any, kind: str, q: Any, dq: Any) -> Any:
     return dq
 
 
+def _by_blocks(model: Model, act: Any, q: Any, x: Any, of_q: bool, xp: Any) -> Any:
+    """act on each block of q and of x, which has the numbers of q or those of v."""
+    lead = np.broadcast_shapes(q.shape[:-1], x.shape[:-1])
+    q, x = xp.broadcast_to(q, (*lead, model.nq)), xp.broadcast_to(x, (*lead, model.nq if of_q else model.nv))
+    return xp.concatenate([act(xp, b.kind, q[..., b.q], x[..., b.q if of_q else b.v]) for b in blocks(model)], -1)
+
+
 def tangent_map_product(model: Model, q: Any, v: Any, xp: Any = np) -> Any:
     """T(q) v, (..., nq): the rate of q at the velocity v."""
-    if model.nq == model.nv:
-        return v
-    lead = np.broadcast_shapes(q.shape[:-1], v.shape[:-1])
-    q, v = xp.broadcast_to(q, (*lead, model.nq)), xp.broadcast_to(v, (*lead, model.nv))
-    return xp.concatenate([_rate(xp, b.kind, q[..., b.q], v[..., b.v]) for b in blocks(model)], -1)
+    return v if model.nq == model.nv else _by_blocks(model, _rate, q, v, False, xp)
 
 
 def tangent_map_inverse_product(model: Model, q: Any, dq: Any, xp: Any = np) -> Any:
     """T+(q) dq, (..., nv): the velocity of a change dq of q."""
-    if model.nq == model.nv:
-        return dq
-    lead = np.broadcast_shapes(q.shape[:-1], dq.shape[:-1])
-    q, dq = xp.broadcast_to(q, (*lead, model.nq)), xp.broadcast_to(dq, (*lead, model.nq))
-    return xp.concatenate([_velocity(xp, b.kind, q[..., b.q], dq[..., b.q]) for b in blocks(model)], -1)
+    return dq if model.nq == model.nv else _by_blocks(model, _velocity, q, dq, True, xp)
 
 
 def tangent_map(model: Model, q: Any, xp: Any = np) -> Any:

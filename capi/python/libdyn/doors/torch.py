@@ -4,8 +4,8 @@
     aba = door.function(model, "aba")                        # (q, v, tau) -> ddq
     aba(q, v, tau).square().sum().backward()                 # q: (..., nq), v, tau: (..., nv)
 
-All states of a call go to libdyn's batch at once, which takes them on its threads. Derivatives are exact, of first order, backward
-and forward.
+All states of a call go to libdyn's batch at once, which takes them on its threads. Derivatives are exact, of first order,
+backward and forward. Steps are made one after another.
 """
 
 from __future__ import annotations

@@ -89,7 +89,8 @@ static int open_model(void) {
       const Variable q = {"q", nq, nv}, v = {"v", nv, nv};
       n_in = DOOR_KIND == DOOR_FRAME_PLACEMENT ? 1 : DOOR_KIND == DOOR_STEP && nu ? 4 : 3;
       n_out = DOOR_KIND == DOOR_STEP ? 2 : 1;
-      in[0] = q, in[1] = v, in[2] = (Variable){DOOR_KIND == DOOR_RNEA ? "a" : "tau", nv, nv}, in[3] = (Variable){"control", nu, nu};
+      in[0] = q, in[1] = v, in[2] = (Variable){DOOR_KIND == DOOR_RNEA ? "a" : "tau", nv, nv};
+      in[3] = (Variable){"control", nu, nu};
       out[0] = DOOR_KIND == DOOR_STEP              ? (Variable){"q_next", nq, nv}
                : DOOR_KIND == DOOR_FRAME_PLACEMENT ? (Variable){"placement", 12, 6}
                                                    : (Variable){DOOR_KIND == DOOR_ABA ? "ddq" : "tau", nv, nv};

@@ -11,8 +11,6 @@
 
 namespace ffi = xla::ffi;
 
-static ffi::Error failure() { return ffi::Error::Internal(dyn_last_error()); }
-
 template <class Buffers>
 static std::vector<double*> addresses(const Buffers& buffers) {
   std::vector<double*> out;
@@ -43,8 +41,9 @@ static ffi::Error run(int64_t batch, int64_t algorithm, int64_t frame, ffi::Rema
   arrays.reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED;
   for (size_t k = 0; k < out.size(); ++k) arrays.out[k] = out[k];
   const std::lock_guard<std::mutex> lock(one_caller);
-  const dynStatus status = dyn_batch_run(reinterpret_cast<dynBatch*>(batch), static_cast<dynAlgorithm>(algorithm), count(args), &arrays);
-  return status ? failure() : ffi::Error::Success();
+  auto* runner = reinterpret_cast<dynBatch*>(batch);
+  const dynStatus status = dyn_batch_run(runner, static_cast<dynAlgorithm>(algorithm), count(args), &arrays);
+  return status ? ffi::Error::Internal(dyn_last_error()) : ffi::Error::Success();
 }
 
 // Steps, each with its derivatives if there are outputs for them. data: one for each thread.
@@ -79,7 +78,9 @@ static ffi::Error step(int64_t model_address, ffi::Span<const int64_t> data, ffi
   return ffi::Error::Success();
 }
 
-XLA_FFI_DEFINE_HANDLER_SYMBOL(libdyn_run, run, ffi::Ffi::Bind().Attr<int64_t>("batch").Attr<int64_t>("algorithm").Attr<int64_t>("frame")
-                                                   .RemainingArgs().RemainingRets());
-XLA_FFI_DEFINE_HANDLER_SYMBOL(libdyn_step, step, ffi::Ffi::Bind().Attr<int64_t>("model").Attr<ffi::Span<const int64_t>>("data")
-                                                     .RemainingArgs().RemainingRets());
+XLA_FFI_DEFINE_HANDLER_SYMBOL(
+    libdyn_run, run,
+    ffi::Ffi::Bind().Attr<int64_t>("batch").Attr<int64_t>("algorithm").Attr<int64_t>("frame").RemainingArgs().RemainingRets());
+XLA_FFI_DEFINE_HANDLER_SYMBOL(
+    libdyn_step, step,
+    ffi::Ffi::Bind().Attr<int64_t>("model").Attr<ffi::Span<const int64_t>>("data").RemainingArgs().RemainingRets());
