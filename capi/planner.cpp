@@ -277,7 +277,8 @@ dynStatus dyn_planner_solve(dynPlanner* planner, const dynModel* model, dynData*
   const Given<dynPlanProblem> problem(function, given_problem);
   const Given<dynPlanOptions> options(function, given_options);
   const Given<dynPlanOutput> out(function, given_out);
-  StructArray<dynPlanCost> costs{problem->costs, problem->cost_count, capi::defaults<dynPlanCost>};
+  const StructArray<dynPlanCost> costs{problem->costs, problem->cost_count, capi::defaults<dynPlanCost>};
+  dynParts parts = 0;
   {
     Call call(model, data, DYN_PART_STEP_DERIVATIVES, function);
     if (!call || !call.required("problem", given_problem)) return call.status;
@@ -288,13 +289,13 @@ dynStatus dyn_planner_solve(dynPlanner* planner, const dynModel* model, dynData*
     const Reader reader{call, p, costs};
     if (!good_model(call, p) || !good_options(call, *options) || !reader.all() || !good_bounds(call, p, *problem))
       return call.status;
-    if (const Call whole(model, data, reader.parts(), function); !whole) return whole.status;
+    parts = reader.parts();
   }
   const std::size_t state_size = dyn_model_state_size(model);
   if (const dynStatus s = dyn_data_save_state(model, data, p.state, state_size)) return s;
   plan::Result result;
   {
-    Call call(model, data, DYN_PART_STEP_DERIVATIVES, function);
+    Call call(model, data, parts, function);
     if (!call) return call.status;
     Callback callback{call, *problem, model, data};
     call.have_effects_of(true), call.begin_step();
