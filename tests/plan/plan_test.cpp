@@ -124,7 +124,8 @@ Model acrobot() {
   const double I[9] = {0.083, 0, 0, 0, 0.083, 0, 0, 0, 1e-3};
   Builder b("acrobot");
   b.joint(Spec("shoulder", DYN_JOINT_TYPE_CONTINUOUS).about(0, 1, 0)).body("upper", "shoulder", 1, {0, 0, -0.5}, I);
-  b.joint(Spec("elbow", DYN_JOINT_TYPE_CONTINUOUS, "shoulder", {0, 0, -1}).about(0, 1, 0)).body("lower", "elbow", 1, {0, 0, -0.5}, I);
+  b.joint(Spec("elbow", DYN_JOINT_TYPE_CONTINUOUS, "shoulder", {0, 0, -1}).about(0, 1, 0));
+  b.body("lower", "elbow", 1, {0, 0, -0.5}, I);
   dynActuator motor;
   dyn_actuator_init(&motor, DYN_ACTUATOR_TYPE_MOTOR);
   motor.control_range[0] = -8, motor.control_range[1] = 8;
@@ -183,7 +184,8 @@ TEST(Planner, EveryCostFallsAsItsGradientSays) {
     p.begin(s.q, s.v), p.guess(guess);
     const double before = cost_of_guess(p);
     p.guess(guess);
-    p.options.max_iterations = 1, p.options.tolerance = 0, p.options.regularisation = 1e9;  // a step so short that the cost is linear along it
+    // a step so short that the cost is linear along it
+    p.options.max_iterations = 1, p.options.tolerance = 0, p.options.regularisation = 1e9;
     p.solve_well();
     EXPECT_EQ(1, p.report.step_length) << type;
     const double decrease = before - p.report.cost;
@@ -302,7 +304,8 @@ TEST(Planner, ReachesAroundADisc) {
   const double none[3] = {};
   EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
   b.joint(Spec("shoulder", DYN_JOINT_TYPE_REVOLUTE).about(0, -1, 0)).body("upper", "shoulder", 1, {0.35, 0, 0}, I);
-  b.joint(Spec("elbow", DYN_JOINT_TYPE_REVOLUTE, "shoulder", {0.7, 0, 0}).about(0, -1, 0)).body("fore", "elbow", 1, {0.35, 0, 0}, I);
+  b.joint(Spec("elbow", DYN_JOINT_TYPE_REVOLUTE, "shoulder", {0.7, 0, 0}).about(0, -1, 0));
+  b.body("fore", "elbow", 1, {0.35, 0, 0}, I);
   const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.7, 0, 0};
   EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "tip", "elbow", X, DYN_FRAME_TYPE_OP_FRAME)) << dyn_last_error();
   Planning p(b.finish(), N, DYN_PLAN_INPUT_TAU, 0.02);
