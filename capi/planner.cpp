@@ -63,7 +63,8 @@ struct Reader {
       if (c.type == DYN_PLAN_COST_TYPE_STATE && !call.nonzero(x)) return false;
       if (rotates && !is_rotation(load33(x)))
         return refuse(DYN_ERROR_ARGUMENT,
-                      "%s: the reference of cost %d at knot %d is no rotation: its first nine numbers are the axes, column by column",
+                      "%s: the reference of cost %d at knot %d is no rotation: its first nine numbers are the axes, "
+                      "column by column",
                       int(cost), int(k));
     }
     return true;
@@ -104,8 +105,9 @@ bool good_options(Call& call, const dynPlanOptions& o) {
   for (const auto& [name, x] : {std::pair("max_iterations", o.max_iterations), std::pair("steps", o.steps)})
     if (x < 1) return call.status = fail(DYN_ERROR_ARGUMENT, "%s: %s is %d: give 1 or more", call.function, name, int(x)), false;
   for (const auto& [name, x] :
-       {std::pair("tolerance", o.tolerance), std::pair("gap_tolerance", o.gap_tolerance), std::pair("regularisation", o.regularisation),
-        std::pair("max_regularisation", o.max_regularisation), std::pair("epsilon", o.epsilon), std::pair("margin", o.margin)}) {
+       {std::pair("tolerance", o.tolerance), std::pair("gap_tolerance", o.gap_tolerance),
+        std::pair("regularisation", o.regularisation), std::pair("max_regularisation", o.max_regularisation),
+        std::pair("epsilon", o.epsilon), std::pair("margin", o.margin)}) {
     if (!call.finite(name, &x, 1)) return false;
     if (x < 0)
       return call.status = fail(DYN_ERROR_ARGUMENT, "%s: %s is %g: it can't be negative", call.function, name, x), false;
@@ -129,10 +131,12 @@ bool good_bounds(Call& call, Planner& p, const dynPlanProblem& x) {
 
 bool good_model(Call& call, const Planner& p) {
   if (call.m().id != p.model_id)
-    call.status = fail(DYN_ERROR_MODEL, "%s: the planner belongs to another model: make one of the model you pass", call.function);
+    call.status =
+        fail(DYN_ERROR_MODEL, "%s: the planner belongs to another model: make one of the model you pass", call.function);
   else if (call.m().n.na > 0)
     call.status = fail(DYN_ERROR_UNSUPPORTED,
-                       "%s: the model has actuators with activations, which are no part of a plan: build it without them", call.function);
+                       "%s: the model has actuators with activations, which are no part of a plan: build it without them",
+                       call.function);
   return call.status == DYN_OK;
 }
 
@@ -157,8 +161,8 @@ dynStatus explain(const char* function, const plan::Result& r) {
   switch (r.failure) {
     case plan::Failure::Cancelled: return fail(DYN_ERROR_CANCELLED, "%s: cancelled by the caller's function", function);
     case plan::Failure::Unsupported:
-      return fail(DYN_ERROR_UNSUPPORTED, "%s: method ANALYTIC does not cover a step: %s; use AUTO or CENTRAL_DIFFERENCES", function,
-                  r.reason);
+      return fail(DYN_ERROR_UNSUPPORTED, "%s: method ANALYTIC does not cover a step: %s; use AUTO or CENTRAL_DIFFERENCES",
+                  function, r.reason);
     case plan::Failure::NotFinite:
       return fail(DYN_ERROR_NUMERIC, "%s: a cost or a derivative of it overflows or is not a number", function);
     default: return DYN_OK;
@@ -211,7 +215,8 @@ size_t dyn_planner_size(const dynModel* model, int knots, dynPlanInput input) {
   return check_planner("dyn_planner_size", model, knots, input) == DYN_OK ? bytes_of(model, knots, input) : 0;
 }
 
-dynStatus dyn_planner_init(const dynModel* model, int knots, dynPlanInput input, void* memory, size_t size, dynPlanner** planner) {
+dynStatus dyn_planner_init(const dynModel* model, int knots, dynPlanInput input, void* memory, size_t size,
+                           dynPlanner** planner) {
   constexpr const char* function = "dyn_planner_init";
   if (const dynStatus s = check_planner(function, model, knots, input)) return s;
   if (!memory || !planner)
@@ -246,7 +251,8 @@ dynStatus dyn_planner_set_guess(dynPlanner* planner, const dynModel* model, cons
     return fail(DYN_ERROR_MODEL, "%s: the planner belongs to another model: pass the model that it was made of", function);
   const std::ptrdiff_t nq = (p.knots + 1) * std::ptrdiff_t(p.nq), nv = (p.knots + 1) * std::ptrdiff_t(p.nv),
                        nu = p.knots * std::ptrdiff_t(p.inputs);
-  if (!q != !v && nv > 0) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: give both q and v, or neither", function, q ? "v" : "q");
+  if (!q != !v && nv > 0)
+    return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: give both q and v, or neither", function, q ? "v" : "q");
   for (const auto& [name, x, n] : {std::tuple("q", q, nq), std::tuple("v", v, nv), std::tuple("u", u, nu)})
     if (const std::ptrdiff_t k = x ? finite_count(x, n) : n; k < n)
       return fail(DYN_ERROR_NONFINITE, "%s: %s[%td] is %s: give a finite number", function, name, k,
@@ -277,7 +283,8 @@ dynStatus dyn_planner_solve(dynPlanner* planner, const dynModel* model, dynData*
   const Given<dynPlanProblem> problem(function, given_problem);
   const Given<dynPlanOptions> options(function, given_options);
   const Given<dynPlanOutput> out(function, given_out);
-  StructArray<dynPlanCost> costs{problem->costs, problem->cost_count, capi::defaults<dynPlanCost>};
+  const StructArray<dynPlanCost> costs{problem->costs, problem->cost_count, capi::defaults<dynPlanCost>};
+  dynParts parts = 0;
   {
     Call call(model, data, DYN_PART_STEP_DERIVATIVES, function);
     if (!call || !call.required("problem", given_problem)) return call.status;
@@ -288,13 +295,13 @@ dynStatus dyn_planner_solve(dynPlanner* planner, const dynModel* model, dynData*
     const Reader reader{call, p, costs};
     if (!good_model(call, p) || !good_options(call, *options) || !reader.all() || !good_bounds(call, p, *problem))
       return call.status;
-    if (const Call whole(model, data, reader.parts(), function); !whole) return whole.status;
+    parts = reader.parts();
   }
   const std::size_t state_size = dyn_model_state_size(model);
   if (const dynStatus s = dyn_data_save_state(model, data, p.state, state_size)) return s;
   plan::Result result;
   {
-    Call call(model, data, DYN_PART_STEP_DERIVATIVES, function);
+    Call call(model, data, parts, function);
     if (!call) return call.status;
     Callback callback{call, *problem, model, data};
     call.have_effects_of(true), call.begin_step();

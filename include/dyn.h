@@ -2720,9 +2720,9 @@ typedef struct dynPlanCost {
 DYN_API void dyn_plan_cost_init(dynPlanCost* cost, uint32_t struct_size);
 #define dyn_plan_cost_init(x) dyn_plan_cost_init(x, sizeof(dynPlanCost))
 
-/* A knot as the caller's cost sees it. x = (q, v) on the tangent space, 2 nv; n inputs: nv or nu. Matrices
-   are full. The function adds to what the pointers hold. Derivatives are NULL when the cost alone is asked
-   for. Hessians should be positive semi-definite. */
+/* A knot as the caller's cost sees it. x = (q, v) on the tangent space, 2 nv; n inputs: nv or nu. The
+   function adds to what the pointers hold, to both halves of symmetric matrices. Without derivatives, when
+   the cost alone is asked for, their pointers are NULL. Hessians should be positive semi-definite. */
 typedef struct dynPlanPoint {
   int32_t knot;            /* 0 to N */
   int32_t inputs;          /* n; 0 at knot N */
@@ -2781,7 +2781,7 @@ typedef struct dynPlanReport {
   int32_t knot;               /* whose step failed; -1: none */
   double cost;
   double gap;                 /* largest component of a gap */
-  double bound_violation;     /* largest; 0 but for a guess that no iteration replaced */
+  double bound_violation;     /* largest; 0: inputs are clamped */
   double expected_decrease;   /* of the cost, by the quadratic model of the last iteration */
   double regularisation;      /* to go on with */
   double step_length;         /* of the last iteration, 0 to 1 */

@@ -1564,10 +1564,12 @@ class Planner {
     dynPlanOutput out;
     dyn_plan_output_init(&out);
     x.report.struct_size = sizeof x.report;
-    out.q = x.q.data(), out.v = x.v.data(), out.u = x.u.data(), out.gaps = x.gaps.data(), out.report = &x.report, out.K = K.data();
+    out.q = x.q.data(), out.v = x.v.data(), out.u = x.u.data(), out.gaps = x.gaps.data(), out.report = &x.report;
+    out.K = K.data();
     check(dyn_planner_solve(get(), model_.get(), data.get(), &problem, &options, &out));
     const double* next = K.data();
-    for (int k = 0; k < N; ++k, next += inputs_ * n) x.K.emplace_back(inputs_, n), x.K.back().values.assign(next, next + inputs_ * n);
+    for (int k = 0; k < N; ++k, next += inputs_ * n)
+      x.K.emplace_back(inputs_, n), x.K.back().values.assign(next, next + inputs_ * n);
     return x;
   }
 

@@ -6,6 +6,7 @@
 #include "algorithm/least_squares.hpp"
 #include "algorithm/center_of_mass.hpp"
 #include "algorithm/configuration.hpp"
+#include "base/struct_array.hpp"
 
 namespace dyn {
 
@@ -17,19 +18,8 @@ inline dynIkTask default_ik_task() {
   return t;
 }
 
-// An array of the caller's structs, which may be shorter or longer than this library's.
-struct IkTasks {
-  const dynIkTask* first;
-  Index count;
-  const dynIkTask* at(Index k) const {
-    return reinterpret_cast<const dynIkTask*>(reinterpret_cast<const char*>(first) + std::ptrdiff_t(k) * first->struct_size);
-  }
-  dynIkTask operator[](Index k) const {
-    if (first->struct_size == sizeof(dynIkTask)) [[likely]] return first[k];
-    dynIkTask task = default_ik_task();
-    __builtin_memcpy(&task, at(k), first->struct_size < sizeof task ? first->struct_size : sizeof task);
-    return task;
-  }
+struct IkTasks : StructArray<dynIkTask> {
+  IkTasks(const dynIkTask* tasks, Index ntasks) : StructArray{tasks, ntasks, default_ik_task} {}
 };
 
 // Numbers of the error: [begin, end) of [linear; angular].

@@ -69,9 +69,11 @@ struct Backward {
     add_transposed_product(p.V_xx, n, B, r, ld, p.VB, ld);
     std::copy_n(p.l_x + std::ptrdiff_t(k) * n, n, p.Q_x);
     std::copy_n(p.l_xx + std::ptrdiff_t(k) * n * n, std::ptrdiff_t(n) * n, p.Q_xx);
-    const double *const l_u = p.l_u + std::ptrdiff_t(k) * p.inputs, *const l_uu = p.l_uu + std::ptrdiff_t(k) * p.inputs * p.inputs,
+    const double *const l_u = p.l_u + std::ptrdiff_t(k) * p.inputs,
+                 *const l_uu = p.l_uu + std::ptrdiff_t(k) * p.inputs * p.inputs,
                  *const l_ux = p.l_ux + std::ptrdiff_t(k) * p.inputs * n;
-    std::fill_n(p.Q_u, rd, 0.0), std::fill_n(p.Q_ux, std::ptrdiff_t(n) * rd, 0.0), std::fill_n(p.Q_uu, std::ptrdiff_t(r) * rd, 0.0);
+    std::fill_n(p.Q_u, rd, 0.0), std::fill_n(p.Q_ux, std::ptrdiff_t(n) * rd, 0.0);
+    std::fill_n(p.Q_uu, std::ptrdiff_t(r) * rd, 0.0);
     for (Index a = 0; a < r; ++a) {
       p.Q_u[a] = l_u[p.free[a]];
       for (Index b = 0; b < r; ++b) p.Q_uu[a + std::ptrdiff_t(rd) * b] = l_uu[p.free[a] + std::ptrdiff_t(p.inputs) * p.free[b]];

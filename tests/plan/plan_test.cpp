@@ -124,7 +124,8 @@ Model acrobot() {
   const double I[9] = {0.083, 0, 0, 0, 0.083, 0, 0, 0, 1e-3};
   Builder b("acrobot");
   b.joint(Spec("shoulder", DYN_JOINT_TYPE_CONTINUOUS).about(0, 1, 0)).body("upper", "shoulder", 1, {0, 0, -0.5}, I);
-  b.joint(Spec("elbow", DYN_JOINT_TYPE_CONTINUOUS, "shoulder", {0, 0, -1}).about(0, 1, 0)).body("lower", "elbow", 1, {0, 0, -0.5}, I);
+  b.joint(Spec("elbow", DYN_JOINT_TYPE_CONTINUOUS, "shoulder", {0, 0, -1}).about(0, 1, 0));
+  b.body("lower", "elbow", 1, {0, 0, -0.5}, I);
   dynActuator motor;
   dyn_actuator_init(&motor, DYN_ACTUATOR_TYPE_MOTOR);
   motor.control_range[0] = -8, motor.control_range[1] = 8;
@@ -183,7 +184,8 @@ TEST(Planner, EveryCostFallsAsItsGradientSays) {
     p.begin(s.q, s.v), p.guess(guess);
     const double before = cost_of_guess(p);
     p.guess(guess);
-    p.options.max_iterations = 1, p.options.tolerance = 0, p.options.regularisation = 1e9;  // a step so short that the cost is linear along it
+    // a step so short that the cost is linear along it
+    p.options.max_iterations = 1, p.options.tolerance = 0, p.options.regularisation = 1e9;
     p.solve_well();
     EXPECT_EQ(1, p.report.step_length) << type;
     const double decrease = before - p.report.cost;
@@ -267,6 +269,78 @@ TEST(Planner, TakesTheCallersCosts) {
   EXPECT_EQ(DYN_ERROR_CANCELLED, callers.solve());
   callers.problem.function = [](void*, const dynPlanPoint* at) { return *at->cost = nan, 0; };
   EXPECT_EQ(DYN_ERROR_NUMERIC, callers.solve());
+}
+
+// Two links in a plane, whose tip goes round a disc of radius 0.35 m: penalty of its depth, by the caller.
+struct Disc {
+  double x = 0.9, z = 0.35, radius = 0.35;
+  double depth(const double* p) const { return radius - std::hypot(p[0] - x, p[2] - z); }
+};
+int keep_out(void* context, const dynPlanPoint* at) {
+  const Disc& disc = *static_cast<const Disc*>(context);
+  double X[12], J[12];
+  const int tip = dyn_model_frame_id(at->model, "tip");
+  if (dyn_forward_kinematics(at->model, at->data, at->q, nullptr, nullptr) ||
+      dyn_frame_placement(at->model, at->data, tip, X) ||
+      dyn_frame_jacobian(at->model, at->data, tip, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J))
+    return 1;
+  const double margin = 0.02, depth = disc.depth(X + 9) + margin, weight = 1e4;
+  if (depth <= 0) return 0;
+  *at->cost += 0.5 * weight * depth * depth;
+  if (!at->l_x) return 0;
+  const double r = disc.radius + margin - depth, nx = (X[9] - disc.x) / r, nz = (X[11] - disc.z) / r;
+  const double g[2] = {-nx * J[0] - nz * J[2], -nx * J[6] - nz * J[8]};  // of the depth
+  for (int i = 0; i < 2; ++i) {
+    at->l_x[i] += weight * depth * g[i];
+    for (int j = 0; j < 2; ++j) at->l_xx[i + 4 * j] += weight * g[i] * g[j];
+  }
+  return 0;
+}
+
+TEST(Planner, ReachesAroundADisc) {
+  constexpr int N = 80;
+  const double I[9] = {0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.02};
+  Builder b("arm");
+  const double none[3] = {};
+  EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+  b.joint(Spec("shoulder", DYN_JOINT_TYPE_REVOLUTE).about(0, -1, 0)).body("upper", "shoulder", 1, {0.35, 0, 0}, I);
+  b.joint(Spec("elbow", DYN_JOINT_TYPE_REVOLUTE, "shoulder", {0.7, 0, 0}).about(0, -1, 0));
+  b.body("fore", "elbow", 1, {0.35, 0, 0}, I);
+  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.7, 0, 0};
+  EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "tip", "elbow", X, DYN_FRAME_TYPE_OP_FRAME)) << dyn_last_error();
+  Planning p(b.finish(), N, DYN_PLAN_INPUT_TAU, 0.02);
+  const Disc disc;
+  const double target[3] = {0.9, 0, 0.85}, still[4] = {0, 0, 1, 1}, bound[2] = {20, 20}, lower[2] = {-20, -20};
+  dynPlanCost& reach = p.cost(DYN_PLAN_COST_TYPE_FRAME_POSITION, 0, 1e4);
+  const int tip = dyn_model_frame_id(p.m, "tip");
+  reach.reference = target, reach.frame = tip;
+  p.cost(DYN_PLAN_COST_TYPE_INPUT, 1e-2, 0), p.cost(DYN_PLAN_COST_TYPE_STATE, 1e-3, 100).weights = still;
+  p.problem.lower = lower, p.problem.upper = bound;
+  p.problem.context = const_cast<Disc*>(&disc);
+  p.options.max_iterations = 200;
+  const auto deepest = [&] {
+    double most = -1;
+    for (std::size_t k = 0; k <= N; ++k) {
+      double place[12];
+      EXPECT_EQ(DYN_OK, dyn_forward_kinematics(p.m, p.d, &p.q[2 * k], nullptr, nullptr));
+      EXPECT_EQ(DYN_OK, dyn_frame_placement(p.m, p.d, tip, place));
+      most = std::max(most, disc.depth(place + 9));
+    }
+    return most;
+  };
+  const Numbers start = {-0.8, 1.2};  // in front of the disc
+  for (const bool free : {true, false}) {
+    p.problem.function = free ? nullptr : keep_out;
+    p.begin(start, {0, 0}), p.guess(Numbers(p.u.size(), 0.01));
+    p.solve_well();
+    double place[12];
+    ASSERT_EQ(DYN_OK, dyn_forward_kinematics(p.m, p.d, &p.q[2 * N], nullptr, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_frame_placement(p.m, p.d, tip, place));
+    EXPECT_NEAR(target[0], place[9], 1e-2);
+    EXPECT_NEAR(target[2], place[11], 1e-2);
+    const double depth = deepest();
+    EXPECT_TRUE(free ? depth > 0.1 : depth < 0) << depth;
+  }
 }
 
 TEST(Planner, RefusesWhatIsWrong) {

@@ -120,6 +120,11 @@ TEST_F(Faults, NoMemoryWhileCreating) {
     const dynStatus status = dyn_contact_solver_new(12, &s);
     return dyn_contact_solver_free(s), status;
   });
+  without_memory("planner", [&] {
+    dynPlanner* p = nullptr;
+    const dynStatus status = dyn_planner_new(m, 3, DYN_PLAN_INPUT_TAU, &p);
+    return dyn_planner_free(p), status;
+  });
   without_memory("broad phase", [&] {
     dynBroadPhase* b = nullptr;
     const dynStatus s = dyn_broad_phase_new(100, 1000, 0.1, &b);

@@ -161,7 +161,8 @@ class Planner:
         """
         keep: list[Any] = []
         problem, options, out, report = abi.PlanProblem(), abi.PlanOptions(), abi.PlanOutput(), abi.PlanReport()
-        for x, init in ((problem, lib.dyn_plan_problem_init), (options, lib.dyn_plan_options_init), (out, lib.dyn_plan_output_init)):
+        for x, init in ((problem, lib.dyn_plan_problem_init), (options, lib.dyn_plan_options_init),
+                        (out, lib.dyn_plan_output_init)):
             init(byref(x), sizeof(x))
         array = (abi.PlanCost * max(len(costs), 1))()
         for cost, c in zip(costs, array):
