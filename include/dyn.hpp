@@ -1077,7 +1077,8 @@ class Data {
   StepDerivatives step_derivatives(const dynStepDerivativeOptions& options = step_derivative_options()) {
     const int nu = dyn_model_nu(m()), capacity = dyn_model_contact_capacity(m());
     const auto room = static_cast<std::size_t>(capacity);
-    StepDerivatives x{Matrix(2 * nv(), 2 * nv()), Matrix(2 * nv(), nv()), Matrix(2 * nv(), nu), Vector(static_cast<std::size_t>(nq())),
+    StepDerivatives x{Matrix(2 * nv(), 2 * nv()), Matrix(2 * nv(), nv()), Matrix(2 * nv(), nu),
+                      Vector(static_cast<std::size_t>(nq())),
                       Vector(static_cast<std::size_t>(nv())), {}, {}, {}, {}};
     x.contacts.resize(room), x.modes.resize(room), x.report.struct_size = sizeof x.report;
     std::vector<std::int32_t> degenerate(room);

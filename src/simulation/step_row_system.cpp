@@ -45,7 +45,8 @@ void StepJacobian::flag_weak_rows(double margin) const {
     const JacobianRow& row = y.rows[r];
     if (row.lambda * y.K[(rows + 1) * r] >= margin) continue;
     if (row.kind == JacobianRowKind::Normal) x.modes.degenerate[y.contacts[row.of].contact] = 1;
-    if (row.kind == JacobianRowKind::Limit && std::abs(limit_gap(m, x.q, row.of)) >= margin) ++x.degenerate;  // else find_modes counts it
+    const bool counted = row.kind == JacobianRowKind::Limit && std::abs(limit_gap(m, x.q, row.of)) < margin;  // by find_modes
+    if (row.kind == JacobianRowKind::Limit && !counted) ++x.degenerate;
   }
 }
 
@@ -54,7 +55,8 @@ void StepJacobian::flag_weak_rows(double margin) const {
 void StepJacobian::slide(const JacobianContact& c) const {
   const double mu = w.laws[c.contact].material.friction, by = mu * y.rows[c.first].lambda / c.sliding;
   const Index t = c.first + 1;
-  double *const along = y.K + rows * t, *const across = along + rows, *const b0 = y.wanted + columns * t, *const b1 = b0 + columns;
+  double *const along = y.K + rows * t, *const across = along + rows;
+  double *const b0 = y.wanted + columns * t, *const b1 = b0 + columns;
   const double* const e = c.direction;
   for (Index k = 0; k < rows; ++k) across[k] = by * (e[0] * across[k] - e[1] * along[k]), along[k] = 0;
   for (std::ptrdiff_t k = 0; k < columns; ++k) b1[k] = by * (e[0] * b1[k] - e[1] * b0[k]), b0[k] = 0;

@@ -404,7 +404,7 @@ TEST(StepDerivatives, OfMechanisms) {
 }
 
 // A four-bar whose coupler carries a ball that comes down on the ground within the step. Where the loop is open a little, the
-// contact joins in closing it, by the side to which that pushes: the contact is degenerate. Motion with a closed loop has no kink.
+// contact joins in closing it, by the side to which that pushes: it is degenerate. Motion with a closed loop has no kink.
 TEST(StepDerivatives, OfAFourBarWithContact) {
   Stepper alone(mechanism("four_bar.urdf"));
   Numbers q(3, 0.2), v(3, 0.7);
@@ -419,7 +419,8 @@ TEST(StepDerivatives, OfAFourBarWithContact) {
     ASSERT_EQ(DYN_OK, dyn_builder_from_model(alone.m, &b));
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
-    s.body = "coupler", s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = radius, s.placement[9] = along, s.material = material(friction);
+    s.body = "coupler", s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = radius, s.placement[9] = along;
+    s.material = material(friction);
     ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
     dyn_shape_spec_init(&s);
     s.body = "universe", s.type = DYN_SHAPE_TYPE_HALF_SPACE, s.material = material(friction);
