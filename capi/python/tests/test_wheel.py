@@ -15,6 +15,9 @@ from conftest import CAPI, MODELS
 import libdyn as dyn
 from libdyn import stubs
 
+WRITTEN = [p for kind in ("py", "c", "cpp") for p in (CAPI / "python").glob(f"libdyn/**/*.{kind}")]
+
+
 def test_what_it_holds(wheel):
     file, installed = wheel
     with zipfile.ZipFile(file) as z:
@@ -24,8 +27,7 @@ def test_what_it_holds(wheel):
     assert ({n for n in names if n.startswith("libdyn/lib/lib")}
             == {f"libdyn/lib/{p.relative_to(installed)}" for p in installed.rglob("*.so*")} | {"libdyn/lib/libdyn.so"})
     assert "libdyn/lib/libdyn.so.1" in names
-    written = {p for kind in ("py", "c", "cpp") for p in (CAPI / "python").glob(f"libdyn/**/*.{kind}")}
-    sources = {p.relative_to(CAPI / "python").as_posix() for p in written} | {f"libdyn/{name}.pyi" for name in stubs.STUBS}
+    sources = {p.relative_to(CAPI / "python").as_posix() for p in WRITTEN} | {f"libdyn/{name}.pyi" for name in stubs.STUBS}
     robots = {f"libdyn/share/dyn/models/{p.relative_to(MODELS)}" for p in MODELS.rglob("*") if p.suffix in (".urdf", ".xml")}
     assert sources | robots | {"libdyn/py.typed", "libdyn/include/dyn.h", "libdyn/include/dyn.hpp"} <= names
     assert any(n.endswith(".dist-info/licenses/LICENSE") for n in names)
@@ -116,7 +118,7 @@ def test_source_distribution(tmp_path):
         names = {n.partition("/")[2] for n in archive.getnames()}
         project = archive.extractfile(f"{archive.getnames()[0].partition('/')[0]}/pyproject.toml").read().decode()
     assert {"PKG-INFO", "CMakeLists.txt", "src/model/builder.cpp", "capi/dynamics.cpp", "include/dyn.h"} <= names
-    assert {file.relative_to(CAPI.parent).as_posix() for file in (CAPI / "python").glob("libdyn/**/*.[pc]*") if file.is_file()} <= names
+    assert {p.relative_to(CAPI.parent).as_posix() for p in WRITTEN} <= names
     assert 'backend-path = ["capi/python/build_backend"]' in project and 'readme = "capi/python/README.md"' in project
 
 
