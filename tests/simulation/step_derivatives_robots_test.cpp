@@ -1,0 +1,190 @@
+// Derivatives of steps of robots and mechanisms: on their feet, at a limit, with closed loops, with an object.
+#include "simulation/step_derivatives.hpp"
+
+namespace dyn_test {
+namespace {
+
+// The stance of a quadruped or a humanoid under servos, its feet a little below the floor.
+Model standing(const char* name, const Numbers& angles, Numbers& q, double depth) {
+  const Model plain = robot(name, DYN_BASE_FLOATING);
+  dynBuilder* b = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_builder_from_model(plain, &b));
+  dynShapeSpec s;
+  dyn_shape_spec_init(&s);
+  s.body = "universe", s.type = DYN_SHAPE_TYPE_HALF_SPACE;
+  EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b, &s));
+  for (int j = 2; j < plain.njoints(); ++j) {
+    dynActuator a;
+    dyn_actuator_init(&a, DYN_ACTUATOR_TYPE_POSITION);
+    a.kp = 60, a.kv = 3;
+    EXPECT_EQ(DYN_OK, dyn_builder_add_actuator(b, dyn_model_joint_name(plain, j), &a, dyn_model_joint_name(plain, j)))
+        << dyn_last_error();
+  }
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
+  dyn_builder_free(b);
+  q.assign(static_cast<std::size_t>(dyn_model_nq(m)), 0);
+  q[6] = 1;
+  const double *const lower = dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), *const upper = dyn_model_array(
+                                                                                   m, DYN_MODEL_ARRAY_UPPER_LIMIT);
+  for (std::size_t k = 7; k < q.size(); ++k) q[k] = std::clamp(angles[(k - 7) % angles.size()], lower[k] + 0.02, upper[k] - 0.02);
+  int floor = 0;
+  for (dynShapeInfo shape{}; floor < dyn_model_nshapes(m); ++floor) {
+    shape.struct_size = sizeof shape;
+    EXPECT_EQ(DYN_OK, dyn_model_shape_info(m, floor, &shape));
+    if (shape.type == DYN_SHAPE_TYPE_HALF_SPACE) break;
+  }
+  // the height at which the lowest contact is `depth` deep
+  dynData* d = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
+  double low = 0, high = 2;
+  for (int n = 0; n < 60; ++n) {
+    q[2] = (low + high) / 2;
+    dynContact contacts[64];
+    int count = 0;
+    EXPECT_EQ(DYN_OK, dyn_contacts(m, d, q.data(), 0.0, contacts, 64, &count)) << dyn_last_error();
+    double gap = 1;
+    for (int k = 0; k < std::min(count, 64); ++k)
+      if (contacts[k].shape_a == floor || contacts[k].shape_b == floor) gap = std::min(gap, contacts[k].distance);
+    (gap < -depth ? low : high) = q[2];
+  }
+  dyn_data_free(d);
+  return Model(m);
+}
+
+TEST(StepDerivatives, OfAStandingQuadruped) {
+  Numbers q;
+  Stepper run(standing("go2", {0, 0.9, -1.8}, q, 2e-5), 2e-3);
+  run.set(q);
+  Numbers u(static_cast<std::size_t>(dyn_model_nu(run.m)));
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] = q[7 + k];
+  ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data()));
+  const Derivatives x = run.agree();
+  EXPECT_EQ(4, x.report.active);
+}
+
+// A box that slides and turns: how its corners share the weight is open, and so is the moment of their friction.
+TEST(StepDerivatives, MotionThatForcesDoNotDetermineIsDegenerate) {
+  Scene scene;
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.3)).box("box", 2, {0.2, 0.3, 0.1}, material(0.3));
+  Stepper run(scene.finish());
+  run.set(upright(0, 0, 0.05 - 1e-5), {1, 0.3, 0, 0, 0, 0.5});
+  const Derivatives x = run.analytic();
+  ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+  EXPECT_EQ(4, x.report.degenerate);
+}
+
+TEST(StepDerivatives, OfAStandingHumanoid) {
+  Numbers q;
+  Numbers angles(33, 0.0);
+  angles[29 - 7] = 0.2, angles[35 - 7] = -0.2;  // legs apart
+  angles[33 - 7] = -0.2, angles[39 - 7] = 0.2;  // soles level
+  for (int leg : {28, 34}) angles[std::size_t(leg + 3 - 7)] = 0.1, angles[std::size_t(leg + 4 - 7)] = -0.1;
+  Stepper run(standing("humanoid", angles, q, 1e-4), 2e-3);
+  run.set(q);
+  const Derivatives x = run.agree(1e-5, false);  // some of the eight corners bear nothing
+  EXPECT_GE(x.report.active, 4);
+}
+
+TEST(StepDerivatives, OfAnArmAtItsLimit) {
+  Stepper run(robot("panda"));
+  Numbers q(static_cast<std::size_t>(run.m.nq())), v(static_cast<std::size_t>(run.m.nv()));
+  const double* const upper = dyn_model_array(run.m, DYN_MODEL_ARRAY_UPPER_LIMIT);
+  q[3] = -1.5, q[5] = 1.8, q[7] = 0.02, q[1] = upper[1] + 1e-5, v[1] = 0.5, v[0] = 0.3;
+  run.set(q, v);
+  run.agree();
+}
+
+// A mechanism, its loops closed, at rest and in motion.
+Model mechanism(const char* name) {
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_model_load((std::string(DYN_MODELS_DIR "/mechanisms/") + name).c_str(), nullptr, &m)) << dyn_last_error();
+  return Model(m);
+}
+void close_loops(Stepper& run, Numbers q, Numbers v) {
+  ASSERT_EQ(DYN_OK, dyn_project(run.m, run.d, q.data(), v.data(), nullptr, q.data(), v.data(), nullptr)) << dyn_last_error();
+  run.set(q, v);
+}
+
+TEST(StepDerivatives, OfMechanisms) {
+  for (const char* name : {"four_bar.urdf", "four_bar_in_space.urdf"}) {
+    SCOPED_TRACE(name);
+    for (double speed : {0.0, 0.7}) {
+      Stepper run(mechanism(name));
+      Numbers q(static_cast<std::size_t>(run.m.nq())), v(static_cast<std::size_t>(run.m.nv()), speed);
+      ASSERT_EQ(DYN_OK, dyn_configuration_neutral(run.m, q.data()));
+      for (double& x : q) x += 0.2;
+      close_loops(run, q, v);
+      const Derivatives x = run.agree(1e-5);
+      EXPECT_EQ(DYN_OK, x.status) << dyn_last_error();
+    }
+  }
+}
+
+// A four-bar whose coupler carries a ball that comes down on the ground within the step. Where the loop is open a little, the
+// contact joins in closing it, by the side to which that pushes: it is degenerate. Motion with a closed loop has no kink.
+TEST(StepDerivatives, OfAFourBarWithContact) {
+  Stepper alone(mechanism("four_bar.urdf"));
+  Numbers q(3, 0.2), v(3, 0.7);
+  close_loops(alone, q, v);
+  q = alone.value("q"), v = alone.value("v");
+  double X[12];
+  ASSERT_EQ(DYN_OK, dyn_forward_kinematics(alone.m, alone.d, q.data(), nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_frame_placement(alone.m, alone.d, dyn_model_frame_id(alone.m, "coupler"), X)) << dyn_last_error();
+  const double along = 0.5, radius = 0.1, low = X[10] + X[1] * along - radius;  // lowest point of the ball, y upwards
+  for (double friction : {0.0, 0.3, 2.0}) {
+    dynBuilder* b = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_builder_from_model(alone.m, &b));
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.body = "coupler", s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = radius, s.placement[9] = along;
+    s.material = material(friction);
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
+    dyn_shape_spec_init(&s);
+    s.body = "universe", s.type = DYN_SHAPE_TYPE_HALF_SPACE, s.material = material(friction);
+    const double turned[12] = {1, 0, 0, 0, 0, -1, 0, 1, 0, 0, low - 1e-5, 0};  // its normal along y
+    std::copy_n(turned, 12, s.placement);
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
+    dynModel* m = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
+    dyn_builder_free(b);
+    Stepper run{Model(m)};
+    run.set(q, v);
+    const Derivatives x = run.analytic(), c = run.central(1e-6);
+    ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+    EXPECT_EQ(1, x.report.active) << friction;
+    EXPECT_EQ(1, x.report.degenerate) << friction;
+    const auto along = [&](const Derivatives& of, std::size_t row, std::size_t first) {  // its derivative along v
+      double sum = 0;
+      for (std::size_t k = 0; k < 3; ++k) sum += of.A[row + 6 * (first + k)] * v[k];
+      return sum;
+    };
+    const double size = largest(c.A);
+    for (std::size_t row = 0; row < 6; ++row)
+      for (std::size_t first : {std::size_t(0), std::size_t(3)})
+        EXPECT_NEAR(along(c, row, first), along(x, row, first), 1e-7 * size) << friction << ' ' << row << ' ' << first;
+    EXPECT_LE(difference(x.B, c.B), 1e-6 * std::max(1.0, largest(c.B)));
+  }
+}
+
+// Two fingers that press on a box and hold it up.
+TEST(StepDerivatives, OfAGripperWithAnObject) {
+  const char* const text =
+      "<mujoco><worldbody>"
+      "<body pos='-0.07 0 0'><joint type='slide' axis='1 0 0'/><geom type='sphere' size='0.02' mass='0.1' friction='1'/></body>"
+      "<body pos='0.07 0 0'><joint type='slide' axis='1 0 0'/><geom type='sphere' size='0.02' mass='0.1' friction='1'/></body>"
+      "<body><freejoint/><geom type='box' size='0.05 0.05 0.05' mass='0.2' friction='1'/></body></worldbody></mujoco>";
+  dynModel* m = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
+  Stepper run{Model(m)};
+  Numbers q(static_cast<std::size_t>(run.m.nq())), tau(static_cast<std::size_t>(run.m.nv()));
+  ASSERT_EQ(DYN_OK, dyn_model_configuration(run.m, "qpos0", q.data()));
+  q[0] = 1e-5, q[1] = -2e-5, tau[0] = 5, tau[1] = -5;
+  run.set(q, {}, tau);
+  const Derivatives x = run.agree(1e-5);
+  ASSERT_EQ(2, x.report.active);
+  for (dynContactMode mode : x.modes) EXPECT_EQ(DYN_CONTACT_MODE_STICK, mode);
+}
+
+}  // namespace
+}  // namespace dyn_test
