@@ -95,7 +95,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
 
 // Shares the search margin of a pair between its two boxes.
 double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h) {
-  return tuning::search::box * d.geoms[geom].bounding_radius + tuning::search::speed_margin * h * w.speeds[geom];
+  return 0.5 * tuning::search::near * d.geoms[geom].bounding_radius + tuning::search::speed_margin * h * w.speeds[geom];
 }
 
 namespace {

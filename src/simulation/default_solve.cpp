@@ -32,16 +32,16 @@ bool Island::solve_finely(Index most, double fine, dynContactReport& report) {
 void Island::solve_by_segments(double fine, Sweeps<BySegments>& sweeps, dynContactReport& report) {
   using namespace tuning::default_solve;
   if (!large() || report.residual <= near_guess) {
-    if (solve_finely(large() ? near_steps : small_steps, fine, report)) return;
+    if (solve_finely(large() ? large_steps : small_steps, fine, report)) return;
   } else {
     sweeps.load();  // segments are numbered anew once ordered
-    sweeps.run(far_sweeps, report), sweeps.write();
+    sweeps.run(few_sweeps, report), sweeps.write();
     report.residual = sweeps.residual();
   }
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
   if (unsolved()) Smoothing(*this).run(smoothing_steps, report);
   if (unsolved() && large() && rows <= tuning::island::dense_rows) newton(report, true);
-  if (report.residual <= tolerance) solve_finely(end_steps, fine, report);
+  if (report.residual <= tolerance) solve_finely(large_steps, fine, report);
 }
 
 // Small islands and few sweeps leave iterations for methods that large mass ratios do not slow down.
@@ -61,7 +61,7 @@ void Island::solve_to_default(dynContactReport& report) {
   w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
   if (report.residual > tolerance && (report.newton_steps == 0 || (!large() && within_budget(report)))) {
     const Index left = std::max<Index>(1, allowance - report.iterations - report.newton_steps);
-    sweeps.run(large() ? left : std::min(left, tuning::sweeps::small_sweeps), report);
+    sweeps.run(large() ? left : std::min(left, few_sweeps), report);
     if (!large()) {
       report.residual = sweeps.residual(), sweeps.write();
       if (unsolved()) {

@@ -79,7 +79,7 @@ double guarded_motion(const Model& m, double* subtree) {
     if (b.m > 0) ratio = std::max(ratio, subtree[i - 1] / b.m);
     if (b.parent > 0) subtree[b.parent - 1] += subtree[i - 1];
   }
-  return tuning::guard::motion * std::clamp(tuning::guard::usual_ratio / ratio, tuning::guard::least_motion, 1.0);
+  return tuning::guard::motion * std::min(1.0, tuning::guard::usual_ratio / ratio);
 }
 
 bool may_gain_energy(const Model& m, Data<double>& d, double h) {

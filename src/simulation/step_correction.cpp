@@ -25,7 +25,7 @@ struct Correction {
   double* J(Index i) const { return s.J(row(i).row); }
   double* Z(Index i) const { return y.Z + nv * row(i).row; }
   double& G(Index i, Index j) const { return y.G[room * i + j]; }
-  double* dG(Index i, Index j) const { return y.dG + nv * (exact_corrections * row(i).exact + row(j).exact); }
+  double* dG(Index i, Index j) const { return y.dG + nv * (tuning::island::exact_rows * row(i).exact + row(j).exact); }
   double* by(Index i) const { return y.lambda + columns * i; }     // of mu
   double* wrong(Index i) const { return y.wanted + columns * i; }  // of b
 
@@ -183,8 +183,8 @@ struct Correction {
     std::copy_n(x.q, m.n.nq, d.q);
     double off = 0, most = 0;
     for (Index k = 0; k < nv; ++k) off = std::max(off, std::abs(hv[k])), most = std::max(most, std::abs(y.correction[k]));
-    constexpr double rounding = 1e-14, share = 1e-6, share_of_drift = 1e-2;
-    return off <= rounding + (s.equalities > 0 ? share_of_drift : share) * most;
+    const double share = s.equalities > 0 ? tuning::derivatives::of_drift : tuning::derivatives::consistent;
+    return off <= solver::tuning::pgs::tiny + share * most;
   }
 
   // W = derivative of N^-1 J_i^T by q, at fixed q in it; and its parts of dG.
@@ -248,9 +248,8 @@ const char* StepJacobian::correct() {
   if (equalities > 0)
     if (const char* const reason = correct_drift()) return reason;
   if (!c.is_that_of_the_step()) return "overlaps are corrected in another way";
-  constexpr double negligible = 1e-9;  // m, rad: derivatives of G change the result by as much
-  const bool exact = pushed > negligible;
-  if (exact && c.pushed > exact_corrections) return "too many overlaps are corrected";
+  const bool exact = pushed > tuning::slop;  // else derivatives of G change the result by less
+  if (exact && c.pushed > tuning::island::exact_rows) return "too many overlaps are corrected";
   for (Index i = 0; i < (exact ? c.count : 0); ++i)
     if (c.row(i).exact >= 0) c.differentiate_row(i);
   c.differentiate_errors();

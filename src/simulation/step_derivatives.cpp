@@ -70,7 +70,7 @@ Index step_once(const Model& m, Data<double>& d) {
 }
 
 void solve_exactly(Workspace& w) {
-  constexpr double tolerance = 1e-12;
+  using tuning::derivatives::tolerance;
   w.options.tolerance = w.options.tolerance > 0 ? std::min(w.options.tolerance, tolerance) : tolerance;
   w.options.time_budget = 0, w.options.ledger = 0, w.options.accuracy = 0, w.ledger.open = false;
   w.report = {};
@@ -144,6 +144,7 @@ struct ModeFinder {
             shape::norm(slip - n * dot(slip, n))};
   }
   void find(Index k, double largest, double margin) const {
+    using tuning::derivatives::rounding, tuning::derivatives::still;
     const ContactState s = state(k);
     const ContactLaw& law = d.step->laws[k];
     dynContactMode& mode = x.modes.modes[k];
@@ -169,7 +170,6 @@ struct ModeFinder {
       return a.kind == RowKind::Contact && a.index == k && !a.idle && a.support_count == 0;
     });
   }
-  static constexpr double rounding = 1e-7, still = 1e-9;  // of a solve to 1e-12; m/s
 };
 
 // Limits that begin or end to press within the margin.

@@ -66,8 +66,7 @@ solver::RankedLu StepJacobian::factor_equalities(double softness) const {
       y.K[n * r + s] = sum, most = std::max(most, r == s ? sum : 0);
     }
   std::copy_n(y.K, n * n, y.factor);
-  constexpr double floor = 1e-14;
-  for (Index r = 0; r < n; ++r) y.factor[(n + 1) * r] += softness * y.K[(n + 1) * r] + floor * most;
+  for (Index r = 0; r < n; ++r) y.factor[(n + 1) * r] += softness * y.K[(n + 1) * r] + solver::tuning::pgs::tiny * most;
   solver::RankedLu lu = lu_of(n);
   lu.factor(0);
   return lu;
@@ -86,7 +85,7 @@ const char* StepJacobian::find_equality_impulses() const {
   for (Index k = 0; k < m.n.limits; ++k) lacking[user_dof(m, m.limits()[k].dof)] -= h * w.limit_forces[k];
   std::fill_n(J(equality0), nv * n, 0.0);
   add_equality_rows();
-  const solver::RankedLu lu = factor_equalities(1e-10);
+  const solver::RankedLu lu = factor_equalities(solver::tuning::interior::regularisation);
   double* const more = y.wanted;
   std::fill_n(lambda, n, 0.0);
   for (int round = 0; round < 3; ++round) {
@@ -105,8 +104,7 @@ const char* StepJacobian::find_equality_impulses() const {
     d.lambda[r] = lambda[r] / h;
   }
   for (Index k = 0; k < nv; ++k) off = std::max(off, std::abs(lacking[k]));
-  constexpr double solved = 1e-6;
-  return off <= solved * most ? nullptr : "forces of constraints could not be found";
+  return off <= tuning::derivatives::consistent * most ? nullptr : "forces of constraints could not be found";
 }
 
 // After inverse dynamics with their forces: d.dtau_dq with forces that turn with the bodies.
@@ -141,8 +139,7 @@ const char* StepJacobian::correct_drift() const {
       size = std::max(size, std::abs(s.error[r]));
     }
   });
-  constexpr double far = 1e-5;  // m, rad
-  if (size > far) return "constraints drift by more than 1e-5";
+  if (size > tuning::derivatives::drift) return "constraints drift by more than 1e-5";
   const solver::RankedLu lu = factor_equalities(tuning::island::correction_softness);
   lu.solve(y.rest, 1, y.lambda);
   const bool corrected = size > tuning::slop * std::min(1.0, w.length);  // else rounding: the step leaves it

@@ -15,8 +15,7 @@ const char* find_reason(const Model& m, const Data<double>& d) {
   if (m.n.force_limits > 0) return "the sum of several actuators is limited";
   if (d.acting & DYN_EFFECT_FLUID) return "a medium acts on a link";
   if (w.report.rejected > 0 || w.report.steps != 1) return "the step was made in parts";
-  constexpr double solved = 1e-9;
-  if (w.report.residual > solved) return "the contact solver did not reach a residual of 1e-9";
+  if (w.report.residual > tuning::island::fine) return "the contact solver did not reach a residual of 1e-9";
   for (Index k = 0; k < m.n.limits; ++k)
     if (is_ball(m, m.limits()[k]) && w.limit_forces[k] != 0) return "the limit of a ball joint presses";
   for (Index i = 1; i < m.n.bodies; ++i)

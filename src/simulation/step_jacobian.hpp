@@ -56,11 +56,9 @@ struct JacobianArrays {
   Index *pivots, *unknowns;
 };
 
-inline constexpr Index exact_corrections = 24;  // rows whose matrix is differentiated, too
 // More rows than four a degree of freedom press in heaps alone, and then in ways that forces do not determine.
 inline Index jacobian_rows(const Model& m) {
-  constexpr Index least = 64, most = 240;
-  return std::min(3 * m.n.contacts + m.n.limits + m.n.constraint_rows, std::clamp(4 * m.n.nv, least, most));
+  return std::min(3 * m.n.contacts + m.n.limits + m.n.constraint_rows, std::clamp(4 * m.n.nv, tuning::default_solve::small_rows, tuning::island::dense_rows));
 }
 
 // Calls f(array, numbers) for each. Matrices lie row by row: state nv x columns, J and Z rows x nv, K rows x rows, E rows x 2 nv
@@ -74,7 +72,7 @@ void jacobian_arrays(const Model& m, std::ptrdiff_t columns, JacobianArrays& x, 
   f(x.E, rows * 2 * nv), f(x.rate, rows * nv), f(x.wanted, rows * columns), f(x.lambda, rows * columns),
       f(x.rest, rows * columns), f(x.displacement, nv * columns);
   f(x.rows, rows), f(x.contacts, rows), f(x.pivots, rows), f(x.unknowns, rows);
-  const std::ptrdiff_t exact = std::min<std::ptrdiff_t>(rows, exact_corrections);
+  const std::ptrdiff_t exact = std::min<std::ptrdiff_t>(rows, tuning::island::exact_rows);
   f(x.corrections, rows), f(x.G, rows * rows), f(x.dG, exact * exact * nv), f(x.turned, nv * nv), f(x.W, nv * nv);
 }
 

@@ -26,12 +26,11 @@ void StepJacobian::assemble() const {
       for (Index i = 0; i < count; ++i) y.K[rows * r + s + i] = y.K[rows * (s + i) + r] = sum[i];
     }
   for (Index k = 0; k < contacts; ++k) y.K[(rows + 1) * y.contacts[k].first] += compliance(w.laws[y.contacts[k].contact]);
-  constexpr double rounding = 1e-14;  // rows that nothing moves
   double most = 0;
   for (Index r = 0; r < rows; ++r) most = std::max(most, y.K[(rows + 1) * r]);
   for (Index r = 0; r < rows; ++r) {
     const double own = y.K[(rows + 1) * r];
-    y.scale[r] = own > rounding * most ? 1 / std::sqrt(own) : 0;
+    y.scale[r] = own > solver::tuning::pgs::tiny * most ? 1 / std::sqrt(own) : 0;  // else nothing moves it
   }
   for (Index k = 0; k < contacts; ++k) {
     const JacobianContact& c = y.contacts[k];
@@ -67,7 +66,7 @@ void StepJacobian::slide(const JacobianContact& c) const {
 // Adds J^T lambda to the state, K lambda = wanted. Rows are scaled: units and masses differ. Returns whether the equations are
 // consistent and determine the motion.
 bool StepJacobian::solve_rows() const {
-  constexpr double independent = 1e-9, consistent = 1e-6;
+  using tuning::derivatives::independent, tuning::derivatives::consistent;
   const auto largest = [&](Index first, Index end) {
     double most = 0;
     for (std::ptrdiff_t k = first * columns; k < end * columns; ++k) most = std::max(most, std::abs(y.wanted[k]));
@@ -94,7 +93,6 @@ bool StepJacobian::solve_rows() const {
 // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body
 // differently.
 bool StepJacobian::is_determined(const solver::RankedLu& lu) const {
-  constexpr double moves = 1e-4;
   double *const open = y.rest, *const sum = x.plus, *const all = sum + nv;
   for (Index at = lu.rank; at < rows; ++at) {
     lu.null_vector(at, open);
@@ -106,7 +104,7 @@ bool StepJacobian::is_determined(const solver::RankedLu& lu) const {
     }
     double motion = 0, moved = 0;
     for (Index k = 0; k < nv; ++k) motion = std::max(motion, std::abs(sum[k])), moved = std::max(moved, all[k]);
-    if (motion > moves * moved) return false;
+    if (motion > tuning::derivatives::moves * moved) return false;
   }
   return true;
 }

@@ -77,7 +77,7 @@ void StepJacobian::differentiate_contact(JacobianContact& c) const {
   const JacobianRow* const row = y.rows + c.first;
   const double bound = law.material.friction * row[0].lambda,
                held = std::sqrt(row[1].lambda * row[1].lambda + row[2].lambda * row[2].lambda);
-  constexpr double rounding = 1e-7, still = 1e-9;
+  using tuning::derivatives::rounding, tuning::derivatives::still;
   if (!(held >= bound * (1 - rounding) && c.sliding > still)) return;
   for (int k = 0; k < 2; ++k) c.direction[k] = t[k] / c.sliding, y.rows[c.first + 1 + k].kind = JacobianRowKind::Slide;
 }

@@ -22,7 +22,6 @@ inline constexpr double free_closing = 10;     // of the island's largest rate: 
 namespace search {
 inline constexpr double near = 0.02;            // of the radius: nearer shapes are always tested
 inline constexpr double bound_share = 0.5;      // of the distance: a query of shapes apart may end with this lower bound
-inline constexpr double box = near / 2;         // the same of each shape's box: two boxes cover it
 inline constexpr double speed_margin = 1.5;     // of the motion in the step: impulses may speed shapes up
 inline constexpr double same_normal = 0.9;      // cosine: below it the contact turned within the step
 inline constexpr double graze = 0.05;           // of the relative motion in the step: deeper overlap at its end is a hit
@@ -61,7 +60,6 @@ inline constexpr double correction_softness = 1e-6;
 inline constexpr double far_softness = 1e-2;
 inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
 inline constexpr int relaxed_every = 64;        // steps of dt: the smallest impulses cost a Newton step
-inline constexpr Index few_iterations = 30;     // of the dense matrix, after which a tolerated residual ends it
 inline constexpr int rounds = 3;                // of method_iterations for all methods together; once more for fixed corrections
 inline constexpr double tolerance = 1e-4, fine = 1e-9;  // default of the residual: in steps of dt; with an accuracy, at impacts
 inline constexpr Index exact_rows = 24;         // islands up to these rows are solved to the fine residual by default
@@ -89,7 +87,6 @@ namespace sweeps {
 inline constexpr double progress = 0.8;         // of the change, from check to check: more is no progress
 inline constexpr int depth = 5;                 // sweeps that Anderson's acceleration combines
 inline constexpr double growth = 2;             // of a sweep's change over the last: above it the combination starts anew
-inline constexpr Index small_sweeps = 10;       // where other methods follow
 inline constexpr int guess_sweeps = 4;          // over a nearly good guess: cheaper than a matrix
 inline constexpr Index first_sweeps = 5, max_small = 10;  // before Newton; small islands have a matrix after max_small
 inline constexpr int correction_sweeps = 20;    // bound for position corrections
@@ -99,8 +96,8 @@ inline constexpr double correction_change = 0.02;  // of the first sweep's chang
 // The solve by default (default_solve.cpp).
 namespace default_solve {
 inline constexpr double near_guess = 0.02;      // residual of the guess up to which large islands try Newton's method first
-inline constexpr Index small_steps = 8, near_steps = 4, end_steps = 4;  // of Newton's method; end: after the smoothing method
-inline constexpr Index far_sweeps = 10, smoothing_steps = 50;
+inline constexpr Index small_steps = 8, large_steps = 4;  // of Newton's method, in small islands and in large ones
+inline constexpr Index few_sweeps = 10, smoothing_steps = 50;  // sweeps where other methods follow
 inline constexpr Index small_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
 
@@ -129,8 +126,7 @@ inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half 
 // Energy guard (energy_guard.hpp).
 namespace guard {
 inline constexpr double motion = 0.1;           // rad, or of the length, in a step: slower motion gains little by explicit terms
-inline constexpr double usual_ratio = 1e4;      // of the mass beyond a joint over its link's: larger ones lower `motion`,
-inline constexpr double least_motion = 0.01;    // to this share of it
+inline constexpr double usual_ratio = 1e4;      // of the mass beyond a joint over its link's: larger ones lower `motion`
 inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: order 1 errs by about motion^2
 inline constexpr double high_order_share = 1e-3;  // the same by methods of order 2 and more: beyond, an oscillation is unresolved
 inline constexpr double part_share = 0.1;       // the same of all parts so far, and of the finest parts
@@ -141,6 +137,19 @@ inline constexpr double rounding = 1e-9;        // of the potential energy
 inline constexpr int halvings = 5;              // of a step that gained energy
 inline constexpr double amplification = 1.01;   // of oscillations in an explicit step: above it the method is unstable
 }  // namespace guard
+
+// Derivatives of a step (step_derivatives.hpp).
+namespace derivatives {
+inline constexpr double tolerance = 1e-12;   // of the solve in the step that is differentiated
+inline constexpr double rounding = 1e-7;     // of a force or speed that such a solve leaves: it is at its bound
+inline constexpr double still = 1e-9;        // m/s: slower contacts do not slide
+inline constexpr double independent = 1e-9;  // pivot of the scaled rows: smaller ones are redundant
+inline constexpr double consistent = 1e-6;   // of the largest: what redundant rows, or forces that were found, may miss
+inline constexpr double moves = 1e-4;        // of the motion of its parts: what an impulse left open may cause
+inline constexpr double inside = 1e-5;       // of the bound: friction this far inside sticks in a changed step
+inline constexpr double drift = 1e-5;        // m, rad: larger errors of equalities are corrected in ways that are not covered
+inline constexpr double of_drift = 1e-2;     // of the correction: what its second order may be
+}  // namespace derivatives
 
 // Sleep (sleep.cpp).
 inline constexpr double same_force = 1e-6;  // of the largest on the island: difference of forces of one problem solved twice

@@ -33,7 +33,7 @@ void admm(Workspace& w, Budget& b) {
     return;
   }
   // if all fail, the interior point method starts from smaller impulses, after as many more steps
-  for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
+  for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= tuning::growth)
     if (admm_iterations(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))) || interior(w, b, factor) ||
         (factor == 1 && !b.is_rough() && smoothing_newton(w, b)))
       return;

@@ -11,7 +11,7 @@ using namespace tuning::alart_curnier;
 class DenseNewton {
  public:
   DenseNewton(Workspace& w, Budget& b, Index damped_steps)
-      : max_damping(damped_steps > 0 ? tuning::alart_curnier::max_damping : 0),
+      : max_damping(damped_steps > 0 ? 1 : 0),
         most(damped_steps > 0 ? damped_steps : max_steps),
         w(w),
         p(w.problem),
@@ -21,7 +21,7 @@ class DenseNewton {
   // of the operator
   static constexpr double least_compliance = tuning::proximal, short_damping = tuning::alart_curnier::short_damping,
                           first_damping = tuning::alart_curnier::first_damping;
-  const double max_damping;
+  const double max_damping;  // 1: the diagonal of G; beyond, steps are those of a descent along the error
   const Index most;  // steps
   template <class F>
   void for_each(F&& f) const {
@@ -125,7 +125,8 @@ bool DenseNewton::run(const double* y, const double* c) {
       std::fill_n(w.step, p.n, 0.0), std::fill_n(w.step_c, p.n, 0.0);
       error = method.error(0);
     }
-    return error.speed() < near * b.tolerance && keep() ? Progress::solved : Progress::going;
+    // the norm of as many errors as there are rows
+    return error.speed() < p.n * b.tolerance && keep() ? Progress::solved : Progress::going;
   };
   return method.run(most, may_step, accept) || keep();
 }

@@ -148,10 +148,10 @@ inline bool eliminate(const Matrix& A, Index n, Index first, Index* pivots) {
   return true;
 }
 
-// A = P^T L U with partial pivoting. Returns false if singular.
+// A = P^T L U with partial pivoting, the last columns one at a time: their rows fill few lanes. Returns false if singular.
 inline bool lu(const Matrix& A, Index n, Index* pivots) {
   Index j = 0;
-  for (; n - j > tuning::dense::few_columns; j += 4)
+  for (; n - j > lanes; j += 4)
     if (!eliminate<4>(A, n, j, pivots)) return false;
   for (; j < n; ++j)
     if (!eliminate<1>(A, n, j, pivots)) return false;

@@ -19,7 +19,7 @@ class Interior {
 
   // of the operator
   static constexpr bool inverse_laws = true;
-  static constexpr double compliance = box_proximal, edge = 0;
+  static constexpr double compliance = tuning::round_off, edge = 0;
   template <class F>
   void for_each(F&& f) const {
     for (Index k = 0; k < p.blocks; ++k) f(p.block[k], k);
@@ -35,7 +35,7 @@ class Interior {
   Budget& b;
   InteriorPoint<Interior> path;
 
-  double stopping_impulse(double regularisation);
+  double stopping_impulse();
 };
 
 // G + K^-1
@@ -57,7 +57,7 @@ void Interior::solve(const double* r, double* a, double* G_a) const {
 }
 
 // Solves (G + regularisation) y = -g. Returns the size of y, infinite if singular.
-double Interior::stopping_impulse(double regularisation) {
+double Interior::stopping_impulse() {
   double* const y = w.x;
   w.factor.ld = p.G.ld;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, w.factor.x);
@@ -70,11 +70,12 @@ double Interior::stopping_impulse(double regularisation) {
   return impulse;
 }
 
-// From impulses that stop all motion, or nearly all where redundant rows contradict one another, on the cones' axes.
+// From impulses that stop all motion, on the cones' axes. Where redundant rows contradict one another these have no bound: their
+// geometric mean with impulses of the size of the speed is taken.
 bool Interior::run(double factor) {
-  double speed = 0, impulse = stopping_impulse(exact), tried = HUGE_VAL;
+  double speed = 0, impulse = stopping_impulse(), tried = HUGE_VAL;
   for (Index i = 0; i < p.n; ++i) speed = std::max(speed, std::fabs(p.g[i]));
-  if (exact * impulse > contradiction * speed) impulse = stopping_impulse(rough);
+  if (regularisation * impulse > tuning::accept::max_residual * speed) impulse = std::sqrt(impulse * speed);
   if (!std::isfinite(impulse)) return false;
   std::fill_n(path.y, p.n, 0.0), std::fill_n(path.c, p.n, 0.0);
   path.start_inside(factor * std::max(impulse, speed), speed);

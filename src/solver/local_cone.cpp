@@ -1,5 +1,7 @@
 #include "solver/local_cone.hpp"
 
+#include "solver/bracketed_newton.hpp"
+
 namespace dyn::solver {
 
 namespace {
@@ -10,11 +12,12 @@ using namespace tuning::pgs;
 void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < m; ++j) q[i][j] = i == j;
-  for (int sweep = 0; sweep < jacobi_sweeps; ++sweep) {
+  for (double before = HUGE_VAL;;) {
     double off = 0, on = 0;
     for (Index i = 0; i < m; ++i)
       for (Index j = 0; j < m; ++j) (i == j ? on : off) += a[i][j] * a[i][j];
-    if (off <= jacobi_tolerance * on) break;
+    if (off <= jacobi_tolerance * on || !(off < before)) break;  // each sweep squares what is left, down to rounding
+    before = off;
     for (Index i = 0; i < m; ++i)
       for (Index j = i + 1; j < m; ++j) {
         if (a[i][j] == 0) continue;
@@ -78,7 +81,7 @@ void solve_cone(LocalCone& l, double mu, const double* b, double* y) {
     if (a == 0) return false;
     for (int k = 0; k < warm_steps; ++k) {
       const double f = at(a), next = a - f / slope, change = std::fabs(next - a);
-      if (!(change < warm_change * a)) return false;
+      if (!(change < a)) return false;  // not positive, or far away
       l.resistance = a = next;
       if (change < warm_enough * a) break;
     }
@@ -86,18 +89,9 @@ void solve_cone(LocalCone& l, double mu, const double* b, double* y) {
     return true;
   };
   if (!slid_on() && !stuck()) {
-    double low = 0, high = 0, a = l.resistance;
+    double a = l.resistance;
     if (a == 0) a = norm(bt, m) * Gnn / (mu * -b[0]);  // solution if only the resistance acted: mu lambda_n = |lambda_t|
-    for (int k = 0; k < root_steps; ++k) {
-      const double f = at(a);
-      if (std::fabs(f) <= root_tolerance) break;
-      (f < 0 ? low : high) = a;
-      double next = a - f / slope;
-      if (!(next > low && (high == 0 || next < high))) next = high == 0 ? root_growth * a : 0.5 * (low + high);
-      if (std::fabs(next - a) <= root_width * a) break;
-      a = next;
-    }
-    l.resistance = a;
+    l.resistance = bracketed_newton(at, slope, a, tuning::round_off);
   }
   y[0] = n;
   for (int i = 0; i < m; ++i)

@@ -142,7 +142,7 @@ bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   std::copy_n(w.t, n, z);
   double primal = 0;
   for (Index i = 0; i < n; ++i) primal = std::max(primal, std::fabs(x[i] - y[i]) * p.per_unit[i]);
-  if (primal > slow_primal * primal_before && gradient < small_gradient * p.speed)  // up to where round-off dominates
+  if (primal > slow_primal * primal_before)  // up to where round-off dominates
     joint_rho =
         std::min(penalty_growth * joint_rho, std::max(1.0, subproblem_tolerance * b.tolerance / (tuning::epsilon * size(y))));
   primal_before = primal;

@@ -31,7 +31,7 @@ void newton(Workspace& w, Budget& b) {
     return;
   }
   // if all fail, the interior point method starts from smaller impulses, and as many more steps follow
-  for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= growth)
+  for (double factor = 1; factor > tuning::epsilon && !b.spent(); factor /= tuning::growth)
     if (interior(w, b, factor) || (factor == 1 && !b.is_rough() && smoothing_newton(w, b)) ||
         augmented_lagrangian(w, b, Index(std::min<double>(first_steps / factor, b.max_iterations))))
       return;

@@ -5,6 +5,7 @@
 //   (local_cone.hpp)
 #pragma once
 
+#include "solver/bracketed_newton.hpp"
 #include "solver/cone.hpp"
 #include "solver/tuning.hpp"
 
@@ -77,17 +78,8 @@ struct PointContact {
       slope = mu * (dn - n * dl * per) * per;
       return mu * n * per - 1;
     };
-    double low = 0, high = 0, a = resistance > 0 ? resistance : std::sqrt(b0 * b0 + b1 * b1) * G[0] / (mu * -b[0]);
-    for (int k = 0; k < root_steps; ++k) {
-      const double f = at(a);
-      if (!(std::fabs(f) > slip_tolerance)) break;
-      (f < 0 ? low : high) = a;
-      double next = a - f / slope;
-      if (!(next > low && (high == 0 || next < high))) next = high == 0 ? root_growth * a : 0.5 * (low + high);
-      if (std::fabs(next - a) <= root_width * a) break;
-      a = next;
-    }
-    resistance = a;
+    const double guess = resistance > 0 ? resistance : std::sqrt(b0 * b0 + b1 * b1) * G[0] / (mu * -b[0]);
+    resistance = bracketed_newton(at, slope, guess, slip_tolerance);
     y[0] = n, y[1] = cosine * y0 + sine * y1, y[2] = cosine * y1 - sine * y0;
     project_cone(mu, 3, y, y);
   }

@@ -8,6 +8,7 @@ namespace dyn::solver {
 namespace {
 
 using namespace tuning::smoothing;
+using tuning::interior::newton_error, tuning::interior::newton_reduction;
 
 class DenseSmoothing {
  public:

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solver/block_state.hpp"
 #include "solver/newton_method.hpp"
@@ -100,13 +101,13 @@ void SmoothingMethod<Operator>::set_law(const Block& s, BlockState& state, LawMa
       K[i][0] = share * A[i][0];
       for (int j = 1; j < rows; ++j) K[i][j] = share * (A[i][j] + A[i][0] * slip[j - 1]);
     }
-    state.acts = p.own > open;
+    state.acts = p.own > tuning::round_off;
   } else {
     state.acts = false;
     for (int i = 0; i < rows; ++i) {
       const double D = smooth.bounded(z[i], s.lower, s.upper).slope;
       for (int j = 0; j < rows; ++j) A[i][j] = (i == j) * D, K[i][j] = share * A[i][j];
-      state.acts |= D > open;
+      state.acts |= D > tuning::round_off;
     }
   }
   for (int i = 0; i < rows; ++i) {
@@ -145,7 +146,7 @@ bool SmoothingMethod<Operator>::step(double most, double& size) {
   double t = 1;
   size = error(t);
   if (!(size <= most)) size = error(t /= 2), damped = std::min(damping, more_damping * damped);
-  else damped = std::max(least_damping, less_damping * damped);
+  else damped = std::max(tuning::proximal, less_damping * damped);
   if (!(size <= most) && used < damping) return damped = std::min(damping, refused_damping * used), size = before, true;
   if (!std::isfinite(size)) return false;
   for (Index i = 0; i < n; ++i) y[i] += t * dy[i], c[i] += t * dc[i];
@@ -156,7 +157,7 @@ template <class Operator>
 template <class MayStep, class Accept>
 bool SmoothingMethod<Operator>::run(Index max_steps, MayStep&& may_step, Accept&& accept) {
   using namespace tuning::smoothing;
-  const double root = std::sqrt(double(n));
+  const double root = std::sqrt(double(n)), least = std::sqrt(std::numeric_limits<double>::min());  // its square is not zero
   std::fill_n(dy, n, 0.0), std::fill_n(dc, n, 0.0);
   smooth.eps = least;
   const double first = std::max(least, error(0) / root);

@@ -22,8 +22,8 @@ inline bool all_contacts_stick(const Workspace& w) {
   return stick;
 }
 
-// Newton's method from a guess, after one sweep if it is not close. For a rough residual, few steps lead to the solution or none
-// do, and the smoothing method goes on from there. Without a guess two sweeps first, and more while they converge fast: larger
+// Newton's method from a guess, after one sweep if it is not close. For a rough residual the smoothing method goes on from there.
+// Without a guess two sweeps first, and more while they converge fast: larger
 // factorizations justify more. Returns true when the tolerance is met.
 inline bool start(Workspace& w, Budget& b) {
   using namespace tuning::start;
@@ -34,12 +34,12 @@ inline bool start(Workspace& w, Budget& b) {
     times(p.G, w.x, p.g, w.v, p.n);  // without accumulated round-off
     return keep_best(w, b, w.x, w.v);
   };
-  const auto refine = [&](Index steps) { return keep() || alart_curnier(w, b, w.x, w.v, steps); };
+  const auto refine = [&] { return keep() || alart_curnier(w, b, w.x, w.v, sweep_steps); };
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   if (b.warm) {
     const bool close = b.best < close_guess * p.speed || all_contacts_stick(w);
     if (!close) sweep_once();
-    if (refine(b.is_rough() ? guess_steps : sweep_steps)) return true;
+    if (refine()) return true;
     if (b.is_rough()) {
       if (close && (sweep_once(), keep())) return true;  // it solves single contacts
       if (smoothing_newton(w, b)) return true;
@@ -55,7 +55,7 @@ inline bool start(Workspace& w, Budget& b) {
     error = residual(p, w.x, w.v).residual;
     going = error > b.tolerance && (k < 2 || error < fast * before);
   }
-  return refine(sweep_steps);
+  return refine();
 }
 
 }  // namespace dyn::solver

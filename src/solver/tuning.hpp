@@ -26,7 +26,7 @@ inline constexpr double immovable = 1e-24;        // of the largest diagonal: ro
 // Start of admm and newton (start.hpp).
 namespace start {
 inline constexpr double close_guess = 1e-3;    // residual over speed from which Newton is tried before any sweep
-inline constexpr Index guess_steps = 8, sweep_steps = 30;  // damped Newton steps from a guess, and from what sweeps leave
+inline constexpr Index sweep_steps = 30;       // damped Newton steps from a guess, and from what sweeps leave
 inline constexpr double max_contraction = 0.7;  // sweeps go on while each reduces the error by this factor,
 inline constexpr double rows_a_sweep = 12;      // or by exp(-this / rows): a sweep costs 1/n of a factorization
 }  // namespace start
@@ -35,17 +35,12 @@ inline constexpr double rows_a_sweep = 12;      // or by exp(-this / rows): a sw
 namespace pgs {
 inline constexpr double relaxation = 1.1;          // over-relaxation after the first sweep
 inline constexpr double tiny = 1e-14;              // of the diagonal: stiffness that counts as none
-inline constexpr int jacobi_sweeps = 20;           // bound; convergence is quadratic
 inline constexpr double jacobi_tolerance = 1e-32;  // squared off-diagonal over squared diagonal: rounding
 inline constexpr int warm_steps = 4;               // Newton steps from the last resistance
-inline constexpr double warm_change = 0.5;         // of the resistance: a larger change starts anew
 inline constexpr double warm_enough = 1e-3;        // of the resistance: a smaller change ends; Newton then has twice the digits
-inline constexpr int root_steps = 100;             // bisection bound of the scalar equation
-inline constexpr double root_tolerance = 1e-14;    // of mu lambda_n / |lambda_t| - 1
 inline constexpr double root_growth = 4;           // of the resistance while no upper bound is known
 inline constexpr double slip_tolerance = 1e-9;     // the same of one contact in a sweep, which the next sweep repeats
 inline constexpr double singular_block = 1e-10;    // of the product of the diagonal: such a determinant is none
-inline constexpr double root_width = 4e-16;        // of the resistance: two units in the last place
 }  // namespace pgs
 
 // Multipliers: ADMM and augmented Lagrangian steps (multipliers.cpp).
@@ -60,37 +55,36 @@ inline constexpr double subproblem_reduction = 1e-2;  // or of the primal error 
 inline constexpr double max_damping = 1e-5;          // Levenberg-Marquardt, of the unit diagonal; the least is proximal
 inline constexpr double damping_by_gradient = 1e-4;  // damping over the relative gradient
 inline constexpr double min_step = 1e-4;             // of the line search
-inline constexpr double slow_primal = 0.1;           // reduction of the primal error below which the penalty grows,
-inline constexpr double small_gradient = 0.1;        // if the gradient over the speed is below this
+inline constexpr double slow_primal = 0.1;           // reduction of the primal error below which the penalty grows
 inline constexpr double penalty_growth = 3;          // of joint_rho
 }  // namespace multipliers
+
+inline constexpr Index growth = 2;  // after all methods failed, `first_steps` of the next two namespaces grow by this factor
 
 // admm.cpp
 namespace admm {
 inline constexpr double newton_reduction = 0.3;  // of the error since the last Newton attempt, before the next
-inline constexpr Index first_steps = 10, growth = 3;  // ADMM steps before the interior point method takes over; then growth times
+inline constexpr Index first_steps = 10;         // ADMM steps before the interior point method takes over
 }  // namespace admm
 
 // newton.cpp
 namespace newton {
 inline constexpr Index subproblem_steps = 20;  // Newton steps in one augmented Lagrangian subproblem
 inline constexpr int admm_steps = 10;          // between subproblems
-inline constexpr Index first_steps = 1, growth = 2;  // subproblems before interior points again; then growth times
+inline constexpr Index first_steps = 1;        // subproblems before interior points again
 }  // namespace newton
 
 // Interior point method (interior_point.hpp, interior.cpp, simulation/interior.cpp).
 namespace interior {
 inline constexpr double edge = 0.03;              // of sigma / Y_0, from a guess: the correction is rounded off below
 inline constexpr double inside = 10;              // of a guess's error: distance of the start from the boundary
-inline constexpr Index newton_steps = 10;         // of each Newton attempt from a guess
-inline constexpr double box_proximal = 1e-14;     // of the unit diagonal: redundant boxes stay regular
 inline constexpr double to_boundary = 0.99;       // of the step length to the boundary (Mehrotra 1992)
 inline constexpr Index max_steps = 40;            // bound of one attempt
-inline constexpr double exact = 1e-10, rough = 1e-4;  // of the unit diagonal: regularisation of the initial impulses
-inline constexpr double contradiction = 1e-3;     // of the speed: velocity left by exact, above which rough is used
+inline constexpr double regularisation = 1e-10;   // of the unit diagonal: initial impulses of redundant contacts are bounded
 inline constexpr double short_step = 0.1;         // step length that counts as short
 inline constexpr Index max_short_steps = 3;       // in a row: the path is stuck
-inline constexpr double newton_error = 1e-3;      // residual over speed below which Newton's method is tried,
+// Of this and of the smoothing method: residual over speed below which Newton's method is tried,
+inline constexpr double newton_error = 1e-3;
 inline constexpr double newton_reduction = 0.1;   // if it fell by this since the last attempt
 }  // namespace interior
 
@@ -102,33 +96,23 @@ inline constexpr Index memory = 12;           // errors of the nonmonotone line 
 
 // The same on the whole problem (alart_curnier.cpp).
 namespace alart_curnier {
-// Levenberg-Marquardt, of the unit diagonal: after a short step, after a failed one, the largest
-inline constexpr double short_damping = 1e-8, first_damping = 1e-3, max_damping = 1;
-inline constexpr double near = 1e3;            // tolerances: error at which the projected iterate may be a solution
+// Levenberg-Marquardt, of the unit diagonal: after a short step, after a failed one
+inline constexpr double short_damping = 1e-8, first_damping = 1e-3;
 inline constexpr Index max_steps = 20;         // of one attempt without damping
 }  // namespace alart_curnier
 
 // Smoothing Newton method (smoothing_method.hpp): measured on heaps, dominoes and jams of 10 to 2,000 rows
 namespace smoothing {
 inline constexpr double rho = 1;                // of the natural map, over the mean diagonal of a block
-// of the unit diagonal, against redundant contacts and steps that would be too long: at first and at most, at least,
-inline constexpr double damping = 1e-2, least_damping = 1e-5;
+inline constexpr double damping = 1e-2;         // of the unit diagonal, against too long steps: at first and at most,
 // times so much after a whole step, after a half one, after one that is refused
 inline constexpr double less_damping = 0.6, more_damping = 4, refused_damping = 10;
-inline constexpr double open = 1e-6;            // slope of the projection below which a block is left out of a step
 inline constexpr double closeness = 0.3;        // of eps: error of the map, on average, at which eps falls,
 inline constexpr double reduction = 0.3, slow_reduction = 0.7;  // to this share of it, else to that,
 inline constexpr int steps_each = 6;            // after these Newton steps
 inline constexpr int memory = 4;                // errors, of which a whole step stays below the largest
-inline constexpr double least = 1e-150;         // eps whose square is not zero
 inline constexpr Index max_steps = 80, max_rows = 240;  // of a dense matrix: a step factorizes all rows, without symmetry
 inline constexpr double rough_share = 0.4;      // of the iterations left, in a rough solve
-inline constexpr double newton_error = 1e-3, newton_reduction = 0.1;  // as of the interior point method
 }  // namespace smoothing
-
-// Dense linear algebra (dense.hpp).
-namespace dense {
-inline constexpr Index few_columns = 16;  // LU eliminates one column at a time when no more are left: faster, same result
-}  // namespace dense
 
 }  // namespace dyn::solver::tuning

@@ -68,5 +68,29 @@ TEST(EnergyGuard, SoftContactsGiveWhatTheyHold) {
   }
 }
 
+// Two links of 0.05 and 0.1 g carry two of 3 kg. A turn of less than 0.1 rad in a step changes what the light ones do by much.
+TEST(EnergyGuard, LightLinksUnderHeavyOnesAreGuardedInSmallerMotions) {
+  const char* const text = R"(<mujoco><option gravity="0 0 0"/><worldbody>
+      <body pos=".18 -.06 -.09"><joint type="hinge" axis=".7 -1.3 -.5"/>
+        <inertial pos="-.05 -.12 -.12" mass="5e-5" diaginertia="5e-7 5e-7 5e-7"/>
+      <body pos=".18 .26 .55"><joint type="hinge" axis=".1 1.4 -.8"/>
+        <inertial pos=".1 -.03 .14" mass="1e-4" diaginertia="1e-6 1e-6 1e-6"/>
+      <body pos=".14 .13 -.14"><joint type="hinge" axis="1 .25 0"/>
+        <inertial pos="-.15 .26 .16" mass="3" diaginertia=".03 .03 .03"/>
+      <body pos=".15 -.07 .31"><joint type="hinge" axis="-.7 .6 1.5"/>
+        <inertial pos=".15 .29 .3" mass="3" diaginertia=".03 .03 .03"/>
+      </body></body></body></body></worldbody></mujoco>)";
+  for (const double speed : {1.0, 2.0}) {
+    dynModel* m = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
+    Simulation run(Model(m), 0.01);
+    run.set({0.36, 2.8, -0.2, 1.3}, {-2.2 * speed, 0.3 * speed, 2.2 * speed, 0.6 * speed});
+    const double begun = run.energy();
+    double most = 0;
+    for (int k = 0; k < 200; ++k) run.steps(1), most = std::max(most, run.energy() / begun);
+    EXPECT_LE(most, 1.25) << speed;  // 1.33 and 1.53 if motions of less than 0.1 rad were not guarded
+  }
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -104,7 +104,7 @@ TEST_P(Sleeping, WakingGivesTheBitsOfNoSleep) {
   run.steps(50);
   EXPECT_EQ(0, run.a.report().sleeping);
   run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, down)); });
-  run.steps(1500);
+  run.steps(2250);
   const int again = run.a.report().sleeping;
   EXPECT_GT(again, 0);
   // one box is pushed

@@ -105,6 +105,12 @@ void warm(Start& x) {
   if (!keep_best(x.w, x.b, x.w.x, x.w.v)) solver::admm(x.w, x.b);
 }
 
+// A tolerated residual ends it after a few iterations, as the first try of an island does.
+void rough(Start& x) {
+  x.b.enough = 1e6 * x.b.tolerance, x.b.few = solver::tuning::start::sweep_steps, x.b.warm = true, x.b.max_iterations = 100;
+  solver::admm(x.w, x.b);
+}
+
 // Iterations, Newton steps and factorizations of all twelve problems, and problems solved. share: by which rounding of another
 // processor may change them.
 struct Cost {
@@ -135,7 +141,7 @@ const Cost costs[] = {
     {augmented_lagrangian, "random", 411, 0, 411, 12, 0.08},
     {augmented_lagrangian, "at rest", 24, 0, 24, 12, 0.1},
     {augmented_lagrangian, "cubes", 1349, 0, 1349, 12, 0.25},
-    {augmented_lagrangian, "table", 1042, 0, 1042, 9, 0.16},
+    {augmented_lagrangian, "table", 875, 0, 875, 11, 0.16},
     {augmented_lagrangian, "all rows", 300, 0, 300, 12},
     {augmented_lagrangian, "uneven", 383, 0, 383, 12},
     {smoothing, "random", 0, 78, 78, 12, 0.08},
@@ -159,6 +165,7 @@ const Cost costs[] = {
     {newton_without_sweeps, "cubes", 123, 21, 156, 12},
     {newton_without_sweeps, "table", 216, 170, 390, 12},
     {newton_without_sweeps, "uneven", 298, 181, 483, 12},
+    {rough, "light", 36, 411, 417, 9},
     {warm, "random", 11, 24, 24, 12},
     {warm, "at rest", 0, 12, 12, 12},
     {warm, "light", 4, 80, 80, 12},
