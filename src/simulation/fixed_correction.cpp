@@ -22,7 +22,7 @@ bool Interior::run_fixed_correction(dynContactReport& report) {
     update_correction();
     start();
     for (Index i = 0; i < max_steps && x.within_budget(report) && step(report); ++i) {}
-    if (newton_refine(tuning::default_solve::small_steps, report)) return true;
+    if (newton_refine(newton_steps, report)) return true;
   }
   return false;
 }

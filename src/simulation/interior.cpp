@@ -29,7 +29,7 @@ bool Interior::run(dynContactReport& report) {
     const Error now = error();
     if (!(now.most < newton_error * x.fastest && now.most < newton_reduction * tried)) continue;
     tried = now.most;
-    if (newton_refine(tuning::default_solve::small_steps, report)) return true;
+    if (newton_refine(newton_steps, report)) return true;
   }
   return false;
 }

@@ -78,6 +78,7 @@ inline constexpr Index first_steps = 1;        // subproblems before interior po
 namespace interior {
 inline constexpr double edge = 0.03;              // of sigma / Y_0, from a guess: the correction is rounded off below
 inline constexpr double inside = 10;              // of a guess's error: distance of the start from the boundary
+inline constexpr Index newton_steps = 10;         // of each Newton attempt on the path
 inline constexpr double to_boundary = 0.99;       // of the step length to the boundary (Mehrotra 1992)
 inline constexpr Index max_steps = 40;            // bound of one attempt
 inline constexpr double regularisation = 1e-10;   // of the unit diagonal: initial impulses of redundant contacts are bounded
