@@ -3,6 +3,7 @@
 #pragma once
 
 #include "algorithm/actuators.hpp"
+#include "collision/bounding_sphere.hpp"
 #include "collision/manifold.hpp"
 #include "collision/pairs.hpp"
 #include "collision/surface_distance.hpp"
@@ -15,11 +16,14 @@ template <class F>
 void for_each_touched(const Model& m, const Data<double>& d, Index link, F&& f) {
   collision::Workspace workspace;
   const double touching = tuning::slop * d.step->length;
+  collision::Options near;
+  near.max_distance = touching;
   const auto look = [&](Index a, Index b) {
     const auto on = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame == link; };
     if (!on(a) && !on(b)) return;
     const collision::Geom &A = d.geoms[a], &B = d.geoms[b];
-    const collision::Result r = collision::distance(A.shape, d.geom_poses[a], B.shape, d.geom_poses[b], workspace);
+    if (collision::distance_lower_bound(A, d.geom_poses[a], B, d.geom_poses[b]) > touching) return;
+    const collision::Result r = collision::distance(A.shape, d.geom_poses[a], B.shape, d.geom_poses[b], workspace, near);
     if (!(r.distance <= touching)) return;
     collision::Manifold out;
     if (collision::is_surface(A.shape.type) || collision::is_surface(B.shape.type)) {

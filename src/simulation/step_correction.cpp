@@ -183,7 +183,8 @@ struct Correction {
     std::copy_n(x.q, m.n.nq, d.q);
     double off = 0, most = 0;
     for (Index k = 0; k < nv; ++k) off = std::max(off, std::abs(hv[k])), most = std::max(most, std::abs(y.correction[k]));
-    const double share = s.equalities > 0 ? tuning::derivatives::of_drift : tuning::derivatives::consistent;
+    using tuning::derivatives::drift, tuning::derivatives::consistent;
+    const double share = s.equalities > 0 ? std::sqrt(drift) : consistent;  // the second order of a drift is far less
     return off <= solver::tuning::pgs::tiny + share * most;
   }
 

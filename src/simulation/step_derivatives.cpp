@@ -144,7 +144,7 @@ struct ModeFinder {
             shape::norm(slip - n * dot(slip, n))};
   }
   void find(Index k, double largest, double margin) const {
-    using tuning::derivatives::rounding, tuning::derivatives::still;
+    using tuning::derivatives::consistent, tuning::derivatives::still;
     const ContactState s = state(k);
     const ContactLaw& law = d.step->laws[k];
     dynContactMode& mode = x.modes.modes[k];
@@ -152,11 +152,11 @@ struct ModeFinder {
     const double bound = law.material.friction * s.normal, e = law.material.restitution;
     if (!(s.normal > 0)) {
       mode = DYN_CONTACT_MODE_OPEN, degenerate = std::max(0.0, s.gap) + d.step->options.dt * s.opening < margin && is_movable(k);
-    } else if (e > 0 && s.before < 0 && std::abs(s.opening + e * s.before) < rounding * -s.before) {
+    } else if (e > 0 && s.before < 0 && std::abs(s.opening + e * s.before) < consistent * -s.before) {
       mode = DYN_CONTACT_MODE_IMPACT, degenerate = degenerate && s.normal < margin * largest;
     } else if (law.rows == 1 || bound == 0) {
       mode = DYN_CONTACT_MODE_SLIDE;
-    } else if (s.tangential >= bound * (1 - rounding) && s.sliding > still) {
+    } else if (s.sliding > still) {
       mode = DYN_CONTACT_MODE_SLIDE, degenerate = degenerate || s.sliding < margin;
     } else {
       mode = DYN_CONTACT_MODE_STICK, degenerate = degenerate || s.tangential > bound * (1 - margin);

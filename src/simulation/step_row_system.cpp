@@ -104,7 +104,7 @@ bool StepJacobian::is_determined(const solver::RankedLu& lu) const {
     }
     double motion = 0, moved = 0;
     for (Index k = 0; k < nv; ++k) motion = std::max(motion, std::abs(sum[k])), moved = std::max(moved, all[k]);
-    if (motion > tuning::derivatives::moves * moved) return false;
+    if (motion > tuning::derivatives::consistent * moved) return false;
   }
   return true;
 }

@@ -74,11 +74,7 @@ void StepJacobian::differentiate_contact(JacobianContact& c) const {
   if (count == 1) return;
   const double t[2] = {dot(law.axes[0], U.linear + slip), dot(law.axes[1], U.linear + slip)};
   c.sliding = std::sqrt(t[0] * t[0] + t[1] * t[1]);
-  const JacobianRow* const row = y.rows + c.first;
-  const double bound = law.material.friction * row[0].lambda,
-               held = std::sqrt(row[1].lambda * row[1].lambda + row[2].lambda * row[2].lambda);
-  using tuning::derivatives::rounding, tuning::derivatives::still;
-  if (!(held >= bound * (1 - rounding) && c.sliding > still)) return;
+  if (!(c.sliding > tuning::derivatives::still)) return;
   for (int k = 0; k < 2; ++k) c.direction[k] = t[k] / c.sliding, y.rows[c.first + 1 + k].kind = JacobianRowKind::Slide;
 }
 

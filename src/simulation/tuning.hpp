@@ -141,14 +141,10 @@ inline constexpr double amplification = 1.01;   // of oscillations in an explici
 // Derivatives of a step (step_derivatives.hpp).
 namespace derivatives {
 inline constexpr double tolerance = 1e-12;   // of the solve in the step that is differentiated
-inline constexpr double rounding = 1e-7;     // of a force or speed that such a solve leaves: it is at its bound
 inline constexpr double still = 1e-9;        // m/s: slower contacts do not slide
 inline constexpr double independent = 1e-9;  // pivot of the scaled rows: smaller ones are redundant
-inline constexpr double consistent = 1e-6;   // of the largest: what redundant rows, or forces that were found, may miss
-inline constexpr double moves = 1e-4;        // of the motion of its parts: what an impulse left open may cause
-inline constexpr double inside = 1e-5;       // of the bound: friction this far inside sticks in a changed step
+inline constexpr double consistent = 1e-6;   // of the largest: what is equal but for the rounding of such a solve
 inline constexpr double drift = 1e-5;        // m, rad: larger errors of equalities are corrected in ways that are not covered
-inline constexpr double of_drift = 1e-2;     // of the correction: what its second order may be
 }  // namespace derivatives
 
 // Sleep (sleep.cpp).

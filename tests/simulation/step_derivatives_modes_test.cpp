@@ -57,6 +57,19 @@ TEST(StepDerivatives, TheLargestFrictionIsASwitch) {
     }
 }
 
+// Slower than 1e-9 m/s is rounding.
+TEST(StepDerivatives, SlowSlidingIsSliding) {
+  constexpr double mu = 0.4;
+  for (const bool slides : {false, true}) {
+    Stepper run(slider_on_ground(mu));
+    run.set({0, 0, 0.1 - 1e-5}, {slides ? 5e-9 : 5e-10, 0, 0}, {mu * 2 * 9.81, 0, 0});
+    const Derivatives x = run.analytic();
+    ASSERT_EQ(1u, x.modes.size());
+    EXPECT_EQ(slides ? DYN_CONTACT_MODE_SLIDE : DYN_CONTACT_MODE_STICK, x.modes[0]) << x.v[0];
+    EXPECT_EQ(1, x.degenerate[0]);
+  }
+}
+
 // A ball whose gap closes at the end of the step, more or less 1e-7 m: it meets the ground or not.
 TEST(StepDerivatives, TheEndOfAFlightIsASwitch) {
   for (int k = -50; k <= 50; ++k) {

@@ -121,6 +121,29 @@ TEST(StepDerivatives, OfMechanisms) {
   }
 }
 
+// A loop that is open by more than 1e-5 m is closed in a way that the analytic derivatives do not cover.
+TEST(StepDerivatives, OfALoopThatIsOpen) {
+  Stepper run(mechanism("four_bar.urdf"));
+  Numbers q(3, 0.2), v(3, 0.7);
+  close_loops(run, q, v);
+  q = run.value("q"), v = run.value("v");
+  const auto open = [&](double by) {
+    Numbers off = q;
+    off[1] += by;
+    Numbers error(12);
+    EXPECT_EQ(DYN_OK, dyn_constraint_terms(run.m, run.d, off.data(), v.data(), error.data(), nullptr, nullptr, nullptr))
+        << dyn_last_error();
+    run.set(off, v);
+    return largest(error);
+  };
+  const double a_radian = open(1e-6) / 1e-6;
+  open(5e-6 / a_radian);
+  run.agree(1e-4, false);
+  EXPECT_EQ(DYN_OK, run.analytic().status) << dyn_last_error();
+  open(2e-5 / a_radian);
+  EXPECT_EQ(DYN_ERROR_UNSUPPORTED, run.analytic().status);
+}
+
 // A four-bar whose coupler carries a ball that comes down on the ground within the step. Where the loop is open a little, the
 // contact joins in closing it, by the side to which that pushes: it is degenerate. Motion with a closed loop has no kink.
 TEST(StepDerivatives, OfAFourBarWithContact) {
