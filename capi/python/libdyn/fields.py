@@ -26,7 +26,7 @@ _set_state = lib.dyn_data_set_state
 
 
 _SET = {
-    "q": "data.q = x", "v": "data.v = x", "a": "data.a = x", "ctrl": "data.set_control(x), or Simulation.step(ctrl=x)",
+    "q": "data.q = x", "v": "data.v = x", "a": "data.a = x", "ctrl": "data.ctrl = x, or Simulation.step(ctrl=x)",
     "tau_applied": "data.tau_applied = x, or Simulation.step(tau=x)", "world_gravity": "data.set_gravity(x)",
     "mocap": "data.set_mocap(name, translation, rotation)",
 }  # fmt: skip
@@ -122,10 +122,15 @@ def _property(info: FieldInfo) -> property:
         return self.field(id)
 
     def put(self: Fields, value: Any) -> None:
-        self.set_state(**{STATE[name]: value})
+        if name in STATE:
+            self.set_state(**{STATE[name]: value})
+        elif name == "ctrl":
+            self.set_control(value)  # type: ignore[attr-defined]  # of Data (actuator.py)
+        else:
+            raise AttributeError(HINTS[id])
 
     id, name = info.id, info.name
-    return property(get, put if name in STATE else None, doc=description(info))
+    return property(get, put, doc=description(info))
 
 
 for _info in FIELDS.values():

@@ -96,7 +96,7 @@ def fields() -> Iterator[str]:
     for info in FIELDS.values():
         kind = "Numbers" if SHAPES[info.id] else "float"
         yield _block("    @property", f"    def {field_module.attribute(info.name)}(self) -> {kind}:", _doc(field_module.description(info), "        "))
-        if info.name in field_module.STATE:
+        if info.name in field_module.STATE or info.name == "ctrl":
             yield f"    @{info.name}.setter\n    def {info.name}(self, value: Any) -> None: ..."
 
 

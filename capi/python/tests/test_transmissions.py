@@ -211,3 +211,18 @@ def test_bad_input_is_refused():
         builder().limit_actuators("j", 1, -1)
     with pytest.raises(dyn.Error, match="it has one already"):
         builder().limit_actuators("j", -1, 1).limit_actuators("j", -1, 1)
+
+
+def test_controls_are_set_by_assignment():
+    m = dyn.load_string("<mujoco><worldbody><body name='a'><joint name='j'/><geom size='.1'/></body></worldbody>"
+                        "<actuator><motor joint='j' gear='2'/></actuator></mujoco>")
+    d = m.data()
+    d.ctrl = [3.0]
+    d.step(1e-3)
+    assert d.ctrl[0] == 3 and d.actuator_force[0] == 3
+    with pytest.raises(dyn.Error, match="ctrl|u "):
+        d.ctrl = [1.0, 2.0]
+    with pytest.raises(AttributeError, match="data.com is a view .* follows from the state"):
+        d.com = np.zeros(3)
+    with pytest.raises(AttributeError, match=r"data.set_gravity\(x\)"):
+        d.world_gravity = np.zeros(3)
