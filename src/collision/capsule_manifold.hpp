@@ -48,34 +48,39 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
   Point points[5];
   int count = 0;
   double deepest = shape::infinity;
-  for (int k = 0; axes[0].is_line && axes[1].is_line && k < 2; ++k) {
-    const Axis &own = axes[k], &other = axes[1 - k];
-    const double curvature = k == 0 ? b.radius : a.radius, wide = std::max(curvature, eps);
-    for (const double side : {1.0, -1.0}) {
-      const double out = side * own.half;
-      const double up_rel = k == 0 ? out * own.rise - high : high + out * own.rise;
-      const double along = k == 0 ? out * uv - along_b : along_a + out * uv;
-      // times the sine; most ends are not over the other capsule
-      const double t_sine = along - other.rise * up_rel,
-                   beside_sine = k == 0 ? out * twist - beside_b : beside_a - out * twist;
-      if (beside_sine * beside_sine > wide * wide * other.square ||
-          std::abs(t_sine) > other.half * other.square + eps)
-        continue;
-      const double sine = std::sqrt(other.square), t = t_sine / sine, beside = std::abs(beside_sine) / sine;
+  if (axes[0].is_line && axes[1].is_line) {
+    // the ends of A, then those of B, four at once: most are not over the other capsule, or too high
+    const Axis &A = axes[0], &B = axes[1];
+    const auto both = [](double x, double y) { return Double4(x, x, y, y); };
+    const Double4 ends = both(A.half, B.half) * Double4(1.0, -1.0, 1.0, -1.0), sign = both(1, -1);
+    const Double4 other_rise = both(B.rise, A.rise), other_square = both(B.square, A.square);
+    const Double4 up_rel = ends * both(A.rise, B.rise) - sign * high, along = both(-along_b, along_a) + ends * uv;
+    // times the sine
+    const Double4 t_sine = along - other_rise * up_rel, beside_sine = both(-beside_b, beside_a) + sign * ends * twist;
+    const Double4 wide = both(std::max(b.radius, eps), std::max(a.radius, eps));
+    const Double4 least_gap = sign * (t_sine * other_rise - up_rel * other_square);  // times the squared sine, of the axes
+    const unsigned over_other = bits_of((beside_sine * beside_sine <= wide * wide * other_square) &
+                                        (abs(t_sine) <= both(B.half, A.half) * other_square + eps) &
+                                        (least_gap <= other_square * (margin + a.radius + b.radius + eps)));
+    for_each_bit(over_other, [&](int lane) {
+      const int k = lane >> 1;
+      const Axis &own = axes[k], &other = axes[1 - k];
+      const double side = lane & 1 ? -1 : 1, curvature = k == 0 ? b.radius : a.radius;
+      const double sine = std::sqrt(other.square), t = t_sine[lane] / sine, beside = std::abs(beside_sine[lane]) / sine;
       const double over = std::abs(t) - other.half * sine;
-      if (over > eps) continue;
+      if (over > eps) return;
       const double falls =
           curvature > 0 ? (curvature - std::sqrt(std::max(0.0, curvature * curvature - beside * beside))) / sine : 0;
       // from the end to the other axis along n; A lies below
-      const double up = (t / sine) * other.rise - up_rel, gap = (k == 0 ? up : -up) - a.radius - b.radius + falls;
-      if (!(gap <= margin)) continue;
+      const double up = (t / sine) * other.rise - up_rel[lane], gap = (k == 0 ? up : -up) - a.radius - b.radius + falls;
+      if (!(gap <= margin)) return;
       const std::uint32_t corner = side > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
       std::uint32_t part = detail::inside_part;
       if (over * over + beside * beside <= same * same)
         part = t > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
       else if (beside <= same && over <= 0)
         part = detail::edge_part(0, 1);
-      const Vec end = own.center + own.z * out;
+      const Vec end = own.center + own.z * (side * own.half);
       const Vec at = k == 0 ? end + n * (a.radius + gap / 2) : end - n * (b.radius + gap / 2);
       deepest = std::min(deepest, gap);
       int place = 0;  // of the point that it is one with; the deeper of the two stays
@@ -87,7 +92,7 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
       if (place == count || gap < points[place].gap)
         points[place] = {at, gap, k == 0 ? std::uint64_t(corner) << 32 | part : std::uint64_t(part) << 32 | corner};
       count = std::max(count, place + 1);
-    }
+    });
   }
   if (deepest > distance + eps) {
     const std::uint32_t part_a = axes[0].part(c.a, same), part_b = axes[1].part(c.b, same);

@@ -3,6 +3,9 @@
 // result. Apart, it is the first guess for GJK.
 #pragma once
 
+#include <bit>
+#include <utility>
+
 #include "collision/analytic/capsules.hpp"
 #include "collision/analytic/minkowski_segments.hpp"
 
@@ -16,44 +19,78 @@ struct BoxAxis {
   bool unique;      // no other axis is as good
 };
 
-// Handles the three entries of a vector at once. Entry i is A's axis i, or B's axis i for the faces of B.
-// reach: larger distances need not be the largest.
-inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double margin, double reach) {
-  const Mat R = X.R, Rt = transpose(R), S = {sizes(R.x), sizes(R.y), sizes(R.z)}, St = {sizes(Rt.x), sizes(Rt.y), sizes(Rt.z)};
-  const Vec p = X.p, q = Rt * p;
-  BoxAxis best = {shape::axis(0), -shape::infinity, 0, -1, true};
-  double second = -shape::infinity;
-  // faces come first, unless edges are better by more than rounding
-  auto consider = [&](double s, int i, int j) {
-    if (s > best.distance + margin)
-      second = best.distance, best.distance = s, best.i = i, best.j = j;
-    else
-      second = std::max(second, s);
-  };
-  const Vec faces_a = sizes(p) - ha - S * hb, faces_b = sizes(q) - hb - St * ha;
-  for (int i = 0; i < 3; ++i) consider(faces_a[i], i, -1);
-  for (int j = 0; j < 3; ++j) consider(faces_b[j], -1, j);
-  for (int j = 0; j < 3 && !(best.distance > reach); ++j) {
-    const int k = (j + 1) % 3, l = (j + 2) % 3;
-    const Vec r = R[j], along = sizes(cross(r, p)), ry = yzx(r), rz = zxy(r);
-    const Vec reach = hadamard(yzx(ha), zxy(S[j])) + hadamard(zxy(ha), yzx(S[j])) + S[l] * hb[k] + S[k] * hb[l];
-    const Vec length2 = hadamard(ry, ry) + hadamard(rz, rz), gap = along - reach;
-    for (int i = 0; i < 3; ++i)
-      if (length2[i] > 1e-20 && (gap[i] > 0 || gap[i] > second))  // lengths are at most 1: an overlap only grows
-        consider(gap[i] / std::sqrt(length2[i]), i, j);
-  }
-  Vec n;
-  double side;
-  if (best.j < 0)
-    n = shape::axis(best.i), side = p[best.i];
-  else if (best.i < 0)
-    n = R[best.j], side = q[best.j];
-  else
-    n = cross(shape::axis(best.i), R[best.j]), n = n * (1 / shape::norm(n)), side = dot(n, p);
-  best.n = n * std::copysign(1.0, side);
-  best.unique = side != 0 && second < best.distance - 1e-7 * shape::largest(hb);
-  return best;
+// The entries as lanes; the fourth is 0.
+DYN_INLINE Double4 lanes_of(const Vec& a) {
+#if DYN_LANES == 4
+  return a.v;
+#else
+  return Double4(a[0], a[1], a[2], 0.0);
+#endif
 }
+
+// Signed distances along the fifteen axes, three at once. Entry i is A's axis i, or B's axis i for the faces of B.
+struct BoxAxes {
+  const Pose& X;
+  Vec q;
+  Double4 faces_a, faces_b;
+  Double4 gap[3], length2[3];  // of the edges of A with each of B: the distances times the lengths of the cross products
+
+  DYN_INLINE BoxAxes(const Vec& ha, const Vec& hb, const Pose& X, const Mat& Rt) : X(X), q(Rt * X.p) {
+    const Mat &R = X.R, S = {sizes(R.x), sizes(R.y), sizes(R.z)}, St = {sizes(Rt.x), sizes(Rt.y), sizes(Rt.z)};
+    const Vec& p = X.p;
+    const Double4 none(0.0, 0.0, 0.0, -shape::infinity);
+    faces_a = lanes_of(sizes(p) - ha - S * hb) + none, faces_b = lanes_of(sizes(q) - hb - St * ha) + none;
+    // an axis r of B with the sizes s; beside: extents of B's other edges
+    const Vec hy = yzx(ha), hz = zxy(ha);
+    const auto edges = [&](int j, const Vec& r, const Vec& s, const Vec& beside) DYN_INLINE_LAMBDA {
+      const Vec ry = yzx(r), rz = zxy(r);
+      gap[j] = lanes_of(sizes(cross(r, p)) - (hadamard(hy, zxy(s)) + hadamard(hz, yzx(s)) + beside));
+      length2[j] = lanes_of(hadamard(ry, ry) + hadamard(rz, rz));
+    };
+    edges(0, R.x, S.x, S.z * hb[1] + S.y * hb[2]);
+    edges(1, R.y, S.y, S.x * hb[2] + S.z * hb[0]);
+    edges(2, R.z, S.z, S.y * hb[0] + S.x * hb[1]);
+  }
+  bool faces_apart(double reach) const { return any((faces_a > reach) | (faces_b > reach)); }
+  // Whether one of the axes separates the boxes by more than the reach, 0 or more.
+  bool apart(double reach) const {
+    if (faces_apart(reach)) return true;
+    const auto over = [&](int j) { return (gap[j] > 0.0) & (gap[j] * gap[j] > length2[j] * (reach * reach)); };
+    const auto real = [&](int j) { return length2[j] > shortest2; };
+    return any((over(0) & real(0)) | (over(1) & real(1)) | (over(2) & real(2)));
+  }
+  // margin: of rounding; faces come first, unless edges are better by more. size: of the boxes.
+  BoxAxis best(double margin, double size) const {
+    const Double4 none = Double4(-shape::infinity);
+    Double4 edges[3];
+    for (int j = 0; j < 3; ++j) edges[j] = select(length2[j] > shortest2, gap[j] / sqrt(length2[j]), none);
+    const double face = largest(max(faces_a, faces_b)), edge = largest(max(max(edges[0], edges[1]), edges[2]));
+    const auto at_least = [&](double least) {
+      return std::pair{bits_of(faces_a >= least) | bits_of(faces_b >= least) << 3,
+                       bits_of(edges[0] >= least) | bits_of(edges[1] >= least) << 4 | bits_of(edges[2] >= least) << 8};
+    };
+    BoxAxis out;
+    Vec n;
+    double side;
+    if (edge > face + margin) {
+      const int k = std::countr_zero(at_least(edge - margin).second);
+      out.i = k & 3, out.j = k >> 2, out.distance = edges[out.j][out.i];
+      n = cross(shape::axis(out.i), X.R[out.j]) * (1 / std::sqrt(length2[out.j][out.i])), side = dot(n, X.p);
+    } else {
+      const int k = std::countr_zero(at_least(face - margin).first);
+      out.i = k < 3 ? k : -1, out.j = k < 3 ? -1 : k - 3, out.distance = k < 3 ? faces_a[k] : faces_b[k - 3];
+      n = k < 3 ? shape::axis(k) : X.R[k - 3], side = k < 3 ? X.p[k] : q[k - 3];
+    }
+    out.n = n * std::copysign(1.0, side);
+    const auto [faces, pairs] = at_least(out.distance - 1e-7 * size);
+    out.unique = side != 0 && std::popcount(faces) + std::popcount(pairs) == 1;
+    return out;
+  }
+
+ private:
+  static constexpr double shortest2 = 1e-20;  // of cross products of edges that are not parallel
+  static double largest(const Double4& a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
+};
 
 // The feature of a box that faces n: a corner, free along the axes perpendicular to n.
 struct BoxFeature {
@@ -118,7 +155,7 @@ inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, E
   // far apart along the line between the centres: the best axis is not needed
   const Vec& p = d.X.p;
   if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && minkowski_pair(d, p, enough, c)) return c;
-  const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding(), d.reach);
+  const BoxAxis axis = BoxAxes(ha, hb, d.X, d.Rt).best(d.rounding(), shape::largest(hb));
   if (axis.distance > d.reach) return beyond(axis.n, axis.distance);
   c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
   box_witness(ha, hb, d.X, axis, c.a, c.b);

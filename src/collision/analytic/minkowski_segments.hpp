@@ -236,6 +236,17 @@ class MinkowskiPair {
   }
 };
 
+// The nearest points of the axes of two capsules or cylinders, and the direction between them.
+template <class D>
+inline SegmentPair nearest_on_axes(const D& d) {
+  return nearest_on_segments(shape::axis(2), d.A_.half, d.X.p, d.X.R.z, d.B_.half);
+}
+template <class D>
+inline Vec between_axes(const D& d) {
+  const SegmentPair s = nearest_on_axes(d);
+  return d.X.p + d.X.R.z * s.t - shape::axis(2) * s.s;
+}
+
 // Returns false if no solution was found.
 template <class A, class B>
 inline bool minkowski_pair(const Difference<A, B>& d, const Vec& guess, double enough, Cores& out) {
@@ -244,8 +255,7 @@ inline bool minkowski_pair(const Difference<A, B>& d, const Vec& guess, double e
   if constexpr (A::type == shape::Type::Box || B::type == shape::Type::Box) {
     if (!pair.solve(guess, -1, -1, out)) return false;
   } else {
-    // start from the nearest points of the two axes
-    const SegmentPair s = nearest_on_segments(shape::axis(2), a.half[2], d.X.p, d.X.R.z, b.half[2]);
+    const SegmentPair s = nearest_on_axes(d);
     auto within = [](double at, double half) { return std::abs(at) < half ? 2 : -1; };
     if (!pair.solve(d.X.p + d.X.R.z * s.t - shape::axis(2) * s.s, within(s.s, a.half[2]), within(s.t, b.half[2]), out))
       return false;
