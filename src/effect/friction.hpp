@@ -11,6 +11,7 @@ struct Friction : Coefficient<Friction> {
   static constexpr std::uint32_t bit = DYN_EFFECT_FRICTION;
   static constexpr const char* name = "a friction";
   static constexpr dynModelArray array = DYN_MODEL_ARRAY_FRICTION;
+  static constexpr dynParameterGroup group = DYN_PARAMETER_GROUP_FRICTION;
   static constexpr const char *quantity = "dry friction", *absent = "no joint has dry friction", *mjcf = "frictionloss",
                               *urdf = "friction";
   static constexpr Implicit implicit = Implicit::Always;
