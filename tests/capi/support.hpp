@@ -247,10 +247,12 @@ inline void compute_stale(const dynModel* m, dynData* d) {
     dynAlgorithmInfo info{};
     info.struct_size = sizeof info;
     ASSERT_EQ(DYN_OK, dyn_algorithm_info(m, algorithm, &info));
-    dynArray a{};
-    a.struct_size = sizeof a;
-    const dynField field = dyn_field_id(info.name);
-    if (field >= 0 && dyn_data_array(m, d, field, &a) == DYN_ERROR_STALE) {
+    for (dynField f = 0; f < dyn_field_count(); ++f) {
+      dynFieldInfo field{};
+      dynArray a{};
+      field.struct_size = sizeof field, a.struct_size = sizeof a;
+      ASSERT_EQ(DYN_OK, dyn_field_info(f, &field));
+      if (field.producer != "dyn_" + std::string(info.name) || dyn_data_array(m, d, f, &a) != DYN_ERROR_STALE) continue;
       ASSERT_EQ(DYN_OK, dyn_algorithm_run(m, d, algorithm, &held)) << dyn_last_error();
     }
   }
