@@ -126,6 +126,13 @@ inline Model all_types(bool mimic = true) {
   b.joint(compound).body("b11", "compound");
   b.joint(Spec("dial", DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED, "compound", at)).body("b12", "dial");
   b.joint(Spec("weld", DYN_JOINT_TYPE_FIXED, "dial", at)).body("b13", "weld");
+  std::string last = "weld";
+  for (const dynJointType type : every<dynJointType>("dynJointType")) {
+    if (type <= DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) continue;  // each of those stands above
+    const std::string name = "type" + std::to_string(int(type));
+    b.joint(Spec(name.c_str(), type, last.c_str(), at).about(1, 2, 0)).body(("of_" + name).c_str(), name.c_str());
+    last = name;
+  }
   if (mimic) {
     Spec follower("follower", DYN_JOINT_TYPE_PRISMATIC, "dial", at), second("second", DYN_JOINT_TYPE_REVOLUTE, "screw", at);
     follower.mimic = "hinge", follower.mimic_ratio = -0.3, follower.mimic_offset = 0.1;
