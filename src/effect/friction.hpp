@@ -15,6 +15,7 @@ struct Friction : Coefficient<Friction> {
   static constexpr const char *quantity = "dry friction", *absent = "no joint has dry friction", *mjcf = "frictionloss",
                               *urdf = "friction";
   static constexpr Implicit implicit = Implicit::Always;
+  static constexpr bool bounded = true;
   static constexpr double rate = 1 / DYN_FRICTION_VELOCITY;
   DYN_EFFECT_COEFFICIENT(friction)
   DYN_EFFECT_WORK(friction)
