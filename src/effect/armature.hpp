@@ -9,6 +9,7 @@ struct Armature : Coefficient<Armature> {
   static constexpr std::uint32_t bit = DYN_EFFECT_ARMATURE;
   static constexpr const char* name = "an armature";
   static constexpr dynModelArray array = DYN_MODEL_ARRAY_ARMATURE;
+  static constexpr dynParameterGroup group = DYN_PARAMETER_GROUP_ARMATURE;
   static constexpr const char *quantity = "armature", *absent = "no joint has armature", *mjcf = "armature", *urdf = nullptr;
   DYN_EFFECT_COEFFICIENT(armature)
   template <class Spec>

@@ -9,6 +9,7 @@ struct Damping : Coefficient<Damping> {
   static constexpr std::uint32_t bit = DYN_EFFECT_DAMPING;
   static constexpr const char* name = "a damping";
   static constexpr dynModelArray array = DYN_MODEL_ARRAY_DAMPING;
+  static constexpr dynParameterGroup group = DYN_PARAMETER_GROUP_DAMPING;
   static constexpr const char *quantity = "damping", *absent = "no joint has damping", *mjcf = "damping", *urdf = "damping";
   static constexpr Implicit implicit = Implicit::Always;
   DYN_EFFECT_COEFFICIENT(damping)

@@ -8,12 +8,12 @@
 // An effect with a coefficient for each degree of freedom gives of(x), that array of a model, a data, a JointSpec or a
 // JointRecord, and
 //   name, quantity            for messages: "a damping", "damping"
-//   array                     its dynModelArray
+//   array, group              its dynModelArray and dynParameterGroup
 //   mjcf, urdf                the attribute of a joint (URDF: of its <dynamics>) that holds it; nullptr: the format lacks it
 //   reflected(ratio, c)       coefficient c of a follower (mimic joint), at its leader
 // A law of the velocity, r(v) in M a + nle + r = tau, gives also
-//   force(c, v) = r, slope(c, v) = dr/dv, [curvature(c, v) = d2r/dv2], secant(c, v) = D with r = D v, work(ledger): where its
-//   power is noted
+//   force(c, v) = r, slope(c, v) = dr/dv, [curvature(c, v) = d2r/dv2], secant(c, v) = D with r = D v, secant_slope(c, v) = dD/dv,
+//   work(ledger): where its power is noted, bounded: whether r is
 // A law of the configuration gives displacement, add_force, add_slope, add_curvature, energy (springs.hpp).
 // A force on links gives records(m), one for each link, and
 //   wrench(m, d, record)      world axes, at the origin of the record's body
@@ -49,6 +49,7 @@ template <class E>
 struct Coefficient {
   static constexpr dynParts part = 0;
   static constexpr Implicit implicit = Implicit::Never;
+  static constexpr bool bounded = false;
   template <class M>
   static bool present(const M& m) {
     return std::any_of(E::of(m), E::of(m) + m.n.nv, [](double c) { return c != 0; });

@@ -11,9 +11,11 @@ struct Friction : Coefficient<Friction> {
   static constexpr std::uint32_t bit = DYN_EFFECT_FRICTION;
   static constexpr const char* name = "a friction";
   static constexpr dynModelArray array = DYN_MODEL_ARRAY_FRICTION;
+  static constexpr dynParameterGroup group = DYN_PARAMETER_GROUP_FRICTION;
   static constexpr const char *quantity = "dry friction", *absent = "no joint has dry friction", *mjcf = "frictionloss",
                               *urdf = "friction";
   static constexpr Implicit implicit = Implicit::Always;
+  static constexpr bool bounded = true;
   static constexpr double rate = 1 / DYN_FRICTION_VELOCITY;
   DYN_EFFECT_COEFFICIENT(friction)
   DYN_EFFECT_WORK(friction)

@@ -11,6 +11,7 @@ struct Springs : Coefficient<Springs> {
   static constexpr std::uint32_t bit = DYN_EFFECT_SPRINGS;
   static constexpr const char* name = "a stiffness";
   static constexpr dynModelArray array = DYN_MODEL_ARRAY_STIFFNESS;
+  static constexpr dynParameterGroup group = DYN_PARAMETER_GROUP_SPRINGS;
   static constexpr const char *quantity = "springs", *absent = "no joint has springs", *mjcf = "stiffness", *urdf = nullptr;
   static constexpr Implicit implicit = Implicit::ImplicitFast;
   static constexpr bool of_configuration = true;

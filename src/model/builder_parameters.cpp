@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "builder_impl.hpp"
+#include "effect/list.hpp"
 #include "model/constraints.hpp"
 #include "shape/geometry.hpp"
 #include "spatial/explog.hpp"
@@ -134,14 +135,18 @@ class ParameterLister {
     };
     const std::size_t nv = std::size_t(spec_nv(s)), nq = std::size_t(spec_nq(s));
     const auto of_dof = [&](double x) { return Numbers(nv, x); };
-    list(DYN_PARAMETER_GROUP_ARMATURE, "armature", &JointSpec::armature, of_dof(0));
+    struct {
+#define COEFFICIENT(name, has, sentence) std::pair<const char*, Numbers JointSpec::*> name = {#name, &JointSpec::name};
+#include "effect/coefficients.def"
+    } coefficients;
+    for_each_coefficient([&]<class E>() {
+      const auto& [quantity, member] = E::of(coefficients);
+      list(E::group, quantity, member, of_dof(0));
+    });
     if (nv == 1) {
       fields(DYN_PARAMETER_GROUP_ARMATURE, "rotor_inertia", spec, replace, [](JointSpec& x) { return &x.rotor_inertia; }, 1);
       fields(DYN_PARAMETER_GROUP_ARMATURE, "gear_ratio", spec, replace, [](JointSpec& x) { return &x.gear_ratio; }, 1);
     }
-    list(DYN_PARAMETER_GROUP_DAMPING, "damping", &JointSpec::damping, of_dof(0));
-    list(DYN_PARAMETER_GROUP_FRICTION, "friction", &JointSpec::friction, of_dof(0));
-    list(DYN_PARAMETER_GROUP_SPRINGS, "stiffness", &JointSpec::stiffness, of_dof(0));
     if (!s.mimic.empty()) {
       fields(DYN_PARAMETER_GROUP_MIMIC, "mimic_ratio", spec, replace, [](JointSpec& x) { return &x.mimic_ratio; }, 1);
       fields(DYN_PARAMETER_GROUP_MIMIC, "mimic_offset", spec, replace, [](JointSpec& x) { return &x.mimic_offset; }, 1);

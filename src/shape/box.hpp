@@ -11,7 +11,7 @@ struct Box : Solid<Box> {
   static constexpr std::array size_names = {"length along x", "length along y", "length along z"};
   static constexpr FileForm mjcf = {"box", {"size"}, {0.5, 0.5, 0.5}}, urdf = {"box", {"size"}};
   static void store(const double* size, Shape& out) { out.size = load3(size) * 0.5; }
-  static constexpr bool has_faces = true;
+  static constexpr bool has_faces = true, short_nearest = true;
   Vec half;
   double radius;
 

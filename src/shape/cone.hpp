@@ -10,7 +10,7 @@ struct Cone : Solid<Cone> {
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CONE;
   static constexpr std::array size_names = {"radius", "length along z"};
   static void store(const double* size, Shape& out) { out.size = Vec::make(size[0], size[0], size[1] / 2); }
-  static constexpr bool curved = true, has_faces = true;
+  static constexpr bool curved = true, has_faces = true, short_nearest = true;
   double r, half, radius;
 
   explicit Cone(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}

@@ -11,7 +11,7 @@ struct Cylinder : Solid<Cylinder> {
   static constexpr std::array size_names = {"radius", "length along z"};
   static constexpr FileForm mjcf = {"cylinder", {"size"}, {1, 0.5}}, urdf = {"cylinder", {"radius", "length"}};
   static void store(const double* size, Shape& out) { out.size = Vec::make(size[0], size[0], size[1] / 2); }
-  static constexpr bool curved = true, has_faces = true;
+  static constexpr bool curved = true, has_faces = true, short_nearest = true;
   double r, half, radius;
 
   explicit Cylinder(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}

@@ -17,7 +17,7 @@ struct Feature {
   static constexpr double tilted = 1e-3;      // above this slope one corner is the deepest; below, corners are fixed to the shape
 
   int count = 0;
-  double curvature_radius = 0;  // of a line: radius of curvature of the surface across it, m
+  double curvature_radius = 0;  // of a line: radius of curvature of the surface across it, m; 0: it differs along the line
   Vec3<double> p[most];
   std::uint16_t id[most];
 

@@ -12,6 +12,7 @@
 //   support_on_piece(from, n) support point along n on the smooth piece of the boundary that holds the support point `from`
 //   curvature_radii(from, n, u, v)  its derivative by n along u and v, both perpendicular to n
 //   has_faces                 it has few flat faces; then also face(n) and under_face(n, p)
+//   short_nearest             nearest has a short closed form
 //   support(d)                the farthest point along d (d of any length but zero)
 //   nearest(p)                the nearest boundary point to p (see Nearest)
 //   flat(n)                   straight directions of the feature that faces n
@@ -140,6 +141,7 @@ struct Solid {
   static void store(const double*, Shape&) {}
   static constexpr bool curved = false;
   static constexpr bool has_faces = false;
+  static constexpr bool short_nearest = false;
 
   // Box of the rounded shape at a pose.
   Bounds bounds(const Pose& X) const {

@@ -164,7 +164,10 @@ void forget_forces(Workspace& w) {
 }
 
 Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<const double> R, double& length) {
-  constexpr std::uint32_t stiff = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_ACTUATORS;
+  constexpr std::uint32_t stiff = DYN_EFFECT_SPRINGS | DYN_EFFECT_ACTUATORS | effect_bits([]<class E>() {
+    if constexpr (effect::OfVelocity<E>) return !E::bounded;
+    else return false;
+  });
   if (!(d.acting & stiff) || m.has_mimic) return 0;
   const auto amplification = [&](std::complex<double> z) {
     std::complex<double> sum = 0;
@@ -174,7 +177,10 @@ Index unstable_joint(const Model& m, const Data<double>& d, double h, std::span<
   for (Index j = 1; j < m.n.joints; ++j) {
     for (Index k = m.joints()[j].idx_v; k < m.joints()[j].idx_v + m.joints()[j].nv; ++k) {
       double stiffness = d.acting & DYN_EFFECT_SPRINGS ? d.stiffness[k] : 0;
-      double damping = d.acting & DYN_EFFECT_DAMPING ? d.damping[k] : 0;
+      double damping = 0;
+      for_each_velocity_law(d, [&]<class E>(const double* c) {
+        if constexpr (!E::bounded) damping += E::slope(c[k], d.v[k]);
+      });
       for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
         if (r.v == k) stiffness += gains_of(r, d).stiffness, damping += gains_of(r, d).damping;
       });

@@ -126,6 +126,13 @@ inline Model all_types(bool mimic = true) {
   b.joint(compound).body("b11", "compound");
   b.joint(Spec("dial", DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED, "compound", at)).body("b12", "dial");
   b.joint(Spec("weld", DYN_JOINT_TYPE_FIXED, "dial", at)).body("b13", "weld");
+  std::string last = "weld";
+  for (const dynJointType type : every<dynJointType>("dynJointType")) {
+    if (type <= DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) continue;  // each of those stands above
+    const std::string name = "type" + std::to_string(int(type));
+    b.joint(Spec(name.c_str(), type, last.c_str(), at).about(1, 2, 0)).body(("of_" + name).c_str(), name.c_str());
+    last = name;
+  }
   if (mimic) {
     Spec follower("follower", DYN_JOINT_TYPE_PRISMATIC, "dial", at), second("second", DYN_JOINT_TYPE_REVOLUTE, "screw", at);
     follower.mimic = "hinge", follower.mimic_ratio = -0.3, follower.mimic_offset = 0.1;
@@ -247,10 +254,12 @@ inline void compute_stale(const dynModel* m, dynData* d) {
     dynAlgorithmInfo info{};
     info.struct_size = sizeof info;
     ASSERT_EQ(DYN_OK, dyn_algorithm_info(m, algorithm, &info));
-    dynArray a{};
-    a.struct_size = sizeof a;
-    const dynField field = dyn_field_id(info.name);
-    if (field >= 0 && dyn_data_array(m, d, field, &a) == DYN_ERROR_STALE) {
+    for (dynField f = 0; f < dyn_field_count(); ++f) {
+      dynFieldInfo field{};
+      dynArray a{};
+      field.struct_size = sizeof field, a.struct_size = sizeof a;
+      ASSERT_EQ(DYN_OK, dyn_field_info(f, &field));
+      if (field.producer != "dyn_" + std::string(info.name) || dyn_data_array(m, d, f, &a) != DYN_ERROR_STALE) continue;
       ASSERT_EQ(DYN_OK, dyn_algorithm_run(m, d, algorithm, &held)) << dyn_last_error();
     }
   }

@@ -18,7 +18,7 @@ from meshcat import geometry as g
 from .arrays import Placement
 from .choices import member
 from .enums import Part, ShapeRole, ShapeType
-from .mesh import load_mesh
+from .triangles import mesh_of, primitive
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 _Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # Meshcat's cylinders lie along y
 _NO_COLOUR = 0.7
-_AROUND = np.linspace(0, 2 * np.pi, 33)[:-1]
 
 
 def _at(z: float) -> Numbers:
@@ -39,13 +38,10 @@ def _at(z: float) -> Numbers:
     return X
 
 
-def _cone(radius: float, length: float) -> g.Geometry:
-    """Its tip along +z, the middle of the axis at the origin."""
-    ring = np.stack([radius * np.cos(_AROUND), radius * np.sin(_AROUND), np.full(len(_AROUND), -length / 2)], axis=1)
-    i, n = np.arange(len(ring)), len(ring)
-    j = (i + 1) % n
-    sides, base = np.stack([i, j, np.full(n, n)], axis=1), np.stack([j, i, np.full(n, n + 1)], axis=1)
-    return g.TriangularMeshGeometry(np.vstack([ring, [0, 0, length / 2], [0, 0, -length / 2]]), np.vstack([sides, base]))
+def _corners(corners: Numbers, colours: Numbers | None = None) -> g.Geometry:
+    """Triangles that share no corners, (n, 3, 3); their colours, (n, 3)."""
+    colours = None if colours is None else np.repeat(colours, 3, axis=0)
+    return g.TriangularMeshGeometry(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), colours)
 
 
 def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, Numbers]]:
@@ -62,16 +58,15 @@ def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, Numbers]]:
         return [(g.Cylinder(y, x), _Y_TO_Z)]
     if kind == ShapeType.CAPSULE:
         return [(g.Cylinder(y, x), _Y_TO_Z), (g.Sphere(x), _at(y / 2)), (g.Sphere(x), _at(-y / 2))]
-    if kind == ShapeType.CONE:
-        return [(_cone(x, y), here)]
     if kind == ShapeType.HALF_SPACE:
         return [(g.Box([20.0, 20.0, 0.01]), _at(-0.005))]
-    mesh = load_mesh(shape.mesh, scale=shape.size) if kind == ShapeType.MESH else model.shape_mesh(shape.id)
+    found = primitive(shape)
+    if found is not None:
+        return [(_corners(found[0]), here)]
+    mesh = mesh_of(model, shape)
     if shape.rgba is None and not np.isnan(mesh.colours).all():  # colours are of triangles, and Meshcat's of corners
         colours = np.where(np.isnan(mesh.colours), _NO_COLOUR, mesh.colours)
-        corners = np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
-        return [(g.TriangularMeshGeometry(mesh.vertices[mesh.triangles].reshape(-1, 3), corners, np.repeat(colours, 3, axis=0)),
-                 here)]
+        return [(_corners(mesh.vertices[mesh.triangles], colours), here)]
     return [(g.TriangularMeshGeometry(np.array(mesh.vertices), np.array(mesh.triangles)), here)]
 
 

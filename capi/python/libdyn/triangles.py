@@ -108,30 +108,40 @@ def _of_mesh(mesh: Mesh) -> tuple[Numbers, Numbers, Numbers]:
     return corners, np.where(sharp[..., None], flat[:, None], normals), colours
 
 
-def _geometry(model: Model, shape: ShapeInfo) -> tuple[Numbers, Numbers, Numbers | None]:
+def primitive(shape: ShapeInfo) -> tuple[Numbers, Numbers] | None:
+    """Corners and normals of a shape that numbers describe; None for others."""
     x, y, _ = (float(s) for s in shape.size)
     r, kind = shape.radius, shape.type
     right = np.pi / 2
     if kind == ShapeType.BOX:
-        return (*_box(np.asarray(shape.size) / 2 + r), None)
+        return _box(np.asarray(shape.size) / 2 + r)
     if kind == ShapeType.SPHERE:
-        return (*_revolved(_arc(x + r, 0, -right, right, 14)), None)
+        return _revolved(_arc(x + r, 0, -right, right, 14))
     if kind == ShapeType.ELLIPSOID:
         corners, normals = _revolved(_arc(1, 0, -right, right, 14))
         size = np.asarray(shape.size) + r
         normals = normals / size
-        return corners * size, normals / np.linalg.norm(normals, axis=-1, keepdims=True), None
+        return corners * size, normals / np.linalg.norm(normals, axis=-1, keepdims=True)
     if kind == ShapeType.CAPSULE:
         side = [[x + r, -y / 2, x + r, y / 2, 1, 0, 1, 0]]
-        return (*_revolved(np.concatenate([_arc(x + r, -y / 2, -right, 0, 7), side, _arc(x + r, y / 2, 0, right, 7)])), None)
+        return _revolved(np.concatenate([_arc(x + r, -y / 2, -right, 0, 7), side, _arc(x + r, y / 2, 0, right, 7)]))
     if kind == ShapeType.CYLINDER:
         a, h = x + r, y / 2 + r
-        return (*_revolved(np.array([[0, -h, a, -h, 0, -1, 0, -1], [a, -h, a, h, 1, 0, 1, 0], [a, h, 0, h, 0, 1, 0, 1]],
-                                    float)), None)
+        return _revolved(np.array([[0, -h, a, -h, 0, -1, 0, -1], [a, -h, a, h, 1, 0, 1, 0], [a, h, 0, h, 0, 1, 0, 1]], float))
     if kind == ShapeType.CONE:
         n = np.array([y, x]) / np.hypot(x, y)
-        return (*_revolved(np.array([[0, -y / 2, x, -y / 2, 0, -1, 0, -1], [x, -y / 2, 0, y / 2, *n, *n]])), None)
-    return _of_mesh(load_mesh(shape.mesh, scale=shape.size) if kind == ShapeType.MESH else model.shape_mesh(shape.id))
+        return _revolved(np.array([[0, -y / 2, x, -y / 2, 0, -1, 0, -1], [x, -y / 2, 0, y / 2, *n, *n]]))
+    return None
+
+
+def mesh_of(model: Model, shape: ShapeInfo) -> Mesh:
+    """Of a shape that is no primitive."""
+    return load_mesh(shape.mesh, scale=shape.size) if shape.type == ShapeType.MESH else model.shape_mesh(shape.id)
+
+
+def _geometry(model: Model, shape: ShapeInfo) -> tuple[Numbers, Numbers, Numbers | None]:
+    found = primitive(shape)
+    return _of_mesh(mesh_of(model, shape)) if found is None else (*found, None)
 
 
 def tubes(pieces: Numbers, radius: float) -> Surface:

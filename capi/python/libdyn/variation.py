@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from ctypes import byref
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
+from . import abi
 from .builder import Builder
+from .enums import Effect, ModelArray
 from .errors import ArgumentError
 from .inertia import is_physically_consistent
+from .library import lib
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -20,15 +24,22 @@ if TYPE_CHECKING:
 Spread = Union[float, tuple[float, float]]
 """s: a factor from 1 - s to 1 + s; (low, high): a factor from low to high."""
 
+
+def _coefficients() -> Iterator[str]:
+    """Those that effects have for each degree of freedom of a joint."""
+    info = abi.EffectTypeInfo()
+    for effect in Effect:
+        if lib.dyn_effect_type_info(effect, byref(info)) == 0 and info.array >= 0:
+            yield ModelArray(info.array).name.lower()
+
+
 # name: objects, and quantities that share a factor. Masses scale inertias, too: each link stays one that can exist
 QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
     "mass": ("link", ("mass", "inertia")),
     "contact_friction": ("shape", ("friction",)),
     "restitution": ("shape", ("restitution",)),
-    "damping": ("joint", ("damping",)),
-    "friction": ("joint", ("friction",)),
+    **{name: ("joint", (name,)) for name in _coefficients()},
     "armature": ("joint", ("armature", "rotor_inertia")),
-    "stiffness": ("joint", ("stiffness",)),
     "gains": ("actuator", ("kp", "ki", "kd", "kv", "gain", "bias")),
     "gravity": ("model", ("gravity",)),
 }
@@ -54,8 +65,8 @@ def vary(model: Model, random: np.random.Generator | int | None = None, *, com: 
     random   a generator of numpy, or a seed
     com      m: largest shift of each coordinate of a link's centre of mass
     spreads  s: each object's factor is from 1 - s to 1 + s; (low, high): from low to high. Of mass (and inertia with it),
-             contact_friction and restitution (of shapes), damping, friction, armature and stiffness (of joints), gains (of
-             actuators), gravity
+             contact_friction and restitution (of shapes), damping, friction, armature, stiffness and coefficients of other
+             effects (of joints), gains (of actuators), gravity
 
     Factors are drawn in the order of Builder.parameters, one an object, uniformly. It takes about 5 ms for a quadruped.
     """

@@ -9,7 +9,7 @@ import pytest
 from conftest import CAPI
 
 import libdyn as dyn
-from libdyn import abi, enums, library, messages, native
+from libdyn import abi, enums, joint_spec, library, messages, native
 from libdyn.interface import FUNCTIONS
 
 HEADER = (CAPI.parent / "include" / "dyn.h").read_text()
@@ -43,6 +43,12 @@ def test_structures(tmp_path):
     subprocess.run(["cc", "-I", str(CAPI.parent / "include"), "s.c", "-o", "s"], cwd=tmp_path, check=True)
     printed = subprocess.run([str(tmp_path / "s")], capture_output=True, text=True, check=True).stdout
     assert {k: int(v) for k, v in (line.split() for line in printed.splitlines())} == expected
+
+
+def test_joints_of_the_cpp_builder_have_every_array():
+    wrapper = (CAPI.parent / "include" / "dyn.hpp").read_text()
+    for name in joint_spec.ARRAYS:
+        assert f"s.{name} = optional(spec.{name}, " in wrapper, f"JointSpec of dyn.hpp lacks {name}"
 
 
 def test_functions_have_few_arguments():

@@ -73,11 +73,11 @@ def test_every_primitive(kind):
     m = b.add_shape("x" if kind != "half_space" else "universe", kind, SIZES[kind]).finish()
     drawn = pieces(m, m.shapes[0])
     assert len(drawn) == (3 if kind == "capsule" else 1)
-    if kind == "cone":  # closed, and of the right volume up to that of a polygon of 32 sides
+    if kind == "cone":  # closed, on a polygon of 24 sides
         x = drawn[0][0]
         a, b, c = (x.vertices[x.faces[:, k]] for k in range(3))
         volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
-        assert volume == pytest.approx(np.pi * 0.09 / 3, rel=0.01)
+        assert volume == pytest.approx(12 * np.sin(np.pi / 12) * 0.09 / 3, rel=1e-12)
 
 
 def test_meshes(tmp_path):

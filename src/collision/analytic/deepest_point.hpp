@@ -62,23 +62,18 @@ bool deepest_point(const S& solid, const O& other, const Pose& X, const Mat& Rt,
 
 }  // namespace detail
 
-// Whether the nearest boundary point has a short closed form.
-template <class S>
-inline constexpr bool has_way_out =
-    S::type == shape::Type::Box || S::type == shape::Type::Cylinder || S::type == shape::Type::Cone;
-
 // n: a direction from A to B. The heights may differ by rounding alone: the normal is uncertain by the root of their difference.
 // Returns false if the depth is not that of a point, or the shapes are apart.
 template <class D>
 bool deepest_point_pair(const D& d, const Vec& n, Cores& c) {
   const double enough = d.rounding();
   detail::DeepestPoint found;
-  if constexpr (has_way_out<typename D::First>)
+  if constexpr (D::First::short_nearest)
     if (detail::deepest_point(d.A_, d.B_, d.X, d.Rt, n, enough, found)) {
       c = {found.normal, found.on_solid, found.point, -found.depth - found.residual, found.residual, 0, found.unique};
       return true;
     }
-  if constexpr (has_way_out<typename D::Second>) {
+  if constexpr (D::Second::short_nearest) {
     const Pose Y = {d.Rt, -(d.Rt * d.X.p)};
     if (detail::deepest_point(d.B_, d.A_, Y, d.X.R, d.Rt * -n, enough, found)) {
       c = {d.X.R * -found.normal, d.X.act(found.point), d.X.act(found.on_solid), -found.depth - found.residual, found.residual,
