@@ -89,7 +89,7 @@ inline Index exact_corrections(const Model& m) {
 
 // Calls f(array, numbers) for each.
 template <class F>
-void for_each_change(const Model& m, StepChange& x, F&& f) {
+void change_arrays(const Model& m, StepChange& x, F&& f) {
   const std::ptrdiff_t nv = m.n.nv, rows = jacobian_rows(m), exact = exact_corrections(m);
   f(x.force, nv), f(x.velocity, nv), f(x.row, rows), f(x.slide, rows), f(x.displacement, nv), f(x.end, 2 * nv);
   f(x.G, exact * exact);
@@ -108,7 +108,7 @@ void jacobian_arrays(const Model& m, std::ptrdiff_t columns, JacobianArrays& x, 
   f(x.scale, rows), f(x.row_scale, rows), f(x.drift_factor, drifting * drifting);
   f(x.direction, columns), f(x.adjoint, columns), f(x.moved, nv), f(x.state_adjoint, nv), f(x.displacement_adjoint, nv);
   f(x.row_adjoint, rows);
-  for_each_change(m, x.given, f), for_each_change(m, x.gradient, f);
+  change_arrays(m, x.given, f), change_arrays(m, x.gradient, f);
   f(x.E, rows * 2 * nv), f(x.rate, rows * nv), f(x.wanted, rows * columns), f(x.lambda, rows * columns),
       f(x.rest, rows * columns), f(x.displacement, nv * columns);
   f(x.rows, rows), f(x.contacts, rows), f(x.pivots, rows), f(x.unknowns, rows);

@@ -30,7 +30,10 @@ struct StepJacobian {
 
   double* state(Index k) const { return y.state + columns * k; }
   void clear_given() const {
-    for_each_change(m, y.given, [](double* array, std::ptrdiff_t n) { std::fill_n(array, n, 0.0); });
+    const StepChange& x = y.given;
+    for (double* array : {x.force, x.velocity, x.displacement, x.end, x.end + nv}) std::fill_n(array, nv, 0.0);
+    for (double* array : {x.row, x.slide}) std::fill_n(array, rows, 0.0);
+    if (exact) std::fill_n(x.G, exact_corrections(m) * exact_corrections(m), 0.0);
   }
   double* displacement(Index k) const { return y.displacement + columns * k; }
   double* force(Index k) const { return y.force + mixed * k; }

@@ -101,7 +101,9 @@ bool StepJacobian::solve_rows() const {
     for (std::ptrdiff_t c = 0; c < columns; ++c) y.wanted[columns * r + c] *= y.row_scale[r];
   const double size = largest(0, rows);
   system.solve(y.wanted, columns);
-  for (Index k = 0; k < nv; ++k) {
+  for (Index r = 0; along && r < system.rank; ++r)
+    add_row(y.state, y.Z + nv * system.columns[r], y.scale[system.columns[r]] * y.wanted[r], nv);
+  for (Index k = 0; k < (along ? 0 : nv); ++k) {
     for (Index r = 0; r < system.rank; ++r) y.rest[r] = y.Z[nv * system.columns[r] + k] * y.scale[system.columns[r]];
     add_rows(state(k), y.wanted, columns, y.rest, 1, system.rank, columns);
   }
