@@ -2650,8 +2650,27 @@ typedef struct dynStepDerivativeReport {
   const char* reason;         /* why ANALYTIC does not cover the step; "" if it does. Lives forever. */
 } dynStepDerivativeReport;
 
-/* Outputs. x = (q, v) on the tangent space: columns are along q (+) e_k t, rows are those of the next state's
-   own tangent space. Rows 0 to nv - 1 are of q', the others of v'. */
+/* Parameters of a step by which it has derivatives. Each stands for 1 number unless said otherwise. Its index
+   is that of a joint, a degree of freedom (0 .. nv - 1) or a shape. */
+typedef enum dynStepParameterType {
+  /* 10 numbers: inertial parameters of the body of joint `index`, from 1, as in dyn_joint_torque_regressor.
+     ANALYTIC alone. */
+  DYN_STEP_PARAMETER_TYPE_INERTIA = 0,
+  DYN_STEP_PARAMETER_TYPE_ARMATURE = 1, /* armature of a degree of freedom, kg m^2 or kg */
+  DYN_STEP_PARAMETER_TYPE_DAMPING = 2,  /* damping of a degree of freedom, N m s/rad or N s/m */
+  DYN_STEP_PARAMETER_TYPE_FRICTION = 3, /* dry friction of a degree of freedom, N m or N */
+  DYN_STEP_PARAMETER_TYPE_GRAVITY = 4,  /* 3 numbers: gravity, m/s^2, world axes. index is 0. */
+  /* Coefficient of friction of all contacts of shape `index`, whichever of the two shapes it comes from. */
+  DYN_STEP_PARAMETER_TYPE_CONTACT_FRICTION = 5,
+  DYN_STEP_PARAMETER_TYPE_RESTITUTION = 6, /* the same of their restitution */
+  /* dt of the step options, s. By central differences in each method. index is 0. */
+  DYN_STEP_PARAMETER_TYPE_TIME_STEP = 7
+} dynStepParameterType;
+
+/* What is asked for, and where it is written. x = (q, v) on the tangent space: columns are along q (+) e_k t,
+   rows are those of the next state's own tangent space. Rows 0 to nv - 1 are of q', the others of v'.
+   Products have the inputs in the order q, v, tau, controls, parameters: n = 3 nv + nu + np numbers, with np
+   the numbers of the parameters. They are made without the matrices. */
 typedef struct dynStepDerivatives {
   uint32_t struct_size;      /* set by dyn_step_derivatives_init */
   int32_t capacity;          /* contact points that contacts, modes and degenerate hold; default 0 */
@@ -2663,6 +2682,15 @@ typedef struct dynStepDerivatives {
   dynContactMode* modes;     /* capacity */
   int32_t* degenerate;       /* capacity: 1: the mode is not strictly held */
   dynStepDerivativeReport* report;
+  const dynStepParameterType* parameters; /* parameter_count */
+  const int32_t* parameter_index;         /* parameter_count; NULL: all 0 */
+  double* P;                 /* 2 nv x np: by the parameters */
+  const double* tangents;    /* n x tangent_count: changes of the inputs */
+  double* jvp;               /* 2 nv x tangent_count: [A B B_control P] tangents: of the next state */
+  const double* cotangents;  /* 2 nv x cotangent_count: gradients by the next state */
+  double* vjp;               /* n x cotangent_count: [A B B_control P]^T cotangents: by the inputs */
+  int32_t parameter_count, tangent_count, cotangent_count; /* default 0 */
+  int32_t reserved;                                        /* 0 */
 } dynStepDerivatives;
 DYN_API void dyn_step_derivatives_init(dynStepDerivatives* out, uint32_t struct_size);
 #define dyn_step_derivatives_init(x) dyn_step_derivatives_init(x, sizeof(dynStepDerivatives))

@@ -1068,30 +1068,57 @@ class Data {
     std::vector<dynContactMode> modes;
     std::vector<bool> degenerate;
     dynStepDerivativeReport report;
+    Matrix P;  // 2 nv x the numbers of the parameters
+  };
+  // A parameter of a step, and the joint, degree of freedom or shape that it is of.
+  struct StepParameter {
+    dynStepParameterType type;
+    std::int32_t index = 0;
   };
   static dynStepDerivativeOptions step_derivative_options() {
     dynStepDerivativeOptions options;
     dyn_step_derivative_options_init(&options);
     return options;
   }
-  StepDerivatives step_derivatives(const dynStepDerivativeOptions& options = step_derivative_options()) {
+  StepDerivatives step_derivatives(const dynStepDerivativeOptions& options = step_derivative_options(),
+                                   const std::vector<StepParameter>& parameters = {}) {
     const int nu = dyn_model_nu(m()), capacity = dyn_model_contact_capacity(m());
     const auto room = static_cast<std::size_t>(capacity);
     StepDerivatives x{Matrix(2 * nv(), 2 * nv()), Matrix(2 * nv(), nv()), Matrix(2 * nv(), nu),
                       Vector(static_cast<std::size_t>(nq())),
-                      Vector(static_cast<std::size_t>(nv())), {}, {}, {}, {}};
+                      Vector(static_cast<std::size_t>(nv())), {}, {}, {}, {}, Matrix(2 * nv(), numbers_of_(parameters))};
     x.contacts.resize(room), x.modes.resize(room), x.report.struct_size = sizeof x.report;
     std::vector<std::int32_t> degenerate(room);
     dynStepDerivatives out;
     dyn_step_derivatives_init(&out);
     out.capacity = capacity, out.A = x.A.data(), out.B = x.B.data(), out.B_control = nu ? x.B_control.data() : nullptr;
     out.q = x.q.data(), out.v = x.v.data(), out.contacts = x.contacts.data(), out.modes = x.modes.data();
-    out.degenerate = degenerate.data(), out.report = &x.report;
-    check(dyn_step_derivatives(m(), get(), &options, &out));
+    out.degenerate = degenerate.data(), out.report = &x.report, out.P = x.P.data();
+    differentiate_(out, options, parameters);
     const auto count = static_cast<std::size_t>(x.report.contacts);
     x.contacts.resize(count), x.modes.resize(count);
     x.degenerate.assign(degenerate.begin(), degenerate.begin() + x.report.contacts);
     return x;
+  }
+  // [A B B_control P] tangent, of the next state, without these matrices. tangent: of q, v, tau, controls and parameters.
+  Vector step_jvp(Input tangent, const std::vector<StepParameter>& parameters = {},
+                  const dynStepDerivativeOptions& options = step_derivative_options()) {
+    Vector jvp(2 * static_cast<std::size_t>(nv()));
+    dynStepDerivatives out;
+    dyn_step_derivatives_init(&out);
+    out.tangents = tangent.of(step_inputs_(parameters), "tangent"), out.jvp = jvp.data(), out.tangent_count = 1;
+    differentiate_(out, options, parameters);
+    return jvp;
+  }
+  // Its transpose: gradients by q, v, tau, controls and parameters from one by the next state, 2 nv numbers.
+  Vector step_vjp(Input cotangent, const std::vector<StepParameter>& parameters = {},
+                  const dynStepDerivativeOptions& options = step_derivative_options()) {
+    Vector vjp(static_cast<std::size_t>(step_inputs_(parameters)));
+    dynStepDerivatives out;
+    dyn_step_derivatives_init(&out);
+    out.cotangents = cotangent.of(2 * nv(), "cotangent"), out.vjp = vjp.data(), out.cotangent_count = 1;
+    differentiate_(out, options, parameters);
+    return vjp;
   }
   void advance(double duration) { check(dyn_advance(m(), get(), duration)); }
   dynStepReport step_report() const {
@@ -1134,6 +1161,24 @@ class Data {
   }
 
  private:
+  static int numbers_of_(const std::vector<StepParameter>& parameters) {
+    int numbers = 0;
+    for (const StepParameter& p : parameters)
+      numbers += p.type == DYN_STEP_PARAMETER_TYPE_INERTIA ? 10 : p.type == DYN_STEP_PARAMETER_TYPE_GRAVITY ? 3 : 1;
+    return numbers;
+  }
+  int step_inputs_(const std::vector<StepParameter>& parameters) const {
+    return 3 * nv() + dyn_model_nu(m()) + numbers_of_(parameters);
+  }
+  void differentiate_(dynStepDerivatives& out, const dynStepDerivativeOptions& options,
+                      const std::vector<StepParameter>& parameters) {
+    std::vector<dynStepParameterType> types;
+    std::vector<std::int32_t> index;
+    for (const StepParameter& p : parameters) types.push_back(p.type), index.push_back(p.index);
+    out.parameters = types.data(), out.parameter_index = index.data();
+    out.parameter_count = static_cast<std::int32_t>(types.size());
+    check(dyn_step_derivatives(m(), get(), &options, &out));
+  }
   Vector rows_() { return Vector(static_cast<std::size_t>(constraint_rows().second)); }
   template <class F>
   Constrained constrained_(F f) {

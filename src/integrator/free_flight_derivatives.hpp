@@ -17,6 +17,7 @@ struct FlightCorrection {
   Vec3<T> change(const Vec3<T>& du, const Vec3<T>& dw) const {
     return (cross(dw, u) + cross(w, du) + cross(dw, cross(w, c)) + cross(w, cross(dw, c))) * h;
   }
+  Vec3<T> by_centre(const Vec3<T>& dc) const { return cross(w, cross(w, dc)) * h; }
 };
 
 // The same of a body without children: I w' = exp(-h w') L with L = I (w + h dw) + h w x I w.
@@ -39,6 +40,15 @@ struct FreeBodyFlight {
     const Vec3<T> turned = dw1 - dw - of_a * h;
     return {linear.change(du, dw) - cross(turned, linear.c), turned};
   }
+  // Of delta along changes of c and I.
+  Change by_inertia(const Vec3<T>& dc, const Mat3<T>& dI) const {
+    const Vec3<T>& w = linear.w;
+    const T h = linear.h;
+    const Vec3<T> y = I * w1, wh = solve3(I, exp3(w1 * h) * y - cross(w, I * w) * h);  // w + h dw
+    const Vec3<T> by = exp3(w1 * -h) * (dI * wh + cross(w, dI * w) * h) - dI * w1;
+    const Vec3<T> dw1 = solve3(I - skew(y) * Jexp3(w1 * h) * h, by);
+    return {linear.by_centre(dc) - cross(w1 - wh, dc) - cross(dw1, linear.c), dw1};
+  }
 };
 
 // The end of a step: R = R0 exp(phi) with phi = h w + dphi, the centre of mass moves by h v_c + dp + dphi x c.
@@ -56,6 +66,11 @@ struct FlightEnd {
   struct Change {
     Motion<T> q, v;
   };
+  // Along a change of c. w: angular velocity before end_flight.
+  Change by_centre(const Vec3<T>& dc, const Vec3<T>& w, const Vec3<T>& phi) const {
+    const Vec3<T> o = Vec3<T>::zero();
+    return {{Et * (dc + cross(phi, dc)) - dc, o}, {Et * cross(w, dc) - cross(w, dc), o}};
+  }
   Change change(const Motion<T>& dq, const Motion<T>& dv, const Motion<T>& by) const {
     const Vec3<T> turn = J * (dv.angular * h + by.angular), dvc = dv.linear + cross(dv.angular, c);
     const Vec3<T> dmoved = dvc * h + by.linear + cross(by.angular, c), theta = Et * dq.angular + turn;

@@ -17,15 +17,18 @@ struct Correction {
   StepDerivatives& x = s.x;
   JacobianArrays& y = s.y;
   const Workspace& w = s.w;
-  const std::ptrdiff_t nv = s.nv, columns = s.columns, room = jacobian_rows(m);
+  const std::ptrdiff_t nv = s.nv, columns = s.columns, room = jacobian_rows(m), most_exact = exact_corrections(m);
   const double h = s.h;
-  Index count = 0, pushed = 0;  // rows, and those whose mu was positive
+  Index& count = s.corrections;
+  Index rows = s.rows, contacts = s.contacts;  // with those that do not press
 
   CorrectionRow& row(Index i) const { return y.corrections[i]; }
   double* J(Index i) const { return s.J(row(i).row); }
   double* Z(Index i) const { return y.Z + nv * row(i).row; }
   double& G(Index i, Index j) const { return y.G[room * i + j]; }
-  double* dG(Index i, Index j) const { return y.dG + nv * (tuning::island::exact_rows * row(i).exact + row(j).exact); }
+  std::ptrdiff_t pair(Index i, Index j) const { return most_exact * row(i).exact + row(j).exact; }
+  double* dG(Index i, Index j) const { return y.dG + nv * pair(i, j); }
+  double& mu(int sweep, Index i) const { return y.mu[room * sweep + i]; }  // after a sweep
   double* by(Index i) const { return y.lambda + columns * i; }     // of mu
   double* wrong(Index i) const { return y.wanted + columns * i; }  // of b
 
@@ -40,14 +43,14 @@ struct Correction {
       r.wrong = std::max(share, -most * unit), r.slope = share > -most * unit ? tuning::island::correction : 0;
   }
   // Adds a row of J for a contact or limit that does not press.
-  const char* add_open(const ActiveConstraint& a, CorrectionRow& r) const {
-    if (s.rows == room || s.contacts == room) return "too many rows";
-    r.row = s.rows++;
+  const char* add_open(const ActiveConstraint& a, CorrectionRow& r) {
+    if (rows == room || contacts == room) return "too many rows";
+    r.row = rows++;
     std::fill_n(s.J(r.row), nv, 0.0), std::fill_n(y.rate + nv * r.row, nv, 0.0), std::fill_n(y.Z + nv * r.row, nv, 0.0);
     y.rows[r.row] = {a.kind == RowKind::Contact ? JacobianRowKind::Normal : JacobianRowKind::Limit, a.index, 2, 0};
     if (a.kind == RowKind::Contact) {
       const ContactLaw& law = w.laws[a.index];
-      JacobianContact& c = y.contacts[r.contact = s.contacts++];
+      JacobianContact& c = y.contacts[r.contact = contacts++];
       c = {}, c.contact = a.index, c.body_a = d.geoms[law.geom_a].body, c.body_b = d.geoms[law.geom_b].body, c.first = r.row;
       c.position = load3(x.modes.contacts[a.index].contact.position);
       if (!contact_geometry(m, d, x.modes.contacts[a.index].contact, law, c.geometry))
@@ -65,7 +68,7 @@ struct Correction {
 
   // The row of a constraint. largest: error, over its unit.
   const char* add(const ActiveConstraint& a, double& largest) {
-    CorrectionRow r{-1, -1, -1, 0, 0, 0, 0};
+    CorrectionRow r{-1, -1, -1, 0, 0, 0, 0, 0};
     const bool contact = a.kind == RowKind::Contact;
     for (Index k = 0; contact && k < s.contacts; ++k)
       if (y.contacts[k].contact == a.index) r.contact = k, r.row = y.contacts[k].first;
@@ -92,7 +95,7 @@ struct Correction {
   }
 
   // As Sweeps::frictionless, of the rows of one island. Returns the number of sweeps.
-  int sweep(Index begin, Index end, int most, bool differentiate, bool exact) {
+  int sweep(Index begin, Index end, int most, bool differentiate) const {
     double first = 0;
     for (Index i = begin; i < end; ++i) row(i).mu = 0;
     for (int n = 0; n < most; ++n) {
@@ -104,10 +107,10 @@ struct Correction {
         double rate = r.wrong;
         for (Index j = begin; j < end; ++j) rate += G(i, j) * row(j).mu;
         const double to = std::max(0.0, r.mu - rate / own);
-        if (differentiate) change(begin, end, i, to > 0, rate, exact);
+        if (differentiate) change(begin, end, i, to > 0, rate);
         changed = std::max(changed, std::abs(to - r.mu) * (own + r.compliance));
-        r.mu = to;
-        if (to > 0 && r.exact < 0) r.exact = pushed++;
+        r.mu = mu(n, i) = to;
+        if (to > 0 && r.exact < 0) r.exact = s.pushed++;
       }
       if (n == 0)
         first = changed;
@@ -117,23 +120,50 @@ struct Correction {
     return most;
   }
   // dmu_i, of which its own part of the rate takes away what it was.
-  void change(Index begin, Index end, Index i, bool pushes, double rate, bool exact) const {
+  void change(Index begin, Index end, Index i, bool pushes, double rate) const {
     double* const to = by(i);
     std::fill_n(to, columns, 0.0);
     if (!pushes) return;
     const double own = 1 / G(i, i);
+    const auto add_matrix = [&](Index j, double factor) {
+      s.add_by_state(to, dG(i, j), factor, nv);
+      if (s.along) to[0] += factor * y.given.G[pair(i, j)];
+    };
     add_row(to, wrong(i), -own, columns);
-    if (exact) add_row(to, dG(i, i), own * own * rate, nv);
+    if (s.exact) add_matrix(i, own * own * rate);
     for (Index j = begin; j < end; ++j) {
       if (row(j).mu == 0) continue;
-      if (exact) add_row(to, dG(i, j), -own * row(j).mu, nv);
+      if (s.exact) add_matrix(j, -own * row(j).mu);
       if (j != i) add_row(to, by(j), -own * G(i, j), columns);
     }
+  }
+  // The sweeps backwards: from the gradients by mu, in by(i)[0], those by `wrong` and by G.
+  void transpose_sweeps(Index begin, Index end) const {
+    for (Index i = begin; i < end; ++i) row(i).wrong_adjoint = 0;
+    for (int n = row(begin).sweeps - 1; n >= 0; --n)
+      for (Index i = end - 1; i >= begin; --i) {
+        CorrectionRow& r = row(i);
+        if (!(G(i, i) > 0)) continue;
+        const double own = 1 / G(i, i), gradient = std::exchange(by(i)[0], 0.0);
+        const bool pushes = r.mu > 0;
+        r.mu = n > 0 ? mu(n - 1, i) : 0;
+        if (!pushes || gradient == 0) continue;
+        r.wrong_adjoint -= own * gradient;
+        double rate = r.wrong;
+        for (Index j = begin; j < end; ++j) {
+          rate += G(i, j) * row(j).mu;
+          if (row(j).mu == 0) continue;
+          if (s.exact) y.gradient.G[pair(i, j)] -= own * row(j).mu * gradient;
+          if (j != i) by(j)[0] -= own * G(i, j) * gradient;
+        }
+        if (s.exact) y.gradient.G[pair(i, i)] += own * own * rate * gradient;
+      }
+    for (Index i = begin; i < end; ++i) row(i).mu = mu(row(begin).sweeps - 1, i);
   }
 
   // Calls f(first row, one past the last) for each island.
   template <class F>
-  void for_each_island(F&& f) {
+  void for_each_island(F&& f) const {
     for (Index begin = 0; begin < count; begin = row(begin).end) f(begin, row(begin).end);
   }
   // A contact beside equalities: their drift is removed with it or without it, by the side to which it pushes.
@@ -166,7 +196,7 @@ struct Correction {
           for (Index k = 0; k < nv; ++k) sum += J(i)[k] * Z(j)[k];
           G(i, j) = sum;
         }
-      row(begin).end = count, row(begin).sweeps = sweep(begin, count, tuning::sweeps::correction_sweeps, false, false);
+      row(begin).end = count, row(begin).sweeps = sweep(begin, count, tuning::sweeps::correction_sweeps, false);
     }
     for (Index i = 0; i < count; ++i) add_row(y.correction, Z(i), row(i).mu, nv);
     return nullptr;
@@ -201,15 +231,17 @@ struct Correction {
     if (c) s.subtract_force(*c, n);
     torque_derivatives(m, d, rest, z);
     d.acting = acting, std::copy_n(gravity, 3, d.world_gravity);
+    double* const kept = std::exchange(s.forces, y.displacement);
     for (Index k = 0; k < nv; ++k)
-      for (Index j = 0; j < nv; ++j) s.displacement(k)[j] = -d.dtau_dq[k + nv * j];
+      for (Index j = 0; j < nv; ++j) s.forces[s.mixed * k + j] = -d.dtau_dq[k + nv * j];
     if (c) s.differentiate_impulse(*c, n);
     for (Index k = 0; k < nv; ++k) {
       double* const to = y.W + nv * k;
       std::fill_n(to, nv, 0.0);
       for (Index l = 0; l < nv; ++l)
-        if (const double by = d.Minv[l + nv * k]; by != 0) add_row(to, s.displacement(l), by, nv);
+        if (const double by = d.Minv[l + nv * k]; by != 0) add_row(to, s.forces + s.mixed * l, by, nv);
     }
+    s.forces = kept;
     add_row(y.turned, y.W, row(i).mu, nv * nv);
     s.find_twists(z, y.twists_before);
     for (Index k = 0; k < count; ++k) {
@@ -221,47 +253,81 @@ struct Correction {
       if (row(k).contact >= 0) s.add_normal_rate(y.contacts[row(k).contact], y.twists_before, 1, to, nullptr);
     }
   }
+  // By q at fixed v': over the slope.
+  const double* error_row(Index i) const {
+    const CorrectionRow& r = row(i);
+    double* const e = y.moved;
+    for (Index k = 0; k < nv; ++k) e[k] = h * y.rate[nv * r.row + k];
+    if (r.contact >= 0) s.add_gap(y.contacts[r.contact], 1, e);
+    else add_row(e, J(i), 1, nv);
+    return e;
+  }
   void differentiate_errors() const {
     for (Index i = 0; i < count; ++i) {
       const CorrectionRow& r = row(i);
       double* const to = wrong(i);
       std::fill_n(to, columns, 0.0), std::fill_n(by(i), columns, 0.0);
       if (r.slope == 0) continue;
-      if (r.contact >= 0)
-        s.add_gap(y.contacts[r.contact], r.slope, to);
-      else
-        add_row(to, J(i), r.slope, nv);
-      add_row(to, y.rate + nv * r.row, r.slope * h, nv);
+      s.add_by_state(to, error_row(i), r.slope, nv);
       for (Index k = 0; k < nv; ++k)
         if (const double j = J(i)[k]; j != 0) add_row(to, s.state(k), r.slope * h * j, columns);
+    }
+  }
+  void transpose_errors() const {
+    for (Index i = 0; i < count; ++i) {
+      const double by = row(i).slope * row(i).wrong_adjoint;
+      if (by == 0) continue;
+      add_row(y.adjoint, error_row(i), by, nv), add_row(y.state_adjoint, J(i), h * by, nv);
     }
   }
 };
 
 }  // namespace
 
-const char* StepJacobian::correct() {
+const char* StepJacobian::find_corrections() {
   Correction c{*this};
   if (const char* const reason = c.find()) return reason;
-  double pushed = 0;  // m, rad, by contacts and limits
-  for (Index k = 0; k < nv; ++k) pushed = std::max(pushed, std::abs(y.correction[k]));
+  double most = 0;  // m, rad, by contacts and limits
+  for (Index k = 0; k < nv; ++k) most = std::max(most, std::abs(y.correction[k]));
   std::fill_n(y.turned, nv * nv, 0.0);
   if (equalities > 0)
     if (const char* const reason = correct_drift()) return reason;
   if (!c.is_that_of_the_step()) return "overlaps are corrected in another way";
-  const bool exact = pushed > tuning::slop;  // else derivatives of G change the result by less
-  if (exact && c.pushed > tuning::island::exact_rows) return "too many overlaps are corrected";
-  for (Index i = 0; i < (exact ? c.count : 0); ++i)
+  exact = most > tuning::slop;  // else derivatives of G change the result by less
+  if (exact && pushed > exact_corrections(m)) return "too many overlaps are corrected";
+  for (Index i = 0; i < (exact ? corrections : 0); ++i)
     if (c.row(i).exact >= 0) c.differentiate_row(i);
+  return nullptr;
+}
+
+void StepJacobian::displace() {
+  for (std::ptrdiff_t k = 0; k < nv * columns; ++k) y.displacement[k] = h * y.state[k];
+  if (!corrects()) return;
+  const Correction c{*this};
   c.differentiate_errors();
-  c.for_each_island([&](Index begin, Index end) { c.sweep(begin, end, c.row(begin).sweeps, true, exact); });
-  displace();
+  c.for_each_island([&](Index begin, Index end) { c.sweep(begin, end, c.row(begin).sweeps, true); });
   for (Index k = 0; k < nv; ++k) {
-    add_row(displacement(k), y.turned + nv * k, 1, nv);
-    for (Index i = 0; i < c.count; ++i)
+    add_by_state(displacement(k), y.turned + nv * k, 1, nv);
+    if (along) displacement(k)[0] += y.given.displacement[k];
+    for (Index i = 0; i < corrections; ++i)
       if (const double z = c.Z(i)[k]; z != 0) add_row(displacement(k), c.by(i), z, columns);
   }
-  return nullptr;
+}
+
+void StepJacobian::transpose_displacement() {
+  const double* const from = y.displacement_adjoint;
+  std::copy_n(from, nv, y.gradient.displacement);
+  add_row(y.state_adjoint, from, h, nv);
+  if (!corrects()) return;
+  const Correction c{*this};
+  for (Index k = 0; k < nv; ++k) add_row(y.adjoint, y.turned + nv * k, from[k], nv);
+  std::fill_n(y.gradient.G, c.most_exact * c.most_exact, 0.0);
+  for (Index i = 0; i < corrections; ++i) c.by(i)[0] = inner(c.Z(i), from, nv);
+  c.for_each_island([&](Index begin, Index end) { c.transpose_sweeps(begin, end); });
+  c.transpose_errors();
+  for (Index i = 0; exact && i < corrections; ++i)
+    for (Index j = 0; j < corrections; ++j)
+      if (c.row(i).exact >= 0 && c.row(j).exact >= 0) add_row(y.adjoint, c.dG(i, j), y.gradient.G[c.pair(i, j)], nv);
 }
 
 }  // namespace dyn::simulation

@@ -84,7 +84,7 @@ Index begin_derivatives(const Model& m, Data<double>& d, StepDerivatives& x) {
   std::copy_n(d.actuator_force, m.n.actuators, x.actuator_force);
   std::copy_n(w.contacts, w.contact_count, x.contacts), x.contact_count = w.contact_count;
   x.growth = w.growth, x.options = w.options, x.report = w.report, x.ledger = w.ledger.open;
-  x.steps = 1, x.degenerate = 0, x.reason = nullptr;
+  x.steps = 1, x.degenerate = 0, x.reason = nullptr, x.refused = false;
   solve_exactly(w);
   if (const Index failed = step_once(m, d)) return failed;
   std::copy_n(d.q, m.n.nq, x.q_next), std::copy_n(d.v, m.n.nv, x.v_next);
@@ -203,11 +203,16 @@ Index differentiate_step(const Model& m, Data<double>& d, StepDerivatives& x, co
   if (const Index failed = begin_derivatives(m, d, x)) return failed;
   find_modes(m, d, x, settings.margin);
   used = DYN_DERIVATIVE_METHOD_ANALYTIC;
-  if (settings.method != DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES) step_jacobian(m, d, x, settings.margin);
+  if (settings.method != DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES) step_jacobian(m, d, x, settings.margin, wanted);
   const bool covered = settings.method != DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES && !x.reason;
-  if (covered || settings.method == DYN_DERIVATIVE_METHOD_ANALYTIC) return 0;
+  if (covered) return parameter_columns(m, d, x, settings.epsilon, wanted.products, true);
+  if (settings.method == DYN_DERIVATIVE_METHOD_ANALYTIC) return 0;
   used = DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES;
-  return step_differences(m, d, x, settings.epsilon, wanted);
+  const bool multiplies = wanted.products.tangent_count + wanted.products.cotangent_count > 0;
+  const Wanted by{wanted.state || multiplies, wanted.tau || multiplies, wanted.control || multiplies};
+  if (const Index failed = step_differences(m, d, x, settings.epsilon, by)) return failed;
+  multiply(m, x, wanted.products);
+  return parameter_columns(m, d, x, settings.epsilon, wanted.products, false);
 }
 
 }  // namespace dyn::simulation

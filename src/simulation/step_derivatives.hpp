@@ -38,6 +38,7 @@ struct StepDerivatives {
   double *direction, *plus, *minus;
   JacobianArrays jacobian;
   const char* reason;  // why the analytic method does not cover the step, or nullptr
+  bool refused;        // a parameter has no central differences
 };
 
 std::size_t derivative_bytes(const Model& m);
@@ -60,15 +61,52 @@ inline double limit_gap(const Model& m, const double* q, Index limit) {
   const Index k = m.limits()[limit].q;
   return std::min(q[k] - m.lower_limit()[k], m.upper_limit()[k] - q[k]);
 }
-// Which columns are wanted.
+// Numbers of a parameter.
+inline Index parameter_size(dynStepParameterType type) {
+  return type == DYN_STEP_PARAMETER_TYPE_INERTIA ? 10 : type == DYN_STEP_PARAMETER_TYPE_GRAVITY ? 3 : 1;
+}
+struct StepParameter {
+  dynStepParameterType type;
+  Index index;
+};
+// The derivative by parameters, and products of that by all inputs, in the order q, v, tau, controls, parameters: see
+// dynStepDerivatives.
+struct StepProducts {
+  const dynStepParameterType* parameters = nullptr;
+  const std::int32_t* parameter_index = nullptr;
+  Index parameter_count = 0, numbers = 0;
+  double* P = nullptr;
+  const double* tangents = nullptr;
+  double* jvp = nullptr;
+  Index tangent_count = 0;
+  const double* cotangents = nullptr;
+  double* vjp = nullptr;
+  Index cotangent_count = 0;
+  // Calls f(parameter, its first number) for each.
+  template <class F>
+  void for_each_parameter(F&& f) const {
+    for (Index k = 0, first = 0; k < parameter_count; first += parameter_size(parameters[k++]))
+      f(StepParameter{parameters[k], parameter_index ? Index(parameter_index[k]) : 0}, first);
+  }
+};
+// What is wanted: matrices and products.
 struct Wanted {
   bool state, tau, control;
+  StepProducts products{};
+  bool matrices() const { return state || tau || control; }
 };
 // Fills x.by by central differences. Marks contacts as degenerate whose mode changes. Returns as begin_derivatives.
 Index step_differences(const Model& m, Data<double>& d, StepDerivatives& x, double epsilon, const Wanted& wanted);
 
-// Fills x.by by implicit differentiation, or sets x.reason (step_jacobian.cpp).
-void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double margin);
+// Fills x.by and the products by implicit differentiation, or sets x.reason (step_jacobian.cpp).
+void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double margin, const Wanted& wanted);
+// The products with x.by (step_products.cpp).
+void multiply(const Model& m, const StepDerivatives& x, const StepProducts& p);
+// Adds a column by a number of the parameters to all that is wanted (step_products.cpp).
+void add_column(const Model& m, const StepProducts& p, Index number, const double* column);
+// Adds the columns of parameters by central differences, or sets x.refused. Returns as begin_derivatives.
+Index parameter_columns(const Model& m, Data<double>& d, StepDerivatives& x, double epsilon, const StepProducts& p,
+                        bool time_step_alone);
 
 struct DerivativeSettings {
   dynDerivativeMethod method;

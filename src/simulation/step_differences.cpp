@@ -66,7 +66,38 @@ struct Differences {
   }
 };
 
+// What central differences change for a number of a parameter, or nullptr.
+double* parameter_place(Data<double>& d, const StepParameter& p, Index component) {
+  const auto entry = [&](double* array) { return array ? array + p.index : nullptr; };
+  switch (p.type) {
+    case DYN_STEP_PARAMETER_TYPE_ARMATURE: return entry(d.armature);
+    case DYN_STEP_PARAMETER_TYPE_DAMPING: return entry(d.damping);
+    case DYN_STEP_PARAMETER_TYPE_FRICTION: return entry(d.friction);
+    case DYN_STEP_PARAMETER_TYPE_GRAVITY: return d.world_gravity + component;
+    case DYN_STEP_PARAMETER_TYPE_TIME_STEP: return &d.step->options.dt;
+    default: return nullptr;  // in the model, or of pairs of shapes
+  }
+}
+
 }  // namespace
+
+Index parameter_columns(const Model& m, Data<double>& d, StepDerivatives& x, double epsilon, const StepProducts& p,
+                        bool time_step_alone) {
+  Index failed = 0;
+  p.for_each_parameter([&](const StepParameter& a, Index first) {
+    const bool time_step = a.type == DYN_STEP_PARAMETER_TYPE_TIME_STEP;
+    if (time_step_alone && !time_step) return;
+    constexpr double share = 1e-5;  // of dt
+    for (Index c = 0; c < parameter_size(a.type) && !failed && !x.refused; ++c) {
+      double *const place = parameter_place(d, a, c), *const column = x.jacobian.given.end;
+      if (!place) return void(x.refused = true);
+      Differences by{m, d, x, time_step ? share * d.step->options.dt : epsilon};
+      by.to = column, by.columns_of(place, 1), failed = by.failed;
+      if (!failed) add_column(m, p, first + c, column);
+    }
+  });
+  return failed;
+}
 
 Index step_differences(const Model& m, Data<double>& d, StepDerivatives& x, double epsilon, const Wanted& wanted) {
   Differences by{m, d, x, epsilon};

@@ -65,9 +65,9 @@ solver::RankedLu StepJacobian::factor_equalities(double softness) const {
       for (Index k = 0; k < nv; ++k) sum += J(equality0 + r)[k] * y.Z[nv * (equality0 + s) + k];
       y.K[n * r + s] = sum, most = std::max(most, r == s ? sum : 0);
     }
-  std::copy_n(y.K, n * n, y.factor);
-  for (Index r = 0; r < n; ++r) y.factor[(n + 1) * r] += softness * y.K[(n + 1) * r] + solver::tuning::pgs::tiny * most;
-  solver::RankedLu lu = lu_of(n);
+  std::copy_n(y.K, n * n, y.drift_factor);
+  for (Index r = 0; r < n; ++r) y.drift_factor[(n + 1) * r] += softness * y.K[(n + 1) * r] + solver::tuning::pgs::tiny * most;
+  solver::RankedLu lu{y.drift_factor, n, y.drift_pivots, y.drift_unknowns};
   lu.factor(0);
   return lu;
 }

@@ -40,20 +40,20 @@ void StepJacobian::find_diagonal() const {
   });
 }
 
-// displacement = h times the derivatives of the forces at fixed impulses
+// force = h times the derivatives of the forces at fixed impulses
 void StepJacobian::differentiate_forces() const {
-  std::fill_n(y.displacement, nv * columns, 0.0);
+  std::fill_n(y.force, nv * mixed, 0.0);
   for (Index k = 0; k < nv; ++k) {
-    double* const to = displacement(k);
+    double* const to = force(k);
     for (Index j = 0; j < nv; ++j) to[j] = -h * d.dtau_dq[k + nv * j], to[nv + j] = -h * d.dtau_dv[k + nv * j];
     to[nv + k] -= h * y.diagonal_by_v[k] * y.a[k];
   }
   integrator::implicit_springs(m, d, h, implicit_springs(),
-                               [&](Index k, double stiffness) { displacement(k)[nv + k] -= h * h * stiffness; });
+                               [&](Index k, double stiffness) { force(k)[nv + k] -= h * h * stiffness; });
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
     if (d.saturated[k]) return;
     const double by = h * r.spec.gear;
-    double* const to = displacement(r.v);
+    double* const to = force(r.v);
     if (r.q >= 0) to[r.v] += by * r.bias[1] * r.spec.gear;
     to[nv + r.v] += by * r.spec.gear * (r.bias[2] - h * stiffness(r));
     double* const u = to + 2 * nv + r.spec.idx_u;
@@ -77,7 +77,7 @@ double StepJacobian::command_slope(const ActuatorRecord& r) const {
 void StepJacobian::add_force_change(Index body, Index j, const Force<double>& F) const {
   for (Index i = body; i != 0; i = m.bodies()[i].parent)
     for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k)
-      displacement(user_dof(m, k))[user_dof(m, j)] += ratio(k) * ratio(j) * dot(d.S[k], F);
+      forces[mixed * user_dof(m, k) + user_dof(m, j)] += ratio(k) * ratio(j) * dot(d.S[k], F);
 }
 
 // Wrenches and gravity compensation: of forces in world axes inverse dynamics takes the axes for the body's.
@@ -125,56 +125,88 @@ void StepJacobian::differentiate_impulse(const JacobianContact& c, const Vec3<do
 
 // state = dv' at fixed impulses
 void StepJacobian::solve_for_state() const {
+  if (along) return solve_along();
   for (Index k = 0; k < nv; ++k) {
     double* const to = state(k);
     const double* const row = d.Minv + nv * k;
     std::fill_n(to, mixed, 0.0);
-    add_rows(to, y.displacement, columns, row, 1, Index(nv), mixed);
+    add_rows(to, y.force, mixed, row, 1, Index(nv), mixed);
     for (Index l = 0; l < nv; ++l) to[mixed + l] = h * row[l];
     to[nv + k] += 1;
   }
+  for_each_flight([&](Index row, const double* by, const auto& column) {
+    for (int c = 0; c < flight_columns; ++c) state(row)[column(c)] += by[c] * (c < 12 ? 1 : h);
+  });
+}
+void StepJacobian::solve_along() const {
+  const double *const x = y.direction, *const tau = x + mixed;
+  for (Index k = 0; k < nv; ++k) y.moved[k] = inner(force(k), x, mixed) + h * tau[k] + y.given.force[k];
+  for (Index k = 0; k < nv; ++k) y.state[k] = inner(d.Minv + nv * k, y.moved, nv) + x[nv + k] + y.given.velocity[k];
+  for_each_flight([&](Index row, const double* by, const auto& column) {
+    for (int c = 0; c < 12; ++c) y.state[row] += by[c] * x[column(c)];
+    for (int c = 12; c < flight_columns; ++c) {
+      const std::ptrdiff_t k = column(c) - mixed;
+      y.state[row] += by[c] * (h * tau[k] + y.given.force[k]);
+    }
+  });
+}
+// From the gradient by dv' at fixed impulses.
+void StepJacobian::transpose_state() const {
+  const double* const from = y.state_adjoint;
+  double* const f = y.gradient.force;
+  std::copy_n(from, nv, y.gradient.velocity);
+  for (Index k = 0; k < nv; ++k) f[k] = inner(d.Minv + nv * k, from, nv);
+  for (Index k = 0; k < nv; ++k) add_row(y.adjoint, force(k), f[k], mixed), y.adjoint[nv + k] += from[k];
+  for_each_flight([&](Index row, const double* by, const auto& column) {
+    for (int c = 0; c < 12; ++c) y.adjoint[column(c)] += by[c] * from[row];
+    for (int c = 12; c < flight_columns; ++c) f[column(c) - mixed] += by[c] * from[row];
+  });
+  for (Index k = 0; k < nv; ++k) y.adjoint[mixed + k] += h * f[k];
 }
 
-// Before solve_for_state: derivatives of ddq by the state and the forces of bodies that fly alone, of the angular part.
-// After it: delta of free flyers.
-void StepJacobian::add_flight(const double* impulse) const {
+// flight: the derivatives of delta of free flyers by their q, v and h times their forces. Of bodies that fly alone by the angular
+// acceleration, too: before the impulses of contacts are differentiated.
+void StepJacobian::find_flight() const {
+  std::fill_n(y.flight, nv * flight_columns, 0.0);
   integrator::for_each_free_flyer<double>(m, WholeModel{}, [&](const Body& b, Index i, const Vec3<double>& c) {
     const Index at = b.user_v;
-    const auto add = [&](const integrator::FreeBodyFlight<double>::Change& by, std::ptrdiff_t column) {
-      for (int k = 0; k < 3; ++k) state(at + k)[column] += by.linear[k], state(at + 3 + k)[column] += by.angular[k];
+    const auto set = [&](int column, const integrator::FreeBodyFlight<double>::Change& by) {
+      double* const to = y.flight + flight_columns * at + column;
+      for (int k = 0; k < 3; ++k) to[flight_columns * k] = by.linear[k], to[flight_columns * (3 + k)] = by.angular[k];
     };
     const auto linear = flight(b, c);
     const Vec3<double> o = Vec3<double>::zero();
     if (!is_free(i)) {
       for (int k = 0; k < 6; ++k) {
         const Vec3<double> e = unit3<double>(k % 3);
-        add({k < 3 ? linear.change(e, o) : linear.change(o, e), o}, nv + at + k);
+        set(6 + k, {k < 3 ? linear.change(e, o) : linear.change(o, e), o});
       }
       return;
     }
-    const auto block = [&](int r, int s) { return d.Minv[at + r + nv * (at + s)]; };
-    double turned[3] = {};
-    for (int r = 0; r < 3; ++r)
-      for (int s = 0; s < 6; ++s) turned[r] += block(3 + r, s) * impulse[at + s];
-    const integrator::FreeBodyFlight<double> free{
-        linear, integrator::central_inertia<double>(b, c),
-        load3(static_cast<const double*>(x.v_end + at + 3)) - load3(static_cast<const double*>(turned))};
-    // columns of the body's own q, v and tau
-    const auto by_column = [&](std::ptrdiff_t column, const double* force, std::ptrdiff_t stride, double scale, int of_v) {
+    const auto free = free_flight(b, c);
+    const auto by_column = [&](int column, const double* force, std::ptrdiff_t stride) {
       double a[3] = {};
       for (int r = 0; r < 3; ++r)
-        for (int s = 0; s < 6; ++s) a[r] += block(3 + r, s) * force[stride * s] * scale;
-      const Vec3<double> e = of_v < 0 ? o : unit3<double>(of_v % 3);
-      add(free.change(of_v >= 0 && of_v < 3 ? e : o, of_v >= 3 ? e : o, load3(static_cast<const double*>(a))), column);
+        for (int s = 0; s < 6; ++s) a[r] += d.Minv[at + 3 + r + nv * (at + s)] * force[stride * s] / h;
+      const Vec3<double> e = unit3<double>(column % 3);
+      const Vec3<double> of_a = load3(static_cast<const double*>(a));
+      set(column, free.change(column / 3 == 2 ? e : o, column / 3 == 3 ? e : o, of_a));
     };
     for (int k = 0; k < 6; ++k) {
-      by_column(at + k, d.dtau_dq + at + nv * (at + k), 1, -1, -1);
-      by_column(nv + at + k, d.dtau_dv + at + nv * (at + k), 1, -1, k);
+      by_column(k, force(at) + at + k, mixed), by_column(6 + k, force(at) + nv + at + k, mixed);
       double unit[6] = {};
-      unit[k] = 1;
-      by_column(mixed + at + k, unit, 1, 1, -1);
+      unit[k] = 1, by_column(12 + k, unit, 1);
     }
   });
+}
+// Impulses act after free_flight.
+integrator::FreeBodyFlight<double> StepJacobian::free_flight(const Body& b, const Vec3<double>& c) const {
+  const Index at = b.user_v;
+  double turned[3] = {};
+  for (int r = 0; r < 3; ++r)
+    for (int s = 0; s < 6; ++s) turned[r] += d.Minv[at + 3 + r + nv * (at + s)] * y.impulse[at + s];
+  return {flight(b, c), integrator::central_inertia<double>(b, c),
+          load3(static_cast<const double*>(x.v_end + at + 3)) - load3(static_cast<const double*>(turned))};
 }
 
 }  // namespace dyn::simulation

@@ -25,8 +25,8 @@ const char* find_reason(const Model& m, const Data<double>& d) {
 
 }  // namespace
 
-// All of it. Returns why it is not possible, or nullptr.
-const char* StepJacobian::differentiate(double margin) {
+// All that is applied. Returns why it is not possible, or nullptr.
+const char* StepJacobian::linearise(double margin) {
   find_acceleration();
   const double* const fext = forces_on_bodies(m, d);
   differentiate_inverse_dynamics(fext);
@@ -43,29 +43,61 @@ const char* StepJacobian::differentiate(double margin) {
   differentiate_forces();
   if (equalities > 0) std::fill_n(d.dtau_dq, nv * nv, 0.0);  // inverse dynamics leaves entries of unrelated joints as they are
   if (fext) differentiate_link_forces();
+  sum_impulses(y.impulse), find_flight(), find_free_acceleration();
   for (Index k = 0; k < contacts; ++k) differentiate_impulse(y.contacts[k], y.contacts[k].force);
-  solve_for_state();
-  sum_impulses(y.a), add_flight(y.a);
   if (rows > 0) {
-    differentiate_rows(), assemble(), flag_weak_rows(margin);
-    if (!solve_rows())
-      for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
+    differentiate_rows(), assemble(), flag_weak_rows(margin), factor_rows();
+    if (!is_determined()) flag_contacts();
   }
-  if (w.corrected || equalities > 0) {
-    if (const char* const reason = correct()) return reason;
-  } else {
-    displace();
-  }
-  write();
-  return nullptr;
+  return w.corrected || equalities > 0 ? find_corrections() : nullptr;
 }
 
-void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double margin) {
+void StepJacobian::flag_contacts() const {
+  for (Index k = 0; k < contacts; ++k) x.modes.degenerate[y.contacts[k].contact] = 1;
+}
+
+// Of all columns, or along y.direction. Returns whether the equations of the rows are consistent.
+bool StepJacobian::apply() {
+  solve_for_state();
+  bool consistent = true;
+  if (rows > 0) find_wanted(), consistent = solve_rows();
+  displace();
+  return consistent;
+}
+
+// y.adjoint and y.gradient, from the gradient by the next state.
+void StepJacobian::apply_transposed(const double* gradient) {
+  std::fill_n(y.adjoint, mixed + nv, 0.0);
+  transpose_end(gradient), transpose_displacement();
+  if (rows > 0) transpose_rows();
+  transpose_state();
+}
+
+// Whether redundant equations are consistent, along a direction that no symmetry of the step has.
+void StepJacobian::probe_rows() {
+  if (system.rank == rows) return;
+  constexpr double golden = 0.6180339887498949;
+  for (std::ptrdiff_t k = 0; k < mixed + nv; ++k) {
+    const double at = golden * double(k + 1);
+    y.direction[k] = 0.5 + at - std::floor(at);
+  }
+  clear_given();
+  if (!apply()) flag_contacts();
+}
+
+void step_jacobian(const Model& m, Data<double>& d, StepDerivatives& x, double margin, const Wanted& wanted) {
   start_from(m, d, x);
   StepJacobian s{m, d, x};
-  if ((x.reason = find_reason(m, d)) || (x.reason = s.find_rows())) return;
+  if ((x.reason = find_reason(m, d)) || (x.reason = s.find_rows()) || (x.reason = s.find_parameters(wanted.products))) return;
   std::fill_n(x.jacobian.correction, m.n.nv, 0.0);
-  x.reason = s.differentiate(margin);
+  if ((x.reason = s.linearise(margin))) return;
+  if (wanted.matrices()) {
+    if (!s.apply()) s.flag_contacts();
+    s.write(x.by);
+  }
+  s.along = true, s.columns = 1;
+  if (!wanted.matrices()) s.probe_rows();
+  s.multiply(wanted.products);
 }
 
 }  // namespace dyn::simulation

@@ -6,12 +6,9 @@ namespace dyn::simulation {
 // K dlambda = -(J dv' + E): sticking and pressed rows. Sliding ones follow.
 void StepJacobian::assemble() const {
   for (Index r = 0; r < rows; ++r) {
-    double *const z = y.Z + nv * r, *const b = y.wanted + columns * r;
-    std::fill_n(z, nv, 0.0), std::fill_n(b, columns, 0.0);
+    double* const z = y.Z + nv * r;
+    std::fill_n(z, nv, 0.0);
     add_rows(z, d.Minv, nv, J(r), 1, Index(nv), nv);
-    add_rows(b, y.state, columns, J(r), 1, Index(nv), columns);
-    for (std::ptrdiff_t c = 0; c < 2 * nv; ++c) b[c] += E(r)[c];
-    for (std::ptrdiff_t c = 0; c < columns; ++c) b[c] = -b[c];
   }
   for (Index r = 0; r < rows; ++r)
     for (Index s = 0; s <= r; s += 4) {  // sums side by side
@@ -32,10 +29,32 @@ void StepJacobian::assemble() const {
     const double own = y.K[(rows + 1) * r];
     y.scale[r] = own > solver::tuning::pgs::tiny * most ? 1 / std::sqrt(own) : 0;  // else nothing moves it
   }
-  for (Index k = 0; k < contacts; ++k) {
-    const JacobianContact& c = y.contacts[k];
-    if (c.first + 1 < rows && y.rows[c.first + 1].kind == JacobianRowKind::Slide) slide(c);
+  for_each_sliding([&](const JacobianContact& c, Index t, const double* e, double by) {
+    double *const first = y.K + rows * t, *const second = first + rows;
+    turn_rows(first, second, e, by, rows);
+    second[t] -= e[1], second[t + 1] += e[0];
+    first[t] += e[0], first[t + 1] += e[1], first[c.first] += w.laws[c.contact].material.friction;
+  });
+}
+
+// wanted = -(J dv' + E)
+void StepJacobian::find_wanted() const {
+  for (Index r = 0; r < rows; ++r) {
+    double* const b = y.wanted + columns * r;
+    if (along) {
+      b[0] = -(inner(J(r), y.state, nv) + inner(E(r), y.direction, 2 * nv) + y.given.row[r]);
+      continue;
+    }
+    std::fill_n(b, columns, 0.0);
+    add_rows(b, y.state, columns, J(r), 1, Index(nv), columns);
+    for (std::ptrdiff_t c = 0; c < 2 * nv; ++c) b[c] += E(r)[c];
+    for (std::ptrdiff_t c = 0; c < columns; ++c) b[c] = -b[c];
   }
+  for_each_sliding([&](const JacobianContact&, Index t, const double* e, double by) {
+    double* const b = y.wanted + columns * t;
+    turn_rows(b, b + columns, e, by, columns);
+    if (along) b[0] -= y.given.slide[t];
+  });
 }
 
 // Contacts and limits that hardly press: without them, their velocities would differ by less than the margin.
@@ -49,53 +68,71 @@ void StepJacobian::flag_weak_rows(double margin) const {
   }
 }
 
-// dlambda_t + mu e dlambda_n + mu lambda_n / |u| (1 - e e^T) du = 0, with du = K dlambda - b: along e, where the last term is
-// none, and across it.
-void StepJacobian::slide(const JacobianContact& c) const {
-  const double mu = w.laws[c.contact].material.friction, by = mu * y.rows[c.first].lambda / c.sliding;
-  const Index t = c.first + 1;
-  double *const along = y.K + rows * t, *const across = along + rows;
-  double *const b0 = y.wanted + columns * t, *const b1 = b0 + columns;
-  const double* const e = c.direction;
-  for (Index k = 0; k < rows; ++k) across[k] = by * (e[0] * across[k] - e[1] * along[k]), along[k] = 0;
-  for (std::ptrdiff_t k = 0; k < columns; ++k) b1[k] = by * (e[0] * b1[k] - e[1] * b0[k]), b0[k] = 0;
-  across[t] -= e[1], across[t + 1] += e[0];
-  along[t] += e[0], along[t + 1] += e[1], along[c.first] += mu;
+// Of two rows of a contact that slides: dlambda_t + mu e dlambda_n + mu lambda_n / |u| (1 - e e^T) du = 0, with
+// du = K dlambda - b: along e (first), where the last term is none, and across it (second).
+void StepJacobian::turn_rows(double* first, double* second, const double* e, double by, std::ptrdiff_t n) {
+  for (std::ptrdiff_t k = 0; k < n; ++k) second[k] = by * (e[0] * second[k] - e[1] * first[k]), first[k] = 0;
 }
 
-// Adds J^T lambda to the state, K lambda = wanted. Rows are scaled: units and masses differ. Returns whether the equations are
-// consistent and determine the motion.
+// Rows are scaled: units and masses differ.
+void StepJacobian::factor_rows() {
+  for (Index r = 0; r < rows; ++r) {
+    double* const row = y.factor + rows * r;
+    double most = 0;
+    for (Index s = 0; s < rows; ++s) row[s] = y.K[rows * r + s] * y.scale[s], most = std::max(most, std::abs(row[s]));
+    y.row_scale[r] = y.rows[r].kind != JacobianRowKind::Slide ? y.scale[r] : most > 0 ? 1 / most : 0;
+    for (Index s = 0; s < rows; ++s) row[s] *= y.row_scale[r];
+  }
+  system = {y.factor, rows, y.pivots, y.unknowns};
+  system.factor(tuning::derivatives::independent);
+}
+
+// Adds J^T lambda to the state, K lambda = wanted. Returns whether the equations are consistent.
 bool StepJacobian::solve_rows() const {
-  using tuning::derivatives::independent, tuning::derivatives::consistent;
+  using tuning::derivatives::consistent;
   const auto largest = [&](Index first, Index end) {
     double most = 0;
     for (std::ptrdiff_t k = first * columns; k < end * columns; ++k) most = std::max(most, std::abs(y.wanted[k]));
     return most;
   };
-  for (Index r = 0; r < rows; ++r) {
-    double* const row = y.factor + rows * r;
-    double most = 0, by = y.scale[r];
-    for (Index s = 0; s < rows; ++s) row[s] = y.K[rows * r + s] * y.scale[s], most = std::max(most, std::abs(row[s]));
-    if (y.rows[r].kind == JacobianRowKind::Slide) by = most > 0 ? 1 / most : 0;
-    for (Index s = 0; s < rows; ++s) row[s] *= by;
-    for (std::ptrdiff_t c = 0; c < columns; ++c) y.wanted[columns * r + c] *= by;
-  }
+  for (Index r = 0; r < rows; ++r)
+    for (std::ptrdiff_t c = 0; c < columns; ++c) y.wanted[columns * r + c] *= y.row_scale[r];
   const double size = largest(0, rows);
-  solver::RankedLu lu = lu_of(rows);
-  lu.factor(independent), lu.solve(y.wanted, columns);
-  for (Index k = 0; k < nv; ++k) {
-    for (Index r = 0; r < lu.rank; ++r) y.rest[r] = y.Z[nv * lu.columns[r] + k] * y.scale[lu.columns[r]];
-    add_rows(state(k), y.wanted, columns, y.rest, 1, lu.rank, columns);
+  system.solve(y.wanted, columns);
+  for (Index r = 0; along && r < system.rank; ++r)
+    add_row(y.state, y.Z + nv * system.columns[r], y.scale[system.columns[r]] * y.wanted[r], nv);
+  for (Index k = 0; k < (along ? 0 : nv); ++k) {
+    for (Index r = 0; r < system.rank; ++r) y.rest[r] = y.Z[nv * system.columns[r] + k] * y.scale[system.columns[r]];
+    add_rows(state(k), y.wanted, columns, y.rest, 1, system.rank, columns);
   }
-  return largest(lu.rank, rows) <= consistent * size && is_determined(lu);
+  return largest(system.rank, rows) <= consistent * size;
+}
+// From the gradient by the state after the impulses to that before them.
+void StepJacobian::transpose_rows() const {
+  double* const b = y.row_adjoint;
+  std::fill_n(b, rows, 0.0);
+  for (Index r = 0; r < system.rank; ++r) {
+    const Index of = system.columns[r];
+    b[r] = y.scale[of] * inner(y.Z + nv * of, y.state_adjoint, nv);
+  }
+  system.solve_transposed(b);
+  for (Index r = 0; r < rows; ++r) b[r] *= y.row_scale[r], y.gradient.slide[r] = 0;
+  for_each_sliding([&](const JacobianContact&, Index t, const double* e, double by) {
+    const double second = by * b[t + 1];
+    y.gradient.slide[t] = -b[t], b[t] = -e[1] * second, b[t + 1] = e[0] * second;
+  });
+  for (Index r = 0; r < rows; ++r) {
+    add_row(y.state_adjoint, J(r), -b[r], nv), add_row(y.adjoint, E(r), -b[r], 2 * nv);
+    y.gradient.row[r] = -b[r];
+  }
 }
 
 // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body
 // differently.
-bool StepJacobian::is_determined(const solver::RankedLu& lu) const {
+bool StepJacobian::is_determined() const {
   double *const open = y.rest, *const sum = x.plus, *const all = sum + nv;
-  for (Index at = lu.rank; at < rows; ++at) {
-    lu.null_vector(at, open);
+  for (Index at = system.rank; at < rows; ++at) {
+    system.null_vector(at, open);
     std::fill_n(sum, 2 * nv, 0.0);
     for (Index r = 0; r < rows; ++r) {
       const double by = open[r] * y.scale[r];

@@ -79,7 +79,7 @@ void StepJacobian::differentiate_contact(JacobianContact& c) const {
 }
 
 // Of the normal row: see fill_contact (island.cpp).
-void StepJacobian::add_bias(const JacobianContact& c, const ContactLaw& law) const {
+void StepJacobian::add_bias(JacobianContact& c, const ContactLaw& law) const {
   const double gap = x.modes.contacts[c.contact].contact.distance;
   if (x.modes.modes[c.contact] == DYN_CONTACT_MODE_IMPACT) return add_restitution(c, law);
   const dynMaterial& material = law.material;
@@ -97,8 +97,9 @@ void StepJacobian::add_gap(const JacobianContact& c, double factor, double* to) 
   });
 }
 
-void StepJacobian::add_restitution(const JacobianContact& c, const ContactLaw& law) const {
+void StepJacobian::add_restitution(JacobianContact& c, const ContactLaw& law) const {
   const double e = law.material.restitution;
+  c.approach = dot(load3(x.modes.contacts[c.contact].contact.normal), relative(c, y.twists_before).linear);
   add_normal_rate(c, y.twists_before, e, E(c.first), nullptr);
   add_row(E(c.first) + nv, J(c.first), e, nv);
 }

@@ -85,6 +85,13 @@ struct RankedLu {
     for (Index k = 0; k < rank; ++k) std::copy_n(b + count * k, count, x + count * columns[k]);
   }
 
+  // The transpose of solve(b, 1), as far as that gives unknowns. b: zero beyond the rank.
+  void solve_transposed(double* b) const {
+    for (Index k = 0; k < rank; ++k) b[k] /= F[n * k + k], add_row(b + k + 1, F + n * k + k + 1, -b[k], rank - k - 1);
+    for (Index k = rank - 1; k > 0; --k) add_row(b, F + n * k, -b[k], k);
+    for (Index k = rank - 1; k >= 0; --k) std::swap(b[k], b[rows[k]]);
+  }
+
   // x: a solution of F x = 0 in which unknown columns[at] is 1 and the others beyond the rank are zero.
   void null_vector(Index at, double* x) const {
     std::fill_n(x, n, 0.0);

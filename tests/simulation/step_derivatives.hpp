@@ -14,7 +14,8 @@ struct Derivatives {
   dynStatus status = DYN_OK;
 };
 
-inline Derivatives derivatives(const dynModel* m, dynData* d, dynDerivativeMethod method, double epsilon = 1e-6, double margin = 1e-6) {
+inline Derivatives derivatives(const dynModel* m, dynData* d, dynDerivativeMethod method, double epsilon = 1e-6,
+                               double margin = 1e-6) {
   const auto nq = static_cast<std::size_t>(dyn_model_nq(m)), nv = static_cast<std::size_t>(dyn_model_nv(m)),
              nu = static_cast<std::size_t>(dyn_model_nu(m)), room = static_cast<std::size_t>(dyn_model_contact_capacity(m));
   Derivatives x{Numbers(4 * nv * nv), Numbers(2 * nv * nv), Numbers(2 * nv * nu), Numbers(nq), Numbers(nv), {}, {}, {}};
@@ -34,6 +35,11 @@ inline Derivatives derivatives(const dynModel* m, dynData* d, dynDerivativeMetho
   return x;
 }
 
+inline Numbers joined(std::initializer_list<Numbers> parts) {
+  Numbers out;
+  for (const Numbers& x : parts) out.insert(out.end(), x.begin(), x.end());
+  return out;
+}
 inline double largest(const Numbers& x) {
   double most = 0;
   for (double a : x) most = std::max(most, std::abs(a));
@@ -43,6 +49,44 @@ inline double difference(const Numbers& a, const Numbers& b) {
   double most = 0;
   for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
   return most;
+}
+
+// Products of a call of their own, of two vectors each, equal those with the matrices of x to 1e-10 of what they sum up.
+inline void expect_products(const dynModel* m, dynData* d, const Derivatives& x, dynDerivativeMethod method) {
+  const std::size_t rows = 2 * static_cast<std::size_t>(dyn_model_nv(m));
+  const Numbers all = joined({x.A, x.B, x.B_control});
+  const std::size_t inputs = rows ? all.size() / rows : 0;
+  const auto vectors = [](std::size_t n) {  // of no symmetry
+    Numbers out(2 * n);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] = std::sin(1 + 2.7 * double(k)) + 0.1;
+    return out;
+  };
+  const Numbers tangents = vectors(inputs), cotangents = vectors(rows);
+  Numbers jvp(2 * rows), vjp(2 * inputs);
+  dynStepDerivativeOptions options;
+  dyn_step_derivative_options_init(&options);
+  options.method = method;
+  dynStepDerivativeReport report{};
+  report.struct_size = sizeof report;
+  dynStepDerivatives out;
+  dyn_step_derivatives_init(&out);
+  out.tangents = tangents.data(), out.jvp = jvp.data(), out.cotangents = cotangents.data(), out.vjp = vjp.data();
+  out.tangent_count = out.cotangent_count = 2, out.report = &report;
+  ASSERT_EQ(DYN_OK, dyn_step_derivatives(m, d, &options, &out)) << dyn_last_error();
+  EXPECT_EQ(x.report.degenerate, report.degenerate);
+  const auto compare = [&](const char* name, const Numbers& by, std::size_t n, const Numbers& result, std::size_t count,
+                           auto&& entry) {
+    double size = 0, off = 0;
+    for (std::size_t t = 0; t < 2; ++t)
+      for (std::size_t i = 0; i < count; ++i) {
+        double sum = 0, most = 0;
+        for (std::size_t k = 0; k < n; ++k) sum += entry(i, k) * by[n * t + k], most += std::abs(entry(i, k) * by[n * t + k]);
+        size = std::max(size, most), off = std::max(off, std::abs(sum - result[count * t + i]));
+      }
+    EXPECT_LE(off, 1e-10 * size) << name;
+  };
+  compare("jvp", tangents, inputs, jvp, rows, [&](std::size_t i, std::size_t k) { return all[i + rows * k]; });
+  compare("vjp", cotangents, rows, vjp, inputs, [&](std::size_t i, std::size_t k) { return all[k + rows * i]; });
 }
 
 struct Stepper {
@@ -88,6 +132,7 @@ struct Stepper {
     EXPECT_LE(difference(a.B_control, c.B_control), within * std::max(1.0, largest(c.B_control)));
     EXPECT_EQ(a.q, c.q);
     EXPECT_EQ(a.v, c.v);
+    expect_products(m, d, a, DYN_DERIVATIVE_METHOD_ANALYTIC);
     if (::testing::Test::HasFailure()) locate(a, c);
     return a;
   }
@@ -118,11 +163,6 @@ struct Stepper {
   }
 };
 
-inline Numbers joined(std::initializer_list<Numbers> parts) {
-  Numbers out;
-  for (const Numbers& x : parts) out.insert(out.end(), x.begin(), x.end());
-  return out;
-}
 inline Numbers upright(double x, double y, double z) { return {x, y, z, 0, 0, 0, 1}; }
 
 inline Model ball_on_ground(double friction, double restitution = 0) {
@@ -132,5 +172,59 @@ inline Model ball_on_ground(double friction, double restitution = 0) {
   return scene.finish();
 }
 
-// The gap of 1e-5 m closes in the step; the ball rolls on.
+// The stance of a quadruped or a humanoid under servos, its feet a little below the floor.
+inline Model standing(const char* name, const Numbers& angles, Numbers& q, double depth) {
+  const Model plain = robot(name, DYN_BASE_FLOATING);
+  dynBuilder* b = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_builder_from_model(plain, &b));
+  dynShapeSpec s;
+  dyn_shape_spec_init(&s);
+  s.body = "universe", s.type = DYN_SHAPE_TYPE_HALF_SPACE;
+  EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b, &s));
+  for (int j = 2; j < plain.njoints(); ++j) {
+    dynActuator a;
+    dyn_actuator_init(&a, DYN_ACTUATOR_TYPE_POSITION);
+    a.kp = 60, a.kv = 3;
+    EXPECT_EQ(DYN_OK, dyn_builder_add_actuator(b, dyn_model_joint_name(plain, j), &a, dyn_model_joint_name(plain, j)))
+        << dyn_last_error();
+  }
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
+  dyn_builder_free(b);
+  q.assign(static_cast<std::size_t>(dyn_model_nq(m)), 0);
+  q[6] = 1;
+  const double *const lower = dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), *const upper = dyn_model_array(
+                                                                                   m, DYN_MODEL_ARRAY_UPPER_LIMIT);
+  for (std::size_t k = 7; k < q.size(); ++k) q[k] = std::clamp(angles[(k - 7) % angles.size()], lower[k] + 0.02, upper[k] - 0.02);
+  int floor = 0;
+  for (dynShapeInfo shape{}; floor < dyn_model_nshapes(m); ++floor) {
+    shape.struct_size = sizeof shape;
+    EXPECT_EQ(DYN_OK, dyn_model_shape_info(m, floor, &shape));
+    if (shape.type == DYN_SHAPE_TYPE_HALF_SPACE) break;
+  }
+  // the height at which the lowest contact is `depth` deep
+  dynData* d = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
+  double low = 0, high = 2;
+  for (int n = 0; n < 60; ++n) {
+    q[2] = (low + high) / 2;
+    dynContact contacts[64];
+    int count = 0;
+    EXPECT_EQ(DYN_OK, dyn_contacts(m, d, q.data(), 0.0, contacts, 64, &count)) << dyn_last_error();
+    double gap = 1;
+    for (int k = 0; k < std::min(count, 64); ++k)
+      if (contacts[k].shape_a == floor || contacts[k].shape_b == floor) gap = std::min(gap, contacts[k].distance);
+    (gap < -depth ? low : high) = q[2];
+  }
+  dyn_data_free(d);
+  return Model(m);
+}
+
+// Its servos hold q.
+inline void hold(Stepper& run, const Numbers& q) {
+  run.set(q);
+  Numbers u(q.begin() + 7, q.end());
+  ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data()));
+}
+
 }  // namespace dyn_test

@@ -4,61 +4,10 @@
 namespace dyn_test {
 namespace {
 
-// The stance of a quadruped or a humanoid under servos, its feet a little below the floor.
-Model standing(const char* name, const Numbers& angles, Numbers& q, double depth) {
-  const Model plain = robot(name, DYN_BASE_FLOATING);
-  dynBuilder* b = nullptr;
-  EXPECT_EQ(DYN_OK, dyn_builder_from_model(plain, &b));
-  dynShapeSpec s;
-  dyn_shape_spec_init(&s);
-  s.body = "universe", s.type = DYN_SHAPE_TYPE_HALF_SPACE;
-  EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b, &s));
-  for (int j = 2; j < plain.njoints(); ++j) {
-    dynActuator a;
-    dyn_actuator_init(&a, DYN_ACTUATOR_TYPE_POSITION);
-    a.kp = 60, a.kv = 3;
-    EXPECT_EQ(DYN_OK, dyn_builder_add_actuator(b, dyn_model_joint_name(plain, j), &a, dyn_model_joint_name(plain, j)))
-        << dyn_last_error();
-  }
-  dynModel* m = nullptr;
-  EXPECT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
-  dyn_builder_free(b);
-  q.assign(static_cast<std::size_t>(dyn_model_nq(m)), 0);
-  q[6] = 1;
-  const double *const lower = dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), *const upper = dyn_model_array(
-                                                                                   m, DYN_MODEL_ARRAY_UPPER_LIMIT);
-  for (std::size_t k = 7; k < q.size(); ++k) q[k] = std::clamp(angles[(k - 7) % angles.size()], lower[k] + 0.02, upper[k] - 0.02);
-  int floor = 0;
-  for (dynShapeInfo shape{}; floor < dyn_model_nshapes(m); ++floor) {
-    shape.struct_size = sizeof shape;
-    EXPECT_EQ(DYN_OK, dyn_model_shape_info(m, floor, &shape));
-    if (shape.type == DYN_SHAPE_TYPE_HALF_SPACE) break;
-  }
-  // the height at which the lowest contact is `depth` deep
-  dynData* d = nullptr;
-  EXPECT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
-  double low = 0, high = 2;
-  for (int n = 0; n < 60; ++n) {
-    q[2] = (low + high) / 2;
-    dynContact contacts[64];
-    int count = 0;
-    EXPECT_EQ(DYN_OK, dyn_contacts(m, d, q.data(), 0.0, contacts, 64, &count)) << dyn_last_error();
-    double gap = 1;
-    for (int k = 0; k < std::min(count, 64); ++k)
-      if (contacts[k].shape_a == floor || contacts[k].shape_b == floor) gap = std::min(gap, contacts[k].distance);
-    (gap < -depth ? low : high) = q[2];
-  }
-  dyn_data_free(d);
-  return Model(m);
-}
-
 TEST(StepDerivatives, OfAStandingQuadruped) {
   Numbers q;
   Stepper run(standing("go2", {0, 0.9, -1.8}, q, 2e-5), 2e-3);
-  run.set(q);
-  Numbers u(static_cast<std::size_t>(dyn_model_nu(run.m)));
-  for (std::size_t k = 0; k < u.size(); ++k) u[k] = q[7 + k];
-  ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data()));
+  hold(run, q);
   const Derivatives x = run.agree();
   EXPECT_EQ(4, x.report.active);
 }
@@ -177,6 +126,7 @@ TEST(StepDerivatives, OfAFourBarWithContact) {
     ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
     EXPECT_EQ(1, x.report.active) << friction;
     EXPECT_EQ(1, x.report.degenerate) << friction;
+    expect_products(run.m, run.d, x, DYN_DERIVATIVE_METHOD_ANALYTIC);
     const auto along = [&](const Derivatives& of, std::size_t row, std::size_t first) {  // its derivative along v
       double sum = 0;
       for (std::size_t k = 0; k < 3; ++k) sum += of.A[row + 6 * (first + k)] * v[k];

@@ -73,6 +73,18 @@ TEST(StepDerivatives, OfABallThatRebounds) {
   EXPECT_EQ(DYN_CONTACT_MODE_IMPACT, x.modes[0]);
 }
 
+// The products of central differences are those of their matrices.
+TEST(StepDerivatives, ProductsOfCentralDifferences) {
+  Stepper run(ball_on_ground(0.3));
+  run.set(upright(0, 0, 0.1 + 5e-6), {1, 0.5, 0, 0, 0, 2});
+  expect_products(run.m, run.d, run.central(1e-6), DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES);
+  run.integrate_by(DYN_INTEGRATOR_RK4), run.set(upright(0, 0, 1), {1, 2, 3, 4, 5, 6});
+  const Derivatives x = derivatives(run.m, run.d, DYN_DERIVATIVE_METHOD_AUTO);
+  ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+  EXPECT_EQ(DYN_DERIVATIVE_METHOD_CENTRAL_DIFFERENCES, x.report.method);
+  expect_products(run.m, run.d, x, DYN_DERIVATIVE_METHOD_AUTO);
+}
+
 // Two equal balls on a line, elastic: they exchange their velocities.
 TEST(StepDerivatives, OfTwoElasticBallsAreExact) {
   Builder b("balls");
@@ -211,6 +223,22 @@ TEST(StepDerivatives, RefuseWhatIsWrong) {
   refused([](auto& o) { o.margin = -1; }, DYN_ERROR_ARGUMENT);
   refused([](auto& o) { o.method = static_cast<dynDerivativeMethod>(7); }, DYN_ERROR_ARGUMENT);
   refused([](auto& o) { o.struct_size = 7; }, DYN_ERROR_SIZE);
+  const auto refused_product = [&](auto&& change, const char* named) {
+    dyn_step_derivatives_init(&out), change();
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_derivatives(run.m, run.d, nullptr, &out)) << named;
+    EXPECT_NE(nullptr, std::strstr(dyn_last_error(), named)) << dyn_last_error();
+  };
+  Numbers in(18, 0.5), result(18);
+  refused_product([&] { out.tangent_count = -1; }, "tangent_count is -1");
+  refused_product([&] { out.tangent_count = 1, out.jvp = result.data(); }, "tangents");
+  refused_product([&] { out.tangent_count = 1, out.tangents = in.data(); }, "jvp");
+  refused_product([&] { out.cotangent_count = -2; }, "cotangent_count is -2");
+  refused_product([&] { out.cotangent_count = 1, out.vjp = result.data(); }, "cotangents");
+  refused_product([&] { out.cotangent_count = 1, out.cotangents = in.data(); }, "vjp");
+  dyn_step_derivatives_init(&out), in[3] = nan;
+  out.tangent_count = 1, out.tangents = in.data(), out.jvp = result.data();
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_step_derivatives(run.m, run.d, nullptr, &out));
+  dyn_step_derivatives_init(&out);
   dynData* small = nullptr;
   ASSERT_EQ(DYN_OK, dyn_data_new(run.m, DYN_PART_SIMULATION, &small));
   EXPECT_EQ(DYN_ERROR_PART, dyn_step_derivatives(run.m, small, nullptr, &out));

@@ -81,6 +81,7 @@ from .errors import (
 )
 from .evaluation import Centroidal
 from .files import models
+from .gradient import RolloutGradient, rollout_vjp
 from .inertia import (
     body_regressor,
     is_physically_consistent,
@@ -121,13 +122,13 @@ __all__ = [
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
     "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "Parameter", "ParseError", "PartError", "Placement",
     "Plan", "PlanCost", "PlanPoint", "Planner", "QuaternionError",
-    "RayHit", "Rays", "Recording", "Renderer", "ReportEntry", "Rollout", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
+    "RayHit", "Rays", "Recording", "Renderer", "ReportEntry", "Rollout", "RolloutGradient", "Sensor", "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State",
     "StateLayout", "StepReport", "StrictError", "Tendon", "TendonElement", "TendonPath", "Trajectory", "UnknownNameError",
     "UnsupportedError", "Viewer", "WORLD", "accuracy", "batch",
     "body_regressor", "build_info", "constraint", "contact_compliance", "contact_compliance_hertz", "contact_problem_qp",
     "contact_solve", "geometry_closest_point", "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik",
     "is_physically_consistent", "last_error", "library_path", "load", "load_description", "load_mesh", "load_string", "log_cholesky_from_parameters",
     "log_cholesky_jacobian", "models", "parameters_from_log_cholesky", "parameters_from_pseudo_inertia",
-    "pseudo_inertia_from_parameters", "spatial", "vary", "view", "with_inertial_parameters", "write_png",
+    "pseudo_inertia_from_parameters", "rollout_vjp", "spatial", "vary", "view", "with_inertial_parameters", "write_png",
 ]  # fmt: skip
 __all__ += enums.__all__

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from ctypes import addressof, byref, c_int, c_int32, create_string_buffer, sizeof
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from . import abi
-from .arrays import address
+from .arrays import address, checked
 from .choices import member, text, whole
 from .contact import Contact, to_contact
-from .enums import ContactMode, ContactModel, ContactSolverType, DerivativeMethod, Integrator
+from .enums import ContactMode, ContactModel, ContactSolverType, DerivativeMethod, Integrator, StepParameterType
 from .errors import ArgumentError, ContactWarning
 from .guard import nested
 from .handles import DataHandle
@@ -20,6 +21,8 @@ from .library import check, fail, lib
 from .material import Material
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from .arrays import Numbers
     from .enums import ContactModelLike, ContactSolverTypeLike, DerivativeMethodLike, IntegratorLike
 
@@ -132,6 +135,26 @@ class StepDerivatives(NamedTuple):
     """Why ANALYTIC does not cover the step."""
     degenerate_count: int
     """Contacts, limits and actuators whose mode is not strictly held."""
+    P: Numbers
+    """(2 nv, np): by the numbers of the parameters."""
+
+
+class _Parameters:
+    """(type, index) pairs as dynStepDerivatives takes them, and their numbers."""
+
+    _SIZES = {StepParameterType.INERTIA: 10, StepParameterType.GRAVITY: 3}
+
+    def __init__(self, named: Sequence[Any]):
+        pairs = [(x, 0) if isinstance(x, (str, int)) else tuple(x) for x in named]
+        if any(len(pair) != 2 for pair in pairs):
+            raise ArgumentError(f"parameters is {named!r}, but must be types or (type, index) pairs.")
+        types = [member(StepParameterType, kind, "parameters") for kind, _ in pairs]
+        self.types = (c_int * len(pairs))(*types)
+        self.index = (c_int32 * len(pairs))(*(whole(index, "index of a parameter") for _, index in pairs))
+        self.size = sum(self._SIZES.get(kind, 1) for kind in types)
+
+    def put(self, out: Any) -> None:
+        out.parameters, out.parameter_index, out.parameter_count = addressof(self.types), addressof(self.index), len(self.types)
 
 
 def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, contact_model: Any = None, **numbers: Any) -> None:
@@ -231,33 +254,88 @@ class SimulationCalls(DataHandle):
             self._warn_of_dropped(3)
 
     def step_derivatives(
-        self, method: DerivativeMethodLike = "auto", *, epsilon: float = 1e-6, margin: float = 1e-6
+        self,
+        method: DerivativeMethodLike = "auto",
+        *,
+        epsilon: float = 1e-6,
+        margin: float = 1e-6,
+        parameters: Sequence[Any] = (),
     ) -> StepDerivatives:
         """Derivatives of the step that step() would make, and its result. The state stays as it is.
 
-        method   "auto": analytic where it covers the step, else central differences of the step
-        epsilon  change of each coordinate in central differences
-        margin   a contact's mode is degenerate within it of its end: m, m/s, and share of the largest force
+        method      "auto": analytic where it covers the step, else central differences of the step
+        epsilon     change of each coordinate in central differences
+        margin      a contact's mode is degenerate within it of its end: m, m/s, and share of the largest force
+        parameters  by which P is: dyn.StepParameterType or (type, index) each
         """
         n, nv, nu, room = self.model.nq, self.model.nv, self.model.nu, max(self.model.contact_capacity, 1)
-        options = abi.StepDerivativeOptions()
-        lib.dyn_step_derivative_options_init(byref(options), sizeof(options))
-        options.method, options.epsilon, options.margin = member(DerivativeMethod, method, "method"), epsilon, margin
-        A, B, B_control = (np.empty((2 * nv, k), order="F") for k in (2 * nv, nv, nu))
+        by = _Parameters(parameters)
+        A, B, B_control, P = (np.empty((2 * nv, k), order="F") for k in (2 * nv, nv, nu, by.size))
         q, v = np.empty(n), np.empty(nv)
         contacts, modes, degenerate = (abi.ContactForce * room)(), (c_int * room)(), (c_int32 * room)()
         report = abi.StepDerivativeReport()
         out = abi.StepDerivatives()
-        for name, x in {"A": A, "B": B, "B_control": B_control, "q": q, "v": v}.items():
+        for name, x in {"A": A, "B": B, "B_control": B_control, "q": q, "v": v, "P": P}.items():
             setattr(out, name, address(x))
         out.capacity, out.contacts, out.modes = room, addressof(contacts), addressof(modes)
         out.degenerate, out.report = addressof(degenerate), addressof(report)
-        check(lib.dyn_step_derivatives(self._m, self._d, byref(options), byref(out)))
+        self._differentiate(out, by, method, epsilon, margin)
         count = report.contacts
         return StepDerivatives(
             A, B, B_control, q, v, [_contact_force(f) for f in contacts[:count]], [ContactMode(k) for k in modes[:count]],
-            [bool(k) for k in degenerate[:count]], DerivativeMethod(report.method), report.reason.decode(), report.degenerate,
+            [bool(k) for k in degenerate[:count]], DerivativeMethod(report.method), report.reason.decode(), report.degenerate, P,
         )  # fmt: skip
+
+    def step_jvp(
+        self,
+        tangents: ArrayLike,
+        parameters: Sequence[Any] = (),
+        method: DerivativeMethodLike = "auto",
+        *,
+        epsilon: float = 1e-6,
+        margin: float = 1e-6,
+    ) -> Numbers:
+        """Change of the next state (q, v) along changes of the inputs: [A B B_control P] tangents, without these matrices.
+
+        tangents  changes of q, v, tau, controls and the parameters, one after another; or columns of them
+        """
+        return self._product("tangents", tangents, "jvp", parameters, method, epsilon, margin)
+
+    def step_vjp(
+        self,
+        cotangents: ArrayLike,
+        parameters: Sequence[Any] = (),
+        method: DerivativeMethodLike = "auto",
+        *,
+        epsilon: float = 1e-6,
+        margin: float = 1e-6,
+    ) -> Numbers:
+        """Gradients by the inputs from gradients by the next state (q, v): the transpose of step_jvp.
+
+        cotangents  2 nv numbers, or columns of them
+        """
+        return self._product("cotangents", cotangents, "vjp", parameters, method, epsilon, margin)
+
+    def _product(
+        self, name: str, vectors: ArrayLike, result: str, parameters: Sequence[Any], method: Any, epsilon: float, margin: float
+    ) -> Numbers:
+        by, nv = _Parameters(parameters), self.model.nv
+        sizes = {"tangents": 3 * nv + self.model.nu + by.size, "cotangents": 2 * nv}
+        rows = sizes[name]
+        x = checked(vectors, (rows, *np.shape(vectors)[1:2]), name)
+        y = np.empty((sum(sizes.values()) - rows, *x.shape[1:]), order="F")
+        out = abi.StepDerivatives()
+        setattr(out, name, address(x)), setattr(out, result, address(y))
+        setattr(out, name[:-1] + "_count", x.shape[1] if x.ndim > 1 else 1)
+        self._differentiate(out, by, method, epsilon, margin)
+        return y
+
+    def _differentiate(self, out: Any, by: _Parameters, method: Any, epsilon: float, margin: float) -> None:
+        options = abi.StepDerivativeOptions()
+        lib.dyn_step_derivative_options_init(byref(options), sizeof(options))
+        options.method, options.epsilon, options.margin = member(DerivativeMethod, method, "method"), epsilon, margin
+        by.put(out)
+        check(lib.dyn_step_derivatives(self._m, self._d, byref(options), byref(out)))
 
     def advance(self, duration: float) -> StepReport:
         """Makes the steps that duration (s) takes, and says how many."""

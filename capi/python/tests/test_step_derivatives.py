@@ -52,6 +52,56 @@ def test_linear_model_predicts_a_step():
     np.testing.assert_allclose(found, predicted, atol=1e-6)  # of second order
 
 
+PARAMETERS = [("inertia", 1), "gravity", ("contact_friction", 0), ("time_step", 0)]
+
+
+def test_products_are_those_with_the_matrices():
+    d, rng = at(ball(), 5e-6, [1, 0.5, 0, 0.2, 0.1, 2]), np.random.default_rng(0)
+    x = d.step_derivatives(parameters=PARAMETERS)
+    assert x.modes == [dyn.ContactMode.SLIDE] and x.P.shape == (12, 15)
+    J = np.c_[x.A, x.B, x.B_control, x.P]
+    dx, y = rng.normal(size=(33, 2)), rng.normal(size=12)
+    np.testing.assert_allclose(d.step_jvp(dx, PARAMETERS), J @ dx, rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(d.step_jvp(dx[:18, 0]), J[:, :18] @ dx[:18, 0], rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(d.step_vjp(y, PARAMETERS), y @ J, rtol=1e-10, atol=1e-10)
+    assert d.step_vjp(np.eye(12)).shape == (18, 12)
+
+
+def test_parameters_of_the_model():
+    v = [1, 0.5, 0, 0.2, 0.1, 2]
+    d = at(ball(), 5e-6, v)
+    P = d.step_derivatives(parameters=PARAMETERS).P
+    for column, change in (
+        (10, lambda d, s: d.set_gravity([s, 0, -9.81])),
+        (12, lambda d, s: d.set_gravity([0, 0, -9.81 + s])),
+        (13, lambda d, s: [d.set_shape_material(k, dyn.Material(friction=0.5 + s)) for k in (0, 1)]),
+        (14, lambda d, s: d.set_step_options(dt=d.step_options.dt * (1 + s))),
+    ):
+        ends, s = [], 1e-4
+        for side in (s, -s):
+            d = at(ball(), 5e-6, v)
+            scale = d.step_options.dt if column == 14 else 1
+            change(d, side)
+            ends.append(d.step_derivatives())
+        dq = d.model.difference(ends[1].q, ends[0].q)
+        np.testing.assert_allclose(P[6:, column], (ends[0].v - ends[1].v) / (2 * s * scale), rtol=1e-5, atol=1e-6)
+        np.testing.assert_allclose(P[:6, column], dq / (2 * s * scale), rtol=1e-5, atol=1e-6)
+
+
+def test_product_refusals():
+    d = at(ball(), 5e-6, np.zeros(6))
+    with pytest.raises(dyn.SizeError, match="tangents"):
+        d.step_jvp(np.zeros(17))
+    with pytest.raises(dyn.SizeError, match="cotangents"):
+        d.step_vjp(np.zeros((2, 12)))
+    with pytest.raises(dyn.ArgumentError, match="parameters"):
+        d.step_vjp(np.zeros(12), [("mass", 1)])
+    with pytest.raises(dyn.ArgumentError, match="joints are from 1 to 1"):
+        d.step_vjp(np.zeros(12), [("inertia", 2)])
+    with pytest.raises(dyn.Error, match="central differences"):
+        d.step_vjp(np.zeros(12), [("inertia", 1)], "central_differences")
+
+
 def test_refusals():
     d = at(ball(), 0, np.zeros(6), parts=dyn.Part.SIMULATION)
     with pytest.raises(dyn.PartError, match="STEP_DERIVATIVES"):
