@@ -1,5 +1,5 @@
-// Contact points of two boxes along the normal of a face: the face of the other box that faces it, clipped against the rectangle.
-// The same points as clip_faces finds, in the frame of the face.
+// Contact points of two boxes along the normal of a face or of two edges: of two faces that face each other, one clipped against
+// the rectangle of the other. The same points as clip_faces finds, in the frame of the face.
 #pragma once
 
 #include "base/simd_shuffle.hpp"
@@ -38,7 +38,8 @@ struct FacingFace {
   std::uint32_t id[4];
   Double4 x, y, gap, ex, ey, length2;  // corners, and the edges that begin there
 
-  FacingFace(const OverFace& middle, const OverFace& u, const OverFace& v, std::uint32_t first, std::uint32_t ug, std::uint32_t vg)
+  FacingFace(const OverFace& middle, const OverFace& u, const OverFace& v, std::uint32_t first, std::uint32_t ug,
+             std::uint32_t vg)
       : middle(middle),
         u(u),
         v(v),
@@ -81,40 +82,37 @@ class FaceOverlap {
 
   // Corners of the other face within eps of a side are inside.
   FaceOverlap(const FaceView& own, const FacingFace& other, double margin, double eps, double same)
-      : margin_(margin), same2_(same * same) {
+      : same2_(same * same) {
     const Double4 &x = other.x, &y = other.y, &gap = other.gap;
     const double wide = own.hx + eps, high = own.hy + eps;
-    take((abs(x) <= wide) & (abs(y) <= high), x, y, gap);
+    double at[3][24];  // points that may be such corners
+    unsigned corners = 0;
+    const auto put = [&](int k, const auto& which, const Double4& px, const Double4& py, const Double4& pgap) DYN_INLINE_LAMBDA {
+      px.store(at[0] + 4 * k), py.store(at[1] + 4 * k), pgap.store(at[2] + 4 * k);
+      corners |= bits_of(which & (pgap <= margin)) << 4 * k;
+    };
+    put(0, (abs(x) <= wide) & (abs(y) <= high), x, y, gap);
     // its edges where they cross the sides of the rectangle
     const Double4 eg = FacingFace::next(gap) - gap;
-    const auto crossings = [&](const Double4& d, const Double4& beside, const Double4& eb, double room) {
-      const Double4 there = FacingFace::next(d);
+    const auto crossings = [&](int k, const Double4& d, const Double4& beside, const Double4& eb, double room) DYN_INLINE_LAMBDA {
+      const Double4 there = FacingFace::next(d), t = d / (d - there);
       const auto passes = ((d > eps) & (there < -eps)) | ((d < -eps) & (there > eps));
-      if (!any(passes)) return;
-      const Double4 t = d / (d - there);
-      take(passes & (abs(beside + t * eb) <= room), x + t * other.ex, y + t * other.ey, gap + t * eg);
+      put(k, passes & (abs(beside + t * eb) <= room), x + t * other.ex, y + t * other.ey, gap + t * eg);
     };
-    crossings(x - own.hx, y, other.ey, high), crossings(x + own.hx, y, other.ey, high);
-    crossings(y - own.hy, x, other.ex, wide), crossings(y + own.hy, x, other.ex, wide);
+    crossings(1, x - own.hx, y, other.ey, high), crossings(2, x + own.hx, y, other.ey, high);
+    crossings(3, y - own.hy, x, other.ex, wide), crossings(4, y + own.hy, x, other.ex, wide);
     // corners of the rectangle
     const OverFace &u = other.u, &v = other.v;
     const Double4 cx = Double4(-1, 1, 1, -1) * own.hx, cy = Double4(-1, -1, 1, 1) * own.hy;
     const Double4 rx = cx - other.middle.x, ry = cy - other.middle.y, a = rx * v.y - ry * v.x, b = ry * u.x - rx * u.y;
     const double area = u.x * v.y - u.y * v.x, size = std::abs(area);
-    take((abs(a) <= size) & (abs(b) <= size), cx, cy, Double4(other.middle.gap) + (a * u.gap + b * v.gap) * (1 / area));
+    put(5, (abs(a) <= size) & (abs(b) <= size), cx, cy, Double4(other.middle.gap) + (a * u.gap + b * v.gap) * (1 / area));
+    for_each_bit(corners, [&](int k) { add({at[0][k], at[1][k], at[2][k]}); });
   }
 
  private:
-  double margin_, same2_;
+  double same2_;
 
-  template <class Mask>
-  DYN_INLINE void take(const Mask& which, const Double4& x, const Double4& y, const Double4& gap) {
-    const unsigned bits = bits_of(which & (gap <= margin_));
-    if (bits == 0) return;
-    double at[3][4];
-    x.store(at[0]), y.store(at[1]), gap.store(at[2]);
-    for_each_bit(bits, [&](int k) { add({at[0][k], at[1][k], at[2][k]}); });
-  }
   // Of two points that are one, the deeper stays.
   void add(const OverFace& q) {
     deepest = std::min(deepest, q.gap);
@@ -132,9 +130,9 @@ class FaceOverlap {
   }
 };
 
-// own: the box of the face in view; other: at X in its axes, with Rt the transposed rotation. n: normal of the contact, from own to
-// other, in own's axes. distance: of the shapes along n; apart: it is the distance only if a point of the face is as near. Returns
-// false if no point is as deep, or where parts are not certain.
+// own: the box of the face in view; other: at X in its axes, with Rt the transposed rotation. n: normal of the contact, from own
+// to other, in own's axes. distance: of the shapes along n; apart: it is the distance only if a point of the face is as near.
+// Returns false if no point is as deep, or where parts are not certain.
 inline bool face_contacts(const shape::Box& own, const Pose& XO, const FaceView& view, const shape::Box& other, const Pose& X,
                           const Mat& Rt, const Vec& n, double distance, bool apart, double margin, bool own_is_a, double size,
                           Manifold& out) {

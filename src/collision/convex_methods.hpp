@@ -41,11 +41,7 @@ Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
       if (minkowski_pair(d, d.X.p, wanted(d, o), c)) return c;
       // nearly certain to overlap. Rounding leaves normals of sizes that differ much uncertain.
       if constexpr (A::type != Type::Capsule)
-        if (d.large < 100 * d.small) {
-          if constexpr (A::type == Type::Cylinder)  // sides that cross or lie along each other
-            if (deepest_point_pair(d, between_axes(d), c)) return c;
-          if (deepest_point_pair(d, d.X.p, c)) return c;
-        }
+        if (d.large < 100 * d.small && lie_flat(d) && deepest_point_pair(d, start_between(d), c)) return c;
     }
     if constexpr (A::type == Type::Capsule && B::type == Type::Cone) {
       Cores c;

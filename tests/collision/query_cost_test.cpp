@@ -67,8 +67,9 @@ TEST(QueryCost, SimpleContactsNeedNoSearch) {
                   {Type::HalfSpace, Type::Cylinder, Penetrating, 420}, {Type::HalfSpace, Type::Cylinder, AtRest, 570},
                   {Type::HalfSpace, Type::Convex, Penetrating, 2800}, {Type::HalfSpace, Type::Convex, AtRest, 2700},
                   {Type::Sphere, Type::Box, Penetrating, 600}, {Type::Sphere, Type::Box, AtRest, 600},
-                  {Type::Capsule, Type::Capsule, Penetrating, 1500}, {Type::Capsule, Type::Capsule, AtRest, 1350},
-                  {Type::Box, Type::Box, Penetrating, 8400}, {Type::Box, Type::Box, AtRest, 4600}});
+                  {Type::Capsule, Type::Capsule, Penetrating, 1450}, {Type::Capsule, Type::Capsule, AtRest, 1300},
+                  {Type::Box, Type::Box, Penetrating, 4550}, {Type::Box, Type::Box, AtRest, 4600},
+                  {Type::Cylinder, Type::Cylinder, AtRest, 7600}});
 }
 
 // Faces around a vertex: the list names the face that a search of all planes finds.

@@ -236,15 +236,28 @@ class MinkowskiPair {
   }
 };
 
-// The nearest points of the axes of two capsules or cylinders, and the direction between them.
+// The nearest points of the axes of two capsules or cylinders.
 template <class D>
 inline SegmentPair nearest_on_axes(const D& d) {
   return nearest_on_segments(shape::axis(2), d.A_.half, d.X.p, d.X.R.z, d.B_.half);
 }
+
+// Whether a cylinder's axis and those of the other shape are nearly parallel or square, as where one lies on the other.
 template <class D>
-inline Vec between_axes(const D& d) {
-  const SegmentPair s = nearest_on_axes(d);
-  return d.X.p + d.X.R.z * s.t - shape::axis(2) * s.s;
+inline bool lie_flat(const D& d) {
+  constexpr double angle = 0.01;
+  const Vec cosines = sizes(d.X.R.z);
+  if constexpr (D::First::type == shape::Type::Box) return shape::smallest(cosines) < angle;
+  return cosines[2] < angle || cosines[2] > 1 - angle * angle / 2;
+}
+// Direction from A to B: between the axes of cylinders, whose sides may cross or lie along each other, or the centres.
+template <class D>
+inline Vec start_between(const D& d) {
+  if constexpr (D::First::type == shape::Type::Box) return d.X.p;
+  else {
+    const SegmentPair s = nearest_on_axes(d);
+    return d.X.p + d.X.R.z * s.t - shape::axis(2) * s.s;
+  }
 }
 
 // Returns false if no solution was found.
