@@ -1,5 +1,7 @@
 #include "solver/local_cone.hpp"
 
+#include <limits>
+
 #include "solver/bracketed_newton.hpp"
 
 namespace dyn::solver {
@@ -12,7 +14,8 @@ using namespace tuning::pgs;
 void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < m; ++j) q[i][j] = i == j;
-  for (double before = HUGE_VAL;;) {
+  double before = HUGE_VAL;
+  for (int sweep = 0; sweep < std::numeric_limits<double>::digits; ++sweep) {  // of numbers near overflow they may not converge
     double off = 0, on = 0;
     for (Index i = 0; i < m; ++i)
       for (Index j = 0; j < m; ++j) (i == j ? on : off) += a[i][j] * a[i][j];
