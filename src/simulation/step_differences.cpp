@@ -37,7 +37,8 @@ struct Differences {
   void compare_friction(const dynContactForce& f, double mu, Index k) const {
     const Vec3<double> n = load3(f.contact.normal), force = load3(f.force_on_b);
     const double normal = dot(force, n), across = shape::norm(force - n * normal);
-    if (x.modes.modes[k] == DYN_CONTACT_MODE_SLIDE && mu > 0 && across < (1 - tuning::derivatives::consistent) * mu * normal) x.modes.degenerate[k] = 1;
+    const bool sticks = across < (1 - tuning::derivatives::consistent) * mu * normal;
+    if (x.modes.modes[k] == DYN_CONTACT_MODE_SLIDE && mu > 0 && sticks) x.modes.degenerate[k] = 1;
   }
   // The end of the step from the state in d, on the tangent space of that of the unchanged step.
   void end(double* out) {

@@ -1,4 +1,5 @@
-// The root of a function that grows from a negative value at zero: Newton's method, and bisection where its step leaves the bracket.
+// The root of a function that grows from a negative value at zero: Newton's method, and bisection where its step leaves the
+// bracket.
 #pragma once
 
 #include <cmath>
