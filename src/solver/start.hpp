@@ -23,8 +23,8 @@ inline bool all_contacts_stick(const Workspace& w) {
 }
 
 // Newton's method from a guess, after one sweep if it is not close. For a rough residual the smoothing method goes on from there.
-// Without a guess two sweeps first, and more while they converge fast: larger
-// factorizations justify more. Returns true when the tolerance is met.
+// Without a guess two sweeps first, and more while they converge fast: larger factorizations justify more. Returns true when the
+// tolerance is met.
 inline bool start(Workspace& w, Budget& b) {
   using namespace tuning::start;
   const Problem& p = w.problem;

@@ -4,7 +4,6 @@
 namespace dyn_test {
 namespace {
 
-
 // A ball that slides at the speed at which it begins to roll, and one that just touches the ground at the end of the step.
 TEST(StepDerivatives, SwitchesAreDegenerate) {
   int found = 0;
