@@ -75,9 +75,9 @@ def test_every_primitive(kind):
     assert len(drawn) == (3 if kind == "capsule" else 1)
     if kind == "cone":  # closed, on a polygon of 24 sides
         x = drawn[0][0]
-        a, b, c = (x.vertices[x.faces[:, k]] for k in range(3))
+        a, b, c = (x.vertices[x.faces[:, k]] for k in range(3))  # meshcat keeps them in single precision
         volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
-        assert volume == pytest.approx(12 * np.sin(np.pi / 12) * 0.09 / 3, rel=1e-12)
+        assert volume == pytest.approx(12 * np.sin(np.pi / 12) * 0.09 / 3, rel=1e-6)
 
 
 def test_meshes(tmp_path):
