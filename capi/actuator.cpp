@@ -10,12 +10,6 @@ using namespace dyn::capi;
 
 namespace {
 
-bool exists(const char* function, const Model& m, int actuator) {
-  if (actuator >= 0 && actuator < m.n.actuators) return true;
-  fail(DYN_ERROR_ARGUMENT, "%s: actuator %d does not exist: the model has %d", function, actuator, int(m.n.actuators));
-  return false;
-}
-
 Force<double> shifted(const Force<double>& f, const Vec3<double>& p) { return {f.linear, f.angular + cross(p, f.linear)}; }
 
 }  // namespace
@@ -37,9 +31,7 @@ dynStatus dyn_model_force_limit_info(const dynModel* model, int limit, dynForceL
   if (const dynStatus s = check(model)) return s;
   if (const dynStatus s = check_struct("dyn_model_force_limit_info", "out", out)) return s;
   const Model& m = *model->m;
-  if (limit < 0 || limit >= m.n.force_limits)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_model_force_limit_info: limit %d does not exist: the model has %d", limit,
-                int(m.n.force_limits));
+  if (const dynStatus s = check_index("dyn_model_force_limit_info", "limit", limit, m.n.force_limits)) return s;
   const ForceLimitRecord& r = m.force_limits()[limit];
   write_struct(dynForceLimit{sizeof(dynForceLimit), std::int32_t(r.joint), std::int32_t(r.tendon), std::int32_t(r.with_weight),
                              {r.range[0], r.range[1]}},
@@ -51,7 +43,8 @@ int dyn_model_nactuators(const dynModel* model) { return check(model) == DYN_OK 
 int dyn_model_nu(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nu) : -1; }
 
 const char* dyn_model_actuator_name(const dynModel* model, int actuator) {
-  if (check(model) != DYN_OK || !exists("dyn_model_actuator_name", *model->m, actuator)) return nullptr;
+  if (check(model) != DYN_OK || check_index("dyn_model_actuator_name", "actuator", actuator, model->m->n.actuators) != DYN_OK)
+    return nullptr;
   return model->m->string(model->m->actuators()[actuator].name);
 }
 
@@ -68,7 +61,7 @@ int dyn_model_actuator_id(const dynModel* model, const char* name) {
 dynStatus dyn_model_actuator_info(const dynModel* model, int actuator, dynActuator* out) {
   if (const dynStatus s = check(model)) return s;
   if (const dynStatus s = check_struct("dyn_model_actuator_info", "out", out)) return s;
-  if (!exists("dyn_model_actuator_info", *model->m, actuator)) return DYN_ERROR_ARGUMENT;
+  if (const dynStatus s = check_index("dyn_model_actuator_info", "actuator", actuator, model->m->n.actuators)) return s;
   write_struct(model->m->actuators()[actuator].spec, out);
   return DYN_OK;
 }

@@ -68,8 +68,7 @@ dynStatus read_placement(const char* function, const char* name, const double* x
 }
 
 dynStatus check_pair(const char* function, const Model& m, int pair, int first) {
-  if (pair >= first && pair < m.n.pairs) return DYN_OK;
-  return fail(DYN_ERROR_ARGUMENT, "%s: pair %d does not exist: the model has %d", function, pair, int(m.n.pairs));
+  return pair >= first && pair < 0 ? DYN_OK : check_index(function, "pair", pair, m.n.pairs);
 }
 
 // So many shapes that pairs are not listed would otherwise look like none that collide.
@@ -79,8 +78,7 @@ Index geom_of_shape(Call& call, int shape, int first) {
   if (shape >= 0 && shape < m.n.shapes)
     call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d is no collision shape", call.function, shape);
   else if (shape < first || shape >= m.n.shapes)
-    call.status =
-        fail(DYN_ERROR_ARGUMENT, "%s: shape %d does not exist: the model has %d", call.function, shape, int(m.n.shapes));
+    call.status = check_index(call.function, "shape", shape, m.n.shapes);
   return -1;
 }
 

@@ -26,10 +26,8 @@ int dyn_model_nconstraint_slots(const dynModel* model) { return check(model) == 
 const char* dyn_model_constraint_name(const dynModel* model, int constraint) {
   if (check(model) != DYN_OK) return nullptr;
   const Model& m = *model->m;
-  if (constraint >= 0 && constraint < m.n.constraints) return m.string(m.constraints()[constraint].name);
-  fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_name: constraint %d does not exist: the model has %d", constraint,
-       int(m.n.constraints));
-  return nullptr;
+  if (check_index("dyn_model_constraint_name", "constraint", constraint, m.n.constraints) != DYN_OK) return nullptr;
+  return m.string(m.constraints()[constraint].name);
 }
 
 int dyn_model_constraint_id(const dynModel* model, const char* name) {
@@ -46,9 +44,7 @@ dynStatus dyn_model_constraint_info(const dynModel* model, int constraint, dynCo
   if (const dynStatus s = check(model)) return s;
   if (const dynStatus s = check_struct("dyn_model_constraint_info", "out", out)) return s;
   const Model& m = *model->m;
-  if (constraint < 0 || constraint >= m.n.constraints)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_info: constraint %d does not exist: the model has %d", constraint,
-                int(m.n.constraints));
+  if (const dynStatus s = check_index("dyn_model_constraint_info", "constraint", constraint, m.n.constraints)) return s;
   write_struct(m.constraints()[constraint].spec, out);
   return DYN_OK;
 }

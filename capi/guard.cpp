@@ -82,6 +82,11 @@ bool Call::not_finite(const char* name, const double* x, Index k) {
   return false;
 }
 
+dynStatus check_index(const char* function, const char* what, int index, Index count) {
+  if (index >= 0 && index < count) return DYN_OK;
+  return fail(DYN_ERROR_ARGUMENT, "%s: %s %d does not exist: the model has %d", function, what, index, int(count));
+}
+
 bool Call::missing(const char* name) {
   status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   return false;

@@ -136,6 +136,9 @@ struct dynPlanner {
 
 namespace dyn::capi {
 
+// An error unless index is one of count. what it is of: "sensor".
+dynStatus check_index(const char* function, const char* what, int index, Index count);
+
 dynStatus no_model(const dynModel* model);
 inline dynStatus check(const dynModel* model) { return model && model->magic == live_model ? DYN_OK : no_model(model); }
 dynStatus check(const dynBuilder* builder);

@@ -122,8 +122,7 @@ dynStatus dyn_mesh_from_height_field(const dynHeightField* field, dynMesh** mesh
 dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh** mesh) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (shape < 0 || shape >= m.n.shapes)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_model_shape_mesh: shape %d does not exist: the model has %d", shape, int(m.n.shapes));
+  if (const dynStatus s = check_index("dyn_model_shape_mesh", "shape", shape, m.n.shapes)) return s;
   return make(mesh, "dyn_model_shape_mesh", [&] {
     const SurfacePtr surface = surface_of(m, shape);
     if (!surface)

@@ -9,22 +9,13 @@
 using namespace dyn;
 using namespace dyn::capi;
 
-namespace {
-
-bool exists(const char* function, const Model& m, int mocap) {
-  if (mocap >= 0 && mocap < m.n.mocaps) return true;
-  fail(DYN_ERROR_ARGUMENT, "%s: mocap body %d does not exist: the model has %d", function, mocap, int(m.n.mocaps));
-  return false;
-}
-
-}  // namespace
-
 extern "C" {
 
 int dyn_model_nmocaps(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.mocaps) : -1; }
 
 int dyn_model_mocap_frame(const dynModel* model, int mocap) {
-  if (check(model) != DYN_OK || !exists("dyn_model_mocap_frame", *model->m, mocap)) return -1;
+  if (check(model) != DYN_OK || check_index("dyn_model_mocap_frame", "mocap body", mocap, model->m->n.mocaps) != DYN_OK)
+    return -1;
   return int(model->m->mocaps()[mocap]);
 }
 
@@ -41,7 +32,7 @@ int dyn_model_mocap_id(const dynModel* model, const char* name) {
 dynStatus dyn_data_set_mocap(const dynModel* model, dynData* data, int mocap, const double placement[12]) {
   Call call(model, data, 0, "dyn_data_set_mocap");
   if (!call) return call.status;
-  if (!exists(call.function, call.m(), mocap)) return DYN_ERROR_ARGUMENT;
+  if (const dynStatus s = check_index(call.function, "mocap body", mocap, call.m().n.mocaps)) return s;
   if (!call.required("placement", placement) || !call.finite("placement", placement, 12)) return call.status;
   if (!is_rotation(load33(placement)))
     return fail(DYN_ERROR_ARGUMENT, "%s: placement of mocap body '%s': its first nine numbers are no rotation", call.function,
@@ -57,7 +48,7 @@ dynStatus dyn_data_set_mocap(const dynModel* model, dynData* data, int mocap, co
 dynStatus dyn_data_mocap(const dynModel* model, dynData* data, int mocap, double placement[12]) {
   Call call(model, data, 0, "dyn_data_mocap");
   if (!call || !call.required("placement", placement)) return call.status;
-  if (!exists(call.function, call.m(), mocap)) return DYN_ERROR_ARGUMENT;
+  if (const dynStatus s = check_index(call.function, "mocap body", mocap, call.m().n.mocaps)) return s;
   copy_out(call.d().mocap + 12 * mocap, 12, placement);
   return DYN_OK;
 }

@@ -71,13 +71,6 @@ int unknown(const char* kind, const char* name, Index count, Name f) {
   return -1;
 }
 
-dynStatus check_index(const dynModel* model, int index, Index count, const char* function, const char* what) {
-  if (index < 0 || index >= count)
-    return fail(DYN_ERROR_ARGUMENT, "%s: %s %d does not exist: the model has %d", function, what, index, int(count));
-  (void)model;
-  return DYN_OK;
-}
-
 }  // namespace
 
 Index capi::find_configuration(const Model& m, const char* name) {
@@ -95,7 +88,7 @@ dynStatus dyn_model_report_entry(const dynModel* model, int index, dynReportEntr
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
   if (const dynStatus s = check_struct("dyn_model_report_entry", "entry", entry)) return s;
-  if (const dynStatus s = check_index(model, index, m.n.reports, "dyn_model_report_entry", "report entry")) return s;
+  if (const dynStatus s = check_index("dyn_model_report_entry", "report entry", index, m.n.reports)) return s;
   const ReportRecord& r = m.reports()[index];
   write_struct({0, r.level, r.line, m.string(r.message)}, entry);
   return DYN_OK;
@@ -113,13 +106,13 @@ const char* dyn_model_name(const dynModel* model) {
 }
 
 const char* dyn_model_joint_name(const dynModel* model, int joint) {
-  if (check(model) != DYN_OK || check_index(model, joint, model->m->n.joints, "dyn_model_joint_name", "joint") != DYN_OK)
+  if (check(model) != DYN_OK || check_index("dyn_model_joint_name", "joint", joint, model->m->n.joints) != DYN_OK)
     return nullptr;
   return model->m->string(model->m->joints()[joint].name);
 }
 
 const char* dyn_model_frame_name(const dynModel* model, int frame) {
-  if (check(model) != DYN_OK || check_index(model, frame, model->m->n.frames, "dyn_model_frame_name", "frame") != DYN_OK)
+  if (check(model) != DYN_OK || check_index("dyn_model_frame_name", "frame", frame, model->m->n.frames) != DYN_OK)
     return nullptr;
   return model->m->string(model->m->frames()[frame].name);
 }
@@ -178,7 +171,7 @@ dynStatus dyn_model_joint_info(const dynModel* model, int joint, dynJointInfo* i
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
   if (const dynStatus s = check_struct("dyn_model_joint_info", "info", info)) return s;
-  if (const dynStatus s = check_index(model, joint, m.n.joints, "dyn_model_joint_info", "joint")) return s;
+  if (const dynStatus s = check_index("dyn_model_joint_info", "joint", joint, m.n.joints)) return s;
   const JointRecord& r = m.joints()[joint];
   dynJointInfo out{};
   out.name = m.string(r.name), out.type = r.type, out.parent = r.parent;
@@ -194,7 +187,7 @@ dynStatus dyn_model_frame_info(const dynModel* model, int frame, dynFrameInfo* i
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
   if (const dynStatus s = check_struct("dyn_model_frame_info", "info", info)) return s;
-  if (const dynStatus s = check_index(model, frame, m.n.frames, "dyn_model_frame_info", "frame")) return s;
+  if (const dynStatus s = check_index("dyn_model_frame_info", "frame", frame, m.n.frames)) return s;
   const FrameRecord& r = m.frames()[frame];
   dynFrameInfo out{};
   out.name = m.string(r.name), out.type = r.type, out.joint = r.joint;
@@ -212,7 +205,7 @@ dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* i
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
   if (const dynStatus s = check_struct("dyn_model_shape_info", "info", info)) return s;
-  if (const dynStatus s = check_index(model, shape, m.n.shapes, "dyn_model_shape_info", "shape")) return s;
+  if (const dynStatus s = check_index("dyn_model_shape_info", "shape", shape, m.n.shapes)) return s;
   const ShapeRecord& r = m.shapes()[shape];
   dynShapeInfo out{};
   out.name = m.string(r.name), out.mesh = m.string(r.mesh), out.type = r.type, out.role = dynShapeRole(r.role),
@@ -226,7 +219,7 @@ dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* i
 dynStatus dyn_model_shape_rgba(const dynModel* model, int shape, double rgba[4]) {
   if (const dynStatus s = check(model)) return s;
   if (!rgba) return fail(DYN_ERROR_ARGUMENT, "dyn_model_shape_rgba: rgba is NULL");
-  if (const dynStatus s = check_index(model, shape, model->m->n.shapes, "dyn_model_shape_rgba", "shape")) return s;
+  if (const dynStatus s = check_index("dyn_model_shape_rgba", "shape", shape, model->m->n.shapes)) return s;
   const std::array<double, 4> x = rgba_of(model->m->shapes()[shape].colour);
   std::copy(x.begin(), x.end(), rgba);
   return DYN_OK;
@@ -237,7 +230,7 @@ int dyn_model_ndisabled_pairs(const dynModel* model) { return check(model) == DY
 dynStatus dyn_model_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_index(model, pair, m.n.disabled, "dyn_model_disabled_pair", "pair")) return s;
+  if (const dynStatus s = check_index("dyn_model_disabled_pair", "pair", pair, m.n.disabled)) return s;
   const DisabledRecord& r = m.disabled_pairs()[pair];
   if (frame1) *frame1 = r.frame1;
   if (frame2) *frame2 = r.frame2;
@@ -274,7 +267,7 @@ int dyn_model_nconfigurations(const dynModel* model) { return check(model) == DY
 
 const char* dyn_model_configuration_name(const dynModel* model, int index) {
   if (check(model) != DYN_OK ||
-      check_index(model, index, model->m->n.configurations, "dyn_model_configuration_name", "configuration") != DYN_OK)
+      check_index("dyn_model_configuration_name", "configuration", index, model->m->n.configurations) != DYN_OK)
     return nullptr;
   return model->m->string(model->m->configuration_names()[index]);
 }

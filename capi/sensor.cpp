@@ -12,12 +12,6 @@ using namespace dyn::capi;
 
 namespace {
 
-bool exists(const char* function, const Model& m, int sensor) {
-  if (sensor >= 0 && sensor < m.n.sensors) return true;
-  fail(DYN_ERROR_ARGUMENT, "%s: sensor %d does not exist: the model has %d", function, sensor, int(m.n.sensors));
-  return false;
-}
-
 dynSensor default_sensor(dynQuantity quantity) {
   dynSensor s{};
   s.struct_size = sizeof s, s.quantity = quantity, s.object = s.reference = -1;
@@ -51,7 +45,8 @@ int dyn_model_nsensors(const dynModel* model) { return check(model) == DYN_OK ? 
 int dyn_model_nsensordata(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.sensor_values) : -1; }
 
 const char* dyn_model_sensor_name(const dynModel* model, int sensor) {
-  if (check(model) != DYN_OK || !exists("dyn_model_sensor_name", *model->m, sensor)) return nullptr;
+  if (check(model) != DYN_OK || check_index("dyn_model_sensor_name", "sensor", sensor, model->m->n.sensors) != DYN_OK)
+    return nullptr;
   return model->m->string(model->m->sensors()[sensor].name);
 }
 
@@ -68,7 +63,7 @@ int dyn_model_sensor_id(const dynModel* model, const char* name) {
 dynStatus dyn_model_sensor_info(const dynModel* model, int sensor, dynSensor* out) {
   if (const dynStatus s = check(model)) return s;
   if (const dynStatus s = check_struct("dyn_model_sensor_info", "out", out)) return s;
-  if (!exists("dyn_model_sensor_info", *model->m, sensor)) return DYN_ERROR_ARGUMENT;
+  if (const dynStatus s = check_index("dyn_model_sensor_info", "sensor", sensor, model->m->n.sensors)) return s;
   write_struct(model->m->sensors()[sensor].spec, out);
   return DYN_OK;
 }

@@ -12,12 +12,6 @@ namespace {
 
 constexpr int points_of_a_turn = 64;  // of an arc: as many as this share of a whole turn
 
-bool exists(const char* function, const Model& m, int tendon) {
-  if (tendon >= 0 && tendon < m.n.tendons) return true;
-  fail(DYN_ERROR_ARGUMENT, "%s: tendon %d does not exist: the model has %d", function, tendon, int(m.n.tendons));
-  return false;
-}
-
 dynTendon default_tendon(dynTendonType type) {
   dynTendon t{};
   t.struct_size = sizeof t, t.type = type;
@@ -72,7 +66,8 @@ void(dyn_tendon_element_init)(dynTendonElement* element, uint32_t size, dynTendo
 int dyn_model_ntendons(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.tendons) : -1; }
 
 const char* dyn_model_tendon_name(const dynModel* model, int tendon) {
-  if (check(model) != DYN_OK || !exists("dyn_model_tendon_name", *model->m, tendon)) return nullptr;
+  if (check(model) != DYN_OK || check_index("dyn_model_tendon_name", "tendon", tendon, model->m->n.tendons) != DYN_OK)
+    return nullptr;
   return model->m->string(model->m->tendons()[tendon].name);
 }
 
@@ -89,7 +84,7 @@ int dyn_model_tendon_id(const dynModel* model, const char* name) {
 dynStatus dyn_model_tendon_info(const dynModel* model, int tendon, dynTendon* out) {
   if (const dynStatus s = check(model)) return s;
   if (const dynStatus s = check_struct("dyn_model_tendon_info", "out", out)) return s;
-  if (!exists("dyn_model_tendon_info", *model->m, tendon)) return DYN_ERROR_ARGUMENT;
+  if (const dynStatus s = check_index("dyn_model_tendon_info", "tendon", tendon, model->m->n.tendons)) return s;
   write_struct(model->m->tendons()[tendon].spec, out);
   return DYN_OK;
 }
@@ -98,7 +93,7 @@ dynStatus dyn_model_tendon_element(const dynModel* model, int tendon, int elemen
   if (const dynStatus s = check(model)) return s;
   if (const dynStatus s = check_struct("dyn_model_tendon_element", "out", out)) return s;
   const Model& m = *model->m;
-  if (!exists("dyn_model_tendon_element", m, tendon)) return DYN_ERROR_ARGUMENT;
+  if (const dynStatus s = check_index("dyn_model_tendon_element", "tendon", tendon, m.n.tendons)) return s;
   const PathRecord& p = m.paths()[tendon];
   if (element < 0 || element >= p.elements)
     return fail(DYN_ERROR_ARGUMENT, "dyn_model_tendon_element: element %d does not exist: tendon '%s' has %d", element,
@@ -136,7 +131,7 @@ dynStatus dyn_tendons(const dynModel* model, dynData* data, const double* q, con
 
 int dyn_tendon_path(const dynModel* model, dynData* data, int tendon, int capacity, double* points, int32_t* begins) {
   Call call(model, data, 0, "dyn_tendon_path");
-  if (!call || !exists(call.function, call.m(), tendon)) return -1;
+  if (!call || check_index(call.function, "tendon", tendon, call.m().n.tendons) != DYN_OK) return -1;
   const Model& m = call.m();
   Data<double>& d = call.d();
   if (capacity < 0 || (capacity > 0 && !points)) {

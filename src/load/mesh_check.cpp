@@ -7,6 +7,7 @@
 
 #include "file.hpp"
 #include "mesh.hpp"
+#include "mesh_soup.hpp"
 
 namespace dyn::load {
 
@@ -22,13 +23,6 @@ std::string read(std::ifstream& file, std::uint64_t from, std::uint64_t bytes) {
   return text;
 }
 
-std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
-  std::uint32_t x = 0;
-  for (std::size_t k = 0; k < 4 && at + k < bytes.size(); ++k)
-    x |= std::uint32_t(static_cast<unsigned char>(bytes[at + k])) << 8 * k;
-  return x;
-}
-
 bool holds(const std::string& text, std::string_view word) {
   return std::search(text.begin(), text.end(), word.begin(), word.end(),
                      [](char a, char b) { return (a >= 'A' && a <= 'Z' ? char(a - 'A' + 'a') : a) == b; }) != text.end();
@@ -37,7 +31,7 @@ bool holds(const std::string& text, std::string_view word) {
 // Binary: 80 bytes, a count, 50 bytes a triangle. Other files that begin with "solid" are ASCII.
 void check_stl(std::ifstream& file, std::uint64_t size, const Report& report) {
   const std::string head = read(file, 0, std::min<std::uint64_t>(size, 84));
-  const std::uint64_t count = little_endian(head, 80), needed = 84 + 50 * count;
+  const std::uint64_t count = head.size() < 84 ? 0 : little_endian<std::uint32_t>(head.data() + 80), needed = 84 + 50 * count;
   const bool ascii = head.substr(0, 5) == "solid" && size != needed;
   if (ascii) {
     const std::uint64_t tail = std::min<std::uint64_t>(size, 4096);
