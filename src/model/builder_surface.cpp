@@ -12,7 +12,8 @@ namespace dyn {
 
 namespace {
 
-using namespace shape;
+using shape::Bounds, shape::Grid, shape::TriangleTree, shape::Vec;
+using shape::axis, shape::greater, shape::infinity, shape::lesser, shape::norm;
 
 struct TreeMaker {
   const std::vector<double>& vertices;
