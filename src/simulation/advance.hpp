@@ -276,10 +276,24 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
   return failed;
 }
 
+// Of the solves of rows since the call began.
+struct SolveQuality {
+  double residual;
+  std::int32_t unsolved;
+};
+
+template <class T>
+SolveQuality solve_quality(const Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step) return {d.step->report.residual, d.step->report.unsolved};
+  return {};
+}
+
 // Repeats a step that gained energy: with another contact solver, then in 2, 4, .. parts. Each part is checked.
 // Returns 0, or energy_gained with the joint that has most of it. Where no time is left for that, the step stays as it was.
+// before: without this step.
 inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<double>& s, dynIntegrator integrator, double h,
-                                 dynStepReport& report, const double* start) {
+                                 dynStepReport& report, const double* start, const SolveQuality& before) {
   using namespace simulation;
   namespace guard = simulation::tuning::guard;
   if (!moves(m, d, h)) return 0;
@@ -319,6 +333,7 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
       });
     });
     std::copy_n(start + m.n.nq + 3 * m.n.nv, m.n.na, d.act);
+    w.report.residual = before.residual, w.report.unsolved = before.unsolved;
     ++report.rejected, reset_impulse_work(d), forget_forces(w);
   };
   const double once = w.limit.elapsed();
@@ -352,10 +367,11 @@ inline Index repeat_without_gain(const Model& m, Data<double>& d, const Stages<d
 template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report, const T* start) {
   const Stages<T> s(m, d);
+  const SolveQuality before = solve_quality(d);
   Index failed = single_step(m, d, s, integrator, h, report);
   if constexpr (std::is_same_v<T, double>)
     if (!failed && start && simulation::may_gain_energy(m, d, h) && simulation::energy_numbers(m) <= 12 * s.n) [[unlikely]]
-      failed = repeat_without_gain(m, d, s, integrator, h, report, start);
+      failed = repeat_without_gain(m, d, s, integrator, h, report, start, before);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
   record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // the inner steps are recorded already

@@ -126,7 +126,7 @@ void Island::project_rhs_to_range() {
 }
 
 // Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. The first try ends
-// at a residual of `enough` after one attempt of Newton's method: finer ones cost little or very much.
+// at a residual of `enough` after half an attempt of Newton's method: finer ones cost little or very much.
 void Island::solve(dynContactReport& best) {
   if (!has_room_for_matrix()) return;
   w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
@@ -151,7 +151,7 @@ void Island::solve(dynContactReport& best) {
     solver::Budget b;
     b.tolerance = t.tolerance,
     b.max_iterations = std::min(w.method_iterations(), std::max<Index>(1, w.max_iterations() - iterations - newton_steps)),
-    b.enough = enough, b.few = solver::tuning::start::sweep_steps;
+    b.enough = enough, b.few = solver::tuning::start::sweep_steps / 2;
     b.warm = b.sweeps = t.warm;
     b.brief = true, b.limit = &w.limit;
     dynContactReport report{};

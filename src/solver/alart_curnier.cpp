@@ -126,7 +126,7 @@ bool DenseNewton::run(const double* y, const double* c) {
       error = method.error(0);
     }
     // the norm of as many errors as there are rows
-    return error.speed() < p.n * b.tolerance && keep() ? Progress::solved : Progress::going;
+    return error.speed() < p.n * std::max(b.tolerance, b.enough) && keep() ? Progress::solved : Progress::going;
   };
   return method.run(most, may_step, accept) || keep();
 }

@@ -35,7 +35,8 @@ struct NewtonMethod {
   bool direction();
   // At most max_steps steps, while may_step(), until accept(error, whether the step was damped) is not `going`. Returns true if
   // it is `solved`. If no step length reduces the error, steps are damped (Levenberg and Marquardt). From then on the error need
-  // only fall below one of the last twelve (nonmonotone: Grippo, Lampariello and Lucidi 1986).
+  // only fall below one of the last twelve (nonmonotone: Grippo, Lampariello and Lucidi 1986), and differ from that of two states
+  // ago: steps may alternate between two states.
   template <class MayStep, class Accept>
   bool run(Index max_steps, MayStep&& may_step, Accept&& accept);
 };
@@ -91,7 +92,9 @@ bool NewtonMethod<Operator>::run(Index max_steps, MayStep&& may_step, Accept&& a
     double t = 1;
     Error next = error(t);
     while (!(next.sum < most) && t > shortest_part) next = error(t /= 2);
-    if (!(next.sum < most)) {
+    const double before = errors[(taken + memory - 1) % memory];  // two states ago
+    const bool cycles = strayed && std::abs(next.sum - before) < std::sqrt(tuning::round_off) * before;
+    if (!(next.sum < most) || cycles) {
       if (damping >= G.max_damping) return false;
       damping = std::max(Operator::first_damping, damping_factor * damping), strayed = true;
       continue;

@@ -42,14 +42,20 @@ void Attempt::operator()(double restitution) {
   p.speed = free_speed();
   const double tolerance = b.tolerance, enough = b.enough;
   b.tolerance *= p.speed, b.enough *= p.speed, b.best = HUGE_VAL, b.status = DYN_CONTACT_STATUS_STALLED;
-  std::copy_n(w.y, p.n, w.x);
-  times(p.G, w.x, p.g, w.v, p.n);
-  if (p.speed == 0) {  // nothing moves
+  const auto keep = [&] {
+    times(p.G, w.x, p.g, w.v, p.n);
+    return keep_best(w, b, w.x, w.v);
+  };
+  const auto keep_none = [&] {
     std::fill_n(w.x, p.n, 0.0);
     project(p, w.x, w.x);
-    times(p.G, w.x, p.g, w.v, p.n);
-  }
-  if (!keep_best(w, b, w.x, w.v)) {
+    return keep();
+  };
+  std::copy_n(w.y, p.n, w.x);
+  bool solved = p.speed > 0 && keep();
+  // nothing moves, or the guess is far off
+  if (!solved && !(tuning::start::close_guess * b.best < p.speed)) solved = keep_none();
+  if (!solved) {
     if (b.best == HUGE_VAL) std::copy_n(w.x, p.n, w.y), std::copy_n(w.v, p.n, w.c);  // too large to be the best: yet the start
     solver(w, b);
   }

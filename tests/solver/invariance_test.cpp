@@ -63,6 +63,20 @@ TEST(ContactSolver, WarmStartSavesIterations) {
   }
 }
 
+// A guess that is far worse than no impulses (of other contacts, or of a jam) counts as none.
+TEST(ContactSolver, AGuessThatIsFarOffIsLeft) {
+  for (const dynContactSolverType type : all_solvers)
+    for (int seed = 1; seed <= 5; ++seed) {
+      Scene s = random_scene(6, 24, 0.6, seed);
+      dynContactOptions warm = with(type);
+      warm.warm_start = 1;
+      Vector far_off(s.rows());
+      for (int i = 0; i < s.rows(); ++i) far_off[i] = i % 3 == 2 ? 1e9 : -1e8;
+      const Answer a = solve(s, warm, Vector(s.rows())), b = solve(s, warm, far_off);
+      EXPECT_EQ(a.lambda, b.lambda) << solver_names[type] << " " << seed;
+    }
+}
+
 // The same bits every time, whatever the solver was used for before.
 TEST(ContactSolver, ResultsAreDeterministic) {
   for (const dynContactSolverType type : all_solvers) {
