@@ -267,6 +267,7 @@ struct Correction {
       const CorrectionRow& r = row(i);
       double* const to = wrong(i);
       std::fill_n(to, columns, 0.0), std::fill_n(by(i), columns, 0.0);
+      if (s.along) to[0] = y.given.wrong[i];
       if (r.slope == 0) continue;
       s.add_by_state(to, error_row(i), r.slope, nv);
       for (Index k = 0; k < nv; ++k)
@@ -275,7 +276,7 @@ struct Correction {
   }
   void transpose_errors() const {
     for (Index i = 0; i < count; ++i) {
-      const double by = row(i).slope * row(i).wrong_adjoint;
+      const double by = row(i).slope * (y.gradient.wrong[i] = row(i).wrong_adjoint);
       if (by == 0) continue;
       add_row(y.adjoint, error_row(i), by, nv), add_row(y.state_adjoint, J(i), h * by, nv);
     }

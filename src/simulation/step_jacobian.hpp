@@ -56,7 +56,8 @@ struct StepChange {
   double *row, *slide;       // of a row: its velocity; along the sliding direction, lambda_t + mu lambda_n
   double* displacement;      // nv
   double* end;               // 2 nv: of q' and v'
-  double* G;                 // of corrections whose matrix is differentiated
+  double* wrong;             // of corrections: what is to be removed
+  double* G;                 // of those whose matrix is differentiated
 };
 
 struct JacobianArrays {
@@ -91,7 +92,7 @@ template <class F>
 void change_arrays(const Model& m, StepChange& x, F&& f) {
   const std::ptrdiff_t nv = m.n.nv, rows = jacobian_rows(m), exact = exact_corrections(m);
   f(x.force, nv), f(x.velocity, nv), f(x.row, rows), f(x.slide, rows), f(x.displacement, nv), f(x.end, 2 * nv);
-  f(x.G, exact * exact);
+  f(x.wrong, rows), f(x.G, exact * exact);
 }
 
 // Calls f(array, numbers) for each. Matrices lie row by row: force nv x (q, v, controls), flight nv x 18, state nv x columns, J

@@ -33,6 +33,7 @@ struct StepJacobian {
     const StepChange& x = y.given;
     for (double* array : {x.force, x.velocity, x.displacement, x.end, x.end + nv}) std::fill_n(array, nv, 0.0);
     for (double* array : {x.row, x.slide}) std::fill_n(array, rows, 0.0);
+    std::fill_n(x.wrong, corrections, 0.0);
     if (exact) std::fill_n(x.G, exact_corrections(m) * exact_corrections(m), 0.0);
   }
   double* displacement(Index k) const { return y.displacement + columns * k; }
@@ -194,6 +195,7 @@ struct StepJacobian {
   void add_centre(const Body& b, Index i, const Vec3<double>& c, const Vec3<double>& dc, const Mat3<double>& dI,
                   double factor) const;
   void add_gravity(const Vec3<double>& along, double factor) const;
+  void add_largest_correction(double speed, double length) const;
   void add_body_force(Index body, const Force<double>& F, double factor, double* to) const;
   Force<double> body_regressor_column(Index joint, Index component, const double* v, const double* a, bool gravity) const;
   template <class F>

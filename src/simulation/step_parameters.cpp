@@ -1,6 +1,7 @@
 // The linearised step (step_linearisation.hpp): what parameters change in it. At fixed v' and impulses the forces change by
 // -(dM a + dnle); N^-1 J^T of corrections by -N^-1 dN N^-1 J^T; free flyers also by their centre of mass.
 #include "algorithm/regressor.hpp"
+#include "model/length.hpp"
 #include "simulation/step_linearisation.hpp"
 
 namespace dyn::simulation {
@@ -94,10 +95,13 @@ void StepJacobian::add_inertia(Index joint, Index component, double factor) cons
     add_body_force(body, body_regressor_column(joint, component, d.zero, z, false), 1, to);
   });
   const Body& b = m.bodies()[body];
-  if (b.type != BodyType::FreeFlyer || !(b.m > 0)) return;
+  if (!(b.m > 0)) return;
   double unit[10] = {};
   unit[component] = 1;
   const Inertia<double> change = load_parameters(static_cast<const double*>(unit));
+  const double longer = factor * own_length_change(m, b, change.m, change.I(0, 0) + change.I(1, 1) + change.I(2, 2)) / w.length;
+  add_largest_correction(correction_falls(d) ? 0.5 * longer : longer, longer);
+  if (b.type != BodyType::FreeFlyer) return;
   const Mat3<double>& C = m.joints()[joint].C;
   const Vec3<double> c = b.h * (1 / b.m), dc = (C * change.h - c * change.m) * (1 / b.m);
   // I about the centre of mass: I - m (c^2 1 - c c^T)
@@ -130,11 +134,25 @@ void StepJacobian::add_centre(const Body& b, Index i, const Vec3<double>& c, con
   add(y.given.end + at, by.q.linear), add(y.given.end + nv + at, by.v.linear);
 }
 
+// Of corrections that are at their largest speed. Relative changes of it, and of the model's length.
+void StepJacobian::add_largest_correction(double speed, double length) const {
+  for (Index i = 0; i < corrections; ++i) {
+    const CorrectionRow& r = y.corrections[i];
+    if (r.slope != 0) continue;
+    const bool angle = r.contact < 0 && m.bodies()[m.limits()[y.rows[r.row].of].body].type != BodyType::Prismatic;
+    y.given.wrong[i] += (speed - (angle ? length : 0)) * r.wrong;
+  }
+}
+
 void StepJacobian::add_gravity(const Vec3<double>& along, double factor) const {
   for (Index i = 1; i < m.n.bodies; ++i) {
     const auto& Y = d.composite[i].Y;
     for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k)
       y.given.force[user_dof(m, k)] += factor * h * ratio(k) * dot(d.S[k], Force<double>{along * Y.m, cross(Y.h, along)});
+  }
+  if (correction_falls(d)) {
+    const Vec3<double> g = load3(static_cast<const double*>(d.world_gravity));
+    add_largest_correction(factor * 0.5 * dot(g, along) / dot(g, g), 0);
   }
   using effect::GravityCompensation;
   if (!(d.acting & GravityCompensation::bit)) return;

@@ -16,6 +16,7 @@ double StepJacobian::product_with_given() const {
   const StepChange &a = y.given, &b = y.gradient;
   add(a.force, b.force, nv), add(a.velocity, b.velocity, nv), add(a.end, b.end, 2 * nv);
   if (rows > 0) add(a.row, b.row, rows), add(a.slide, b.slide, rows);
+  add(a.wrong, b.wrong, corrections);
   if (exact) add(a.displacement, b.displacement, nv), add(a.G, b.G, exact_corrections(m) * exact_corrections(m));
   return sum;
 }

@@ -297,6 +297,7 @@ TEST(StepParameters, OfContacts) {
   } cases[] = {{0.8, 0, 5e-6, {0.3, 0, 0, 0, 3, 0.5}, DYN_CONTACT_MODE_STICK},
                {0.3, 0, 5e-6, {1, 0.5, 0, 0.2, 0.1, 2}, DYN_CONTACT_MODE_SLIDE},
                {0.4, 0, -1e-4, {1, 0.5, 0, 0.2, 0.1, 2}, DYN_CONTACT_MODE_SLIDE},
+               {0.4, 0, -1e-2, {1, 0.5, 0, 0.2, 0.1, 2}, DYN_CONTACT_MODE_SLIDE},  // at the largest speed of corrections
                {0.8, 0, -1e-4, {0.3, 0, 0, 0, 3, 0.5}, DYN_CONTACT_MODE_STICK},
                {0.5, 0.7, 1e-4, {0.3, 0.1, -1, 0, 1, 2}, DYN_CONTACT_MODE_IMPACT}};
   for (const auto& x : cases) {
@@ -339,6 +340,22 @@ TEST(StepParameters, OfALegOnTheGround) {
   Parameters p = of_dofs(run.m);
   for (int j : {1, 2, 3}) p.add(DYN_STEP_PARAMETER_TYPE_INERTIA, j);
   p.add(DYN_STEP_PARAMETER_TYPE_GRAVITY), p.add(DYN_STEP_PARAMETER_TYPE_CONTACT_FRICTION, 1);
+  p.add(DYN_STEP_PARAMETER_TYPE_TIME_STEP);
+  agree(run, p);
+}
+
+// So far beyond their limits that they return at the largest speed, which follows from gravity and the bodies' sizes.
+TEST(StepParameters, OfLimitsThatAreFarOff) {
+  Builder b("limits");
+  const double lower[1] = {-1}, upper[1] = {1};
+  Spec slide("slide", DYN_JOINT_TYPE_PRISMATIC), turn("turn", DYN_JOINT_TYPE_REVOLUTE, "slide", {0, 0, 0.2});
+  slide.about(0, 0, 1), turn.about(0, 1, 0);
+  for (Spec* s : {&slide, &turn}) s->lower = lower, s->upper = upper;
+  b.joint(slide).body("carriage", "slide", 3).joint(turn).body("arm", "turn", 1, {0.1, 0.02, -0.1});
+  Stepper run(b.finish(), 2e-3);
+  run.set({-1.5, 1.8}, {-0.01, 0.5});
+  Parameters p;
+  p.add(DYN_STEP_PARAMETER_TYPE_INERTIA, 1), p.add(DYN_STEP_PARAMETER_TYPE_INERTIA, 2), p.add(DYN_STEP_PARAMETER_TYPE_GRAVITY);
   p.add(DYN_STEP_PARAMETER_TYPE_TIME_STEP);
   agree(run, p);
 }
