@@ -8,7 +8,7 @@
 
 namespace dyn {
 
-// tr I / m of a body, or 0.
+// tr I / m of a body (m^2), or 0.
 inline double square_size(const Body& b) { return b.m > 0 ? (b.I(0, 0) + b.I(1, 1) + b.I(2, 2)) / b.m : 0; }
 
 // Five times the mean of what the bodies' inertias say of their sizes, sqrt(tr I / m): about 1 for cubes of 0.3 m; of points that
@@ -23,12 +23,12 @@ inline double own_length(const Model& m) {
   return count ? 5 * sum / double(count) : 1;
 }
 
-// Its change by those of a body's mass and tr I.
+// Its relative change by those of the mass (kg) and tr I (kg m^2) of a body with mass.
 inline double own_length_change(const Model& m, const Body& b, double mass, double trace) {
-  Index count = 0;
-  for (Index i = 1; i < m.n.bodies; ++i) count += square_size(m.bodies()[i]) > 0;
+  double sum = 0;
+  for (Index i = 1; i < m.n.bodies; ++i) sum += std::sqrt(square_size(m.bodies()[i]));
   const double square = square_size(b);
-  return square > 0 ? 5 * (trace - square * mass) / (2 * std::sqrt(square) * b.m * double(count)) : 0;
+  return square > 0 ? (trace - square * mass) / (2 * std::sqrt(square) * b.m * sum) : 0;
 }
 
 }  // namespace dyn

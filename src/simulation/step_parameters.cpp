@@ -99,7 +99,7 @@ void StepJacobian::add_inertia(Index joint, Index component, double factor) cons
   double unit[10] = {};
   unit[component] = 1;
   const Inertia<double> change = load_parameters(static_cast<const double*>(unit));
-  const double longer = factor * own_length_change(m, b, change.m, change.I(0, 0) + change.I(1, 1) + change.I(2, 2)) / w.length;
+  const double longer = factor * own_length_change(m, b, change.m, change.I(0, 0) + change.I(1, 1) + change.I(2, 2));
   add_largest_correction(correction_falls(d) ? 0.5 * longer : longer, longer);
   if (b.type != BodyType::FreeFlyer) return;
   const Mat3<double>& C = m.joints()[joint].C;
