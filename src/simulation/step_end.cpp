@@ -3,13 +3,47 @@
 
 namespace dyn::simulation {
 
+namespace {
+
+// How a joint of several degrees of freedom ends the step.
+template <class J>
+struct JointEnd;
+
+template <class J>
+  requires(J::nv == 3)
+struct JointEnd<J> {
+  Mat3<double> back, by;
+  JointEnd(const StepJacobian& s, const Body& b) {
+    const Vec3<double> w = load3(static_cast<const double*>(s.x.v_end + b.user_v)) * s.h +
+                           load3(static_cast<const double*>(s.y.correction + b.user_v));
+    back = exp3(w * -1.0), by = Jexp3(w);
+  }
+  // own: of q. v holds dv' already.
+  void operator()(const double* own, const double*, const double* moved, double* q, double*) const {
+    store3(back * load3(own) + by * load3(moved), q);
+  }
+};
+
+template <class J>
+  requires(J::nv == 6)
+struct JointEnd<J> {
+  integrator::FlightEnd<double> end;
+  JointEnd(const StepJacobian& s, const Body& b)
+      : end(integrator::FlightEnd<double>::of(b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero(),
+                                              load_motion(static_cast<const double*>(s.x.v_end + b.user_v)),
+                                              load_motion(static_cast<const double*>(s.y.correction + b.user_v)), s.h)) {}
+  void operator()(const double* own, const double* dv, const double* moved, double* q, double* v) const {
+    const Motion<double> dv1 = load_motion(dv);
+    const auto change = end.change(load_motion(own), dv1, load_motion(moved) - dv1 * end.h);
+    store6(change.q, q), store6(change.v, v);
+  }
+};
+
+}  // namespace
+
 // All columns in the order q, v, tau, controls; or one.
 void StepJacobian::write(double* by) const {
-  const Index nu = m.n.nu;
-  const auto to = [&](std::ptrdiff_t column) {
-    const std::ptrdiff_t at = along || column < 2 * nv ? column : column < mixed ? column + nv : column - nu;
-    return by + 2 * nv * at;
-  };
+  const auto to = [&](std::ptrdiff_t column) { return by + 2 * nv * column; };
   const auto own = [&](Index k, std::ptrdiff_t c) { return along ? y.direction[k] : k == c ? 1.0 : 0.0; };
   for (std::ptrdiff_t c = 0; c < columns; ++c) {
     double* const out = to(c);
@@ -18,17 +52,24 @@ void StepJacobian::write(double* by) const {
   for_each_factor(
       m, [](Index, Index, Index) {},
       [&]<class J>(const Body& b) {
-        if constexpr (J::nv > 1)
+        if constexpr (J::nv > 1) {
+          const JointEnd<J> end{*this, b};
           for (std::ptrdiff_t c = 0; c < columns; ++c) {
             double dq[J::nv], dv[J::nv], moved[J::nv];
             for (int k = 0; k < J::nv; ++k) {
               const Index at = b.user_v + k;
               dq[k] = own(at, c), dv[k] = state(at)[c], moved[k] = displacement(at)[c];
             }
-            end_of_joint<J>(b, dq, dv, moved, to(c) + b.user_v, to(c) + nv + b.user_v);
+            end(dq, dv, moved, to(c) + b.user_v, to(c) + nv + b.user_v);
           }
+        }
       });
-  for (std::ptrdiff_t k = 0; along && k < 2 * nv; ++k) by[k] += y.given.end[k];
+  if (along) return add_row(by, y.given.end, 1, 2 * nv);
+  // controls act by what they add to tau
+  std::fill_n(to(columns), 2 * nv * m.n.nu, 0.0);
+  for (Index k = 0; k < nv; ++k)
+    for (Index u = 0; u < m.n.nu; ++u)
+      if (const double f = force(k)[2 * nv + u]; f != 0) add_row(to(columns + u), to(2 * nv + k), f / h, 2 * nv);
 }
 
 // The gradients by q, dv' and the displacement.
@@ -40,13 +81,14 @@ void StepJacobian::transpose_end(const double* gradient) const {
       m, [](Index, Index, Index) {},
       [&]<class J>(const Body& b) {
         if constexpr (J::nv > 1) {
+          const JointEnd<J> end{*this, b};
           const Index at = b.user_v;
           double unit[3 * J::nv] = {}, by[3 * J::nv];
           for (int k = 0; k < 3 * J::nv; ++k) {
             double q[J::nv], v[J::nv];
             unit[k] = 1;
             std::copy_n(unit + J::nv, J::nv, v);  // of joints whose v' is dv'
-            end_of_joint<J>(b, unit, unit + J::nv, unit + 2 * J::nv, q, v);
+            end(unit, unit + J::nv, unit + 2 * J::nv, q, v);
             unit[k] = 0;
             by[k] = inner(q, gradient + at, J::nv) + inner(v, gradient + nv + at, J::nv);
           }
@@ -56,24 +98,6 @@ void StepJacobian::transpose_end(const double* gradient) const {
           }
         }
       });
-}
-
-// own: of q. v holds dv' already.
-template <class J>
-void StepJacobian::end_of_joint(const Body& b, const double* own, const double* dv, const double* moved, double* q,
-                                double* v) const {
-  const Index at = b.user_v;
-  if constexpr (J::nv == 3) {
-    const Vec3<double> w =
-        load3(static_cast<const double*>(x.v_end + at)) * h + load3(static_cast<const double*>(y.correction + at));
-    store3(exp3(w * -1.0) * load3(own) + Jexp3(w) * load3(moved), q);
-  } else {
-    const Motion<double> before = load_motion(static_cast<const double*>(x.v_end + at)),
-                         correction = load_motion(static_cast<const double*>(y.correction + at)), dv1 = load_motion(dv);
-    const auto end = integrator::FlightEnd<double>::of(b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero(), before, correction, h);
-    const auto change = end.change(load_motion(own), dv1, load_motion(moved) - dv1 * h);
-    store6(change.q, q), store6(change.v, v);
-  }
 }
 
 }  // namespace dyn::simulation

@@ -128,14 +128,14 @@ void StepJacobian::solve_for_state() const {
   if (along) return solve_along();
   for (Index k = 0; k < nv; ++k) {
     double* const to = state(k);
-    const double* const row = d.Minv + nv * k;
-    std::fill_n(to, mixed, 0.0);
-    add_rows(to, y.force, mixed, row, 1, Index(nv), mixed);
-    for (Index l = 0; l < nv; ++l) to[mixed + l] = h * row[l];
-    to[nv + k] += 1;
+    std::fill_n(to, 2 * nv, 0.0);
+    for (Index l = 0; l < nv; ++l) to[2 * nv + l] = h * d.Minv[nv * k + l];
+    to[nv + k] = 1;
   }
+  add_product(y.state, columns, nv, {d.Minv, nv, 1}, y.force, mixed, Index(nv), 2 * nv);
   for_each_flight([&](Index row, const double* by, const auto& column) {
-    for (int c = 0; c < flight_columns; ++c) state(row)[column(c)] += by[c] * (c < 12 ? 1 : h);
+    for (int c = 0; c < 12; ++c) state(row)[column(c)] += by[c];
+    for (int c = 12; c < flight_columns; ++c) state(row)[column(c) - m.n.nu] += by[c] * h;
   });
 }
 void StepJacobian::solve_along() const {

@@ -95,8 +95,9 @@ void change_arrays(const Model& m, StepChange& x, F&& f) {
   f(x.wrong, rows), f(x.G, exact * exact);
 }
 
-// Calls f(array, numbers) for each. Matrices lie row by row: force nv x (q, v, controls), flight nv x 18, state nv x columns, J
-// and Z rows x nv, K rows x rows, E rows x 2 nv (by q and v), wanted, lambda and rest rows x columns, displacement nv x columns.
+// Calls f(array, numbers) for each. Matrices lie row by row: force nv x (q, v, controls), flight nv x 18, state nv x (q, v, tau),
+// J and Z rows x nv, K rows x rows, E rows x 2 nv (by q and v), wanted, lambda and rest rows x (q, v, tau), displacement nv x
+// (q, v, tau), or forces of a row.
 template <class F>
 void jacobian_arrays(const Model& m, std::ptrdiff_t columns, JacobianArrays& x, F&& f) {
   const std::ptrdiff_t nv = m.n.nv, rows = jacobian_rows(m), exact = exact_corrections(m);
@@ -104,13 +105,13 @@ void jacobian_arrays(const Model& m, std::ptrdiff_t columns, JacobianArrays& x, 
   f(x.a, nv), f(x.impulse, nv), f(x.diagonal, nv), f(x.diagonal_by_v, nv), f(x.correction, nv), f(x.twists, m.n.bodies),
       f(x.twists_before, m.n.bodies);
   f(x.force, nv * (columns - nv)), f(x.flight, nv * flight_columns);
-  f(x.state, nv * columns), f(x.J, rows * nv), f(x.Z, rows * nv), f(x.K, rows * rows), f(x.factor, rows * rows);
+  f(x.state, nv * 3 * nv), f(x.J, rows * nv), f(x.Z, rows * nv), f(x.K, rows * rows), f(x.factor, rows * rows);
   f(x.scale, rows), f(x.row_scale, rows), f(x.drift_factor, drifting * drifting);
   f(x.direction, columns), f(x.adjoint, columns), f(x.moved, nv), f(x.state_adjoint, nv), f(x.displacement_adjoint, nv);
   f(x.row_adjoint, rows);
   change_arrays(m, x.given, f), change_arrays(m, x.gradient, f);
-  f(x.E, rows * 2 * nv), f(x.rate, rows * nv), f(x.wanted, rows * columns), f(x.lambda, rows * columns),
-      f(x.rest, rows * columns), f(x.displacement, nv * columns);
+  f(x.E, rows * 2 * nv), f(x.rate, rows * nv), f(x.wanted, rows * 3 * nv), f(x.lambda, rows * 3 * nv), f(x.rest, rows * 3 * nv),
+      f(x.displacement, nv * columns);
   f(x.rows, rows), f(x.contacts, rows), f(x.pivots, rows), f(x.unknowns, rows);
   f(x.drift_pivots, drifting), f(x.drift_unknowns, drifting);
   f(x.corrections, rows), f(x.G, rows * rows), f(x.dG, exact * exact * nv);

@@ -10,7 +10,7 @@
 
 namespace dyn::simulation {
 
-using solver::add_row, solver::add_rows;
+using solver::add_product, solver::add_row, solver::add_rows, solver::largest_of;
 
 struct StepJacobian {
   const Model& m;
@@ -21,7 +21,7 @@ struct StepJacobian {
   const double h = w.options.dt;
   const std::ptrdiff_t nv = m.n.nv, mixed = 2 * nv + m.n.nu;
   bool along = false;                            // of one direction, y.direction and y.given
-  std::ptrdiff_t columns = derivative_count(m);  // q, v, controls, then tau; or 1
+  std::ptrdiff_t columns = 3 * nv;               // q, v, tau; or 1
   Index rows = 0, contacts = 0, equality0 = 0, equalities = 0;  // equality0: first row of the equalities
   solver::RankedLu system{};                                    // of the rows
   Index corrections = 0, pushed = 0;  // rows of corrections, and those whose mu was positive
@@ -98,7 +98,7 @@ struct StepJacobian {
     return {load3(x.v + b.user_v), load3(x.v + b.user_v + 3), c, h};
   }
   bool is_free(Index body) const { return m.subtree_end()[body] == body + 1 && m.bodies()[body].m > 0; }
-  // Calls f(row, its derivatives of delta, column(c) of each) for the degrees of freedom of free flyers.
+  // Calls f(row, its derivatives of delta, column(c) of each in y.direction) for the degrees of freedom of free flyers.
   template <class F>
   void for_each_flight(F&& f) const {
     integrator::for_each_free_flyer<double>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<double>&) {
@@ -224,8 +224,6 @@ struct StepJacobian {
   // step_end.cpp
   void write(double* out) const;
   void transpose_end(const double* gradient) const;
-  template <class J>
-  void end_of_joint(const Body& b, const double* own, const double* dv, const double* moved, double* q, double* v) const;
 };
 
 }  // namespace dyn::simulation

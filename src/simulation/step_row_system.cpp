@@ -5,11 +5,8 @@ namespace dyn::simulation {
 
 // K dlambda = -(J dv' + E): sticking and pressed rows. Sliding ones follow.
 void StepJacobian::assemble() const {
-  for (Index r = 0; r < rows; ++r) {
-    double* const z = y.Z + nv * r;
-    std::fill_n(z, nv, 0.0);
-    add_rows(z, d.Minv, nv, J(r), 1, Index(nv), nv);
-  }
+  std::fill_n(y.Z, rows * nv, 0.0);
+  add_product(y.Z, nv, rows, {y.J, nv, 1}, d.Minv, nv, Index(nv), nv);
   for (Index r = 0; r < rows; ++r)
     for (Index s = 0; s <= r; s += 4) {  // sums side by side
       const double *const z = y.Z + nv * s, *const j = J(r);
@@ -39,16 +36,13 @@ void StepJacobian::assemble() const {
 
 // wanted = -(J dv' + E)
 void StepJacobian::find_wanted() const {
-  for (Index r = 0; r < rows; ++r) {
-    double* const b = y.wanted + columns * r;
-    if (along) {
-      b[0] = -(inner(J(r), y.state, nv) + inner(E(r), y.direction, 2 * nv) + y.given.row[r]);
-      continue;
-    }
-    std::fill_n(b, columns, 0.0);
-    add_rows(b, y.state, columns, J(r), 1, Index(nv), columns);
-    for (std::ptrdiff_t c = 0; c < 2 * nv; ++c) b[c] += E(r)[c];
-    for (std::ptrdiff_t c = 0; c < columns; ++c) b[c] = -b[c];
+  if (along) {
+    for (Index r = 0; r < rows; ++r)
+      y.wanted[r] = -(inner(J(r), y.state, nv) + inner(E(r), y.direction, 2 * nv) + y.given.row[r]);
+  } else {
+    for (Index r = 0; r < rows; ++r) std::fill_n(std::copy_n(E(r), 2 * nv, y.wanted + columns * r), nv, 0.0);
+    add_product(y.wanted, columns, rows, {y.J, nv, 1}, y.state, columns, Index(nv), columns);
+    for (std::ptrdiff_t k = 0; k < rows * columns; ++k) y.wanted[k] = -y.wanted[k];
   }
   for_each_sliding([&](const JacobianContact&, Index t, const double* e, double by) {
     double* const b = y.wanted + columns * t;
@@ -90,22 +84,22 @@ void StepJacobian::factor_rows() {
 // Adds J^T lambda to the state, K lambda = wanted. Returns whether the equations are consistent.
 bool StepJacobian::solve_rows() const {
   using tuning::derivatives::consistent;
-  const auto largest = [&](Index first, Index end) {
-    double most = 0;
-    for (std::ptrdiff_t k = first * columns; k < end * columns; ++k) most = std::max(most, std::abs(y.wanted[k]));
-    return most;
-  };
   for (Index r = 0; r < rows; ++r)
     for (std::ptrdiff_t c = 0; c < columns; ++c) y.wanted[columns * r + c] *= y.row_scale[r];
-  const double size = largest(0, rows);
+  const double size = largest_of(y.wanted, rows * columns);
   system.solve(y.wanted, columns);
   for (Index r = 0; along && r < system.rank; ++r)
     add_row(y.state, y.Z + nv * system.columns[r], y.scale[system.columns[r]] * y.wanted[r], nv);
-  for (Index k = 0; k < (along ? 0 : nv); ++k) {
-    for (Index r = 0; r < system.rank; ++r) y.rest[r] = y.Z[nv * system.columns[r] + k] * y.scale[system.columns[r]];
-    add_rows(state(k), y.wanted, columns, y.rest, 1, system.rank, columns);
+  if (!along) {
+    double* const Z = y.rest;  // of the independent rows
+    for (Index r = 0; r < system.rank; ++r) {
+      const double* const z = y.Z + nv * system.columns[r];
+      const double by = y.scale[system.columns[r]];
+      for (Index k = 0; k < nv; ++k) Z[nv * r + k] = z[k] * by;
+    }
+    add_product(y.state, columns, nv, {Z, 1, nv}, y.wanted, columns, system.rank, columns);
   }
-  return largest(system.rank, rows) <= consistent * size;
+  return largest_of(y.wanted + system.rank * columns, (rows - system.rank) * columns) <= consistent * size;
 }
 // From the gradient by the state after the impulses to that before them.
 void StepJacobian::transpose_rows() const {
@@ -130,18 +124,22 @@ void StepJacobian::transpose_rows() const {
 // Whether impulses that the rows leave open move nothing: sliding contacts may share a load in ways that turn a body
 // differently.
 bool StepJacobian::is_determined() const {
-  double *const open = y.rest, *const sum = x.plus, *const all = sum + nv;
-  for (Index at = system.rank; at < rows; ++at) {
-    system.null_vector(at, open);
-    std::fill_n(sum, 2 * nv, 0.0);
-    for (Index r = 0; r < rows; ++r) {
-      const double by = open[r] * y.scale[r];
-      const double* const z = y.Z + nv * r;
-      for (Index k = 0; k < (by != 0 ? nv : 0); ++k) sum[k] += z[k] * by, all[k] += std::abs(z[k] * by);
-    }
-    double motion = 0, moved = 0;
-    for (Index k = 0; k < nv; ++k) motion = std::max(motion, std::abs(sum[k])), moved = std::max(moved, all[k]);
-    if (motion > tuning::derivatives::consistent * moved) return false;
+  const Index open = rows - system.rank;
+  if (open == 0) return true;
+  double *const null = y.rest, *const motion = y.wanted;
+  for (Index r = 0; r < open; ++r) {
+    double* const own = null + rows * r;
+    system.null_vector(system.rank + r, own);
+    for (Index k = 0; k < rows; ++k) own[k] *= y.scale[k];
+  }
+  std::fill_n(motion, open * nv, 0.0);
+  add_product(motion, nv, open, {null, rows, 1}, y.Z, nv, rows, nv);
+  double* const moved = y.row_adjoint;  // by a unit of each impulse
+  for (Index k = 0; k < rows; ++k) moved[k] = largest_of(y.Z + nv * k, nv);
+  for (Index r = 0; r < open; ++r) {
+    double most = 0;
+    for (Index k = 0; k < rows; ++k) most += std::abs(null[rows * r + k]) * moved[k];
+    if (largest_of(motion + nv * r, nv) > tuning::derivatives::consistent * most) return false;
   }
   return true;
 }

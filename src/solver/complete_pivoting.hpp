@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/types.hpp"
+#include "solver/small_product.hpp"
 
 namespace dyn::solver {
 
@@ -32,6 +32,16 @@ inline void add_rows(double* __restrict to, const double* __restrict from, std::
     if (kept == 4) flush();
   }
   if (kept) flush();
+}
+
+// The largest absolute value: of eight sequences, as a single one is no vector loop.
+inline double largest_of(const double* x, std::ptrdiff_t n) {
+  double most[8] = {};
+  std::ptrdiff_t k = 0;
+  for (; k + 8 <= n; k += 8)
+    for (int i = 0; i < 8; ++i) most[i] = std::abs(x[k + i]) > most[i] ? std::abs(x[k + i]) : most[i];
+  for (; k < n; ++k) most[0] = std::max(most[0], std::abs(x[k]));
+  return *std::max_element(most, most + 8);
 }
 
 // P F Q = L U, of n x n, in place. The first `rank` rows and columns are independent.
@@ -67,10 +77,13 @@ struct RankedLu {
   void solve(double* b, std::ptrdiff_t count) const {
     for (Index k = 0; k < rank; ++k)
       if (rows[k] != k) std::swap_ranges(b + count * k, b + count * (k + 1), b + count * rows[k]);
-    for (Index k = 1; k < n; ++k) {
+    negate(b, count * n);
+    for (Index k = 0; k < rank; ++k) {
       double* const to = b + count * k;
-      negate(to, count), add_rows(to, b, count, F + n * k, 1, std::min(k, rank), count), negate(to, count);
+      add_rows(to, b, count, F + n * k, 1, k, count), negate(to, count);
     }
+    double* const rest = b + count * rank;
+    add_product(rest, count, n - rank, {F + n * rank, n, 1}, b, count, rank, count), negate(rest, count * (n - rank));
     for (Index k = rank - 1; k >= 0; --k) {
       double* const to = b + count * k;
       negate(to, count), add_rows(to, b + count * (k + 1), count, F + n * k + k + 1, 1, rank - k - 1, count);
@@ -110,9 +123,7 @@ struct RankedLu {
     row = column = rank;
     for (Index i = rank; i < n; ++i) {
       const double* const entries = F + n * i;
-      double largest = 0;
-      for (Index j = rank; j < n; ++j) largest = std::max(largest, std::abs(entries[j]));
-      if (largest > most) most = largest, row = i;
+      if (const double largest = largest_of(entries + rank, n - rank); largest > most) most = largest, row = i;
     }
     for (Index j = rank; j < n; ++j)
       if (std::abs(F[n * row + j]) == most) return column = j, most;
