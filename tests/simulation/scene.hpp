@@ -28,11 +28,12 @@ class Scene {
   ~Scene() { dyn_builder_free(b_); }
   operator dynBuilder*() const { return b_; }
 
-  Scene& shape(const char* body, dynShapeType type, std::array<double, 3> size, const dynMaterial& x) {
+  Scene& shape(const char* body, dynShapeType type, std::array<double, 3> size, const dynMaterial& x,
+               std::array<double, 3> at = {0, 0, 0}) {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
     s.body = body, s.type = type, s.material = x;
-    std::copy(size.begin(), size.end(), s.size);
+    std::copy(size.begin(), size.end(), s.size), std::copy(at.begin(), at.end(), s.placement + 9);
     EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b_, &s)) << dyn_last_error();
     return *this;
   }

@@ -170,6 +170,46 @@ TEST(StepDerivatives, OfASlidingBox) {
   for (dynContactMode mode : x.modes) EXPECT_EQ(DYN_CONTACT_MODE_SLIDE, mode);
 }
 
+// A box slides at 1 m/s. Its four corners are redundant. Turning at w, friction has other directions at the corners, so that their
+// loads decide on its moment, to a share of w times half a length over the speed: 1e-5 is what rounding leaves of that.
+TEST(StepDerivatives, OfASlidingBoxThatTurns) {
+  Scene scene;
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.3)).box("box", 1, {0.4, 0.3, 0.2}, material(0.3));
+  Stepper run(scene.finish());
+  for (const double w : {0.0, 1e-5, 1.2e-4, 1e-2}) {
+    run.set(upright(0, 0, 0.1 - 1e-4), {1, 0.5, 0, 0, 0, w});
+    const Derivatives x = run.analytic();
+    ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+    EXPECT_EQ(w > 3e-5 ? 4 : 0, x.report.degenerate) << w;
+  }
+}
+
+// A box on two feet that are 30 um apart, between two that are not: what is nearly redundant is not left out. Tilting moves it by
+// nothing, though the lever is short.
+TEST(StepDerivatives, OfRowsThatNearlyDepend) {
+  Scene scene;
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5)).free("box", 1, {0.1, 0.1, 0.1});
+  for (const auto& [x, y] : {std::pair{0.0, 0.5}, {0.0, -0.5}, {1.5e-5, 0.0}, {-1.5e-5, 0.0}})
+    scene.shape("box", DYN_SHAPE_TYPE_SPHERE, {0.05, 0, 0}, material(0.5), {x, y, -0.05});
+  Stepper run(scene.finish());
+  run.set(upright(0, 0, 0.1 - 1e-5));
+  const Derivatives x = run.analytic();
+  ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+  EXPECT_EQ(4u, x.modes.size());
+  EXPECT_EQ(0, x.report.degenerate);
+  EXPECT_LT(std::abs(x.B[10 + 12 * 4]), 1e-8);  // rad/s by a moment about y; 0.009 of a free body
+}
+
+// Sweeps approach their solution slowly: differences see where they end, 1e-12 of the speed over the change of 1e-6.
+TEST(StepDerivatives, DifferencesOfSweepsEndClose) {
+  Scene scene;
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.3)).box("box", 1, {0.4, 0.3, 0.2}, material(0.3));
+  Stepper run(scene.finish());
+  run.options.solver = DYN_CONTACT_SOLVER_TYPE_PGS;
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options)) << dyn_last_error();
+  run.set(upright(0, 0, 0.1 - 1e-4), {1, 0.5, 0, 0, 0, 0});
+  run.agree(3e-5);
+}
 
 // ---------------------------------------------------------------------------------------------------- forces
 
