@@ -62,12 +62,15 @@ void Island::sweep_while_improving(dynContactReport& report) {
   if (report.residual > before) report.residual = before, std::copy_n(kept, rows, lambda);
 }
 
-// Approximate frictionless solution for position corrections; later steps correct the rest. Sets by_dof.
-void Island::correct_by_sweeps() {
+// Approximate displacement for position corrections; later steps correct the rest. Sets by_dof. Returns false if rows contradict
+// each other.
+bool Island::correct_by_sweeps(double softness) {
   const double least =
       std::max(correction_change, uses_sweeps_only() ? tolerance : 0);  // of the largest change in the first sweep
-  with_sweeps([&](auto&& sweeps) { sweeps.frictionless(correction_sweeps, least); });
+  bool agree = true;
+  with_sweeps([&](auto&& sweeps) { agree = sweeps.frictionless(correction_sweeps, least, softness); });
   clear_supporting_dofs(), scatter_all();
+  return agree;
 }
 
 // What Newton's method from the guess does not solve.

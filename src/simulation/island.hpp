@@ -94,7 +94,13 @@ struct Island {
   void accelerated_sweeps(dynContactReport& report);  // alone
   void sweeps_and_newton(dynContactReport& report);
   void sweep_while_improving(dynContactReport& report);
-  void correct_by_sweeps();
+  struct PositionErrors {
+    double largest = 0, over = 1;  // of the length, or rad; over what a step corrects
+    bool far = false;              // an equality is further off than a step corrects
+  };
+  PositionErrors find_position_errors(double shared);
+  bool correct_by_sweeps(double softness);
+  double free_share(Index k) const;
   void scale_restitution(double factor);
   bool adds_energy(const dynContactReport& report) const;
   void solve_restitution(dynContactReport& report);

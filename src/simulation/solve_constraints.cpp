@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "algorithm/constrained/delassus.hpp"
-#include "algorithm/constrained/redundant_rows.hpp"
 #include "simulation/island.hpp"
 #include "simulation/ledger.hpp"
 
@@ -171,70 +170,6 @@ void Island::impulses(dynContactReport& report) {
     }
     store3(force, f.force_on_b), store3(moment, f.moment_on_b);
   }
-}
-
-// Returns whether a row's error is an angle.
-bool Island::is_angle(const ActiveConstraint& x, Index row) const {
-  const ConstraintInstance<double>& s = *x.s;
-  if (of_path(s.c)) return m.paths()[s.c.path - 1].angular;
-  if (between_joints(s.c.type)) return m.bodies()[body_of_dof(m, s.c.v1)].type != BodyType::Prismatic;
-  const auto pulls = [&](const double* F, Index body) {
-    return body && (F[row] != 0 || F[row_lanes + row] != 0 || F[2 * row_lanes + row] != 0);
-  };
-  return !pulls(s.F1, s.c.body1) && !pulls(s.F2, s.c.body2);
-}
-
-// Position error at the end of the step, without friction.
-// In steps that follow from an accuracy: the error where the step ends (simulation/extrapolated.hpp), less half of h times
-// the closing rate of rolling surfaces, once for each drift. That part is no error: it falls as h^2, and extrapolation
-// over steps of different lengths would turn it into one.
-// Rows as the file has them are springs: no error is theirs to correct.
-bool Island::correct() {
-  if (is_as_file()) [[unlikely]] return false;
-  const double most = correction_speed(d, h) * h / w.length;  // of the length scale, or rad
-  const double ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;
-  double largest = 0;
-  bool far = false;  // an equality is further off than a step corrects
-  auto part = [&](double wrong, double unit) {
-    largest = std::max(largest, std::abs(wrong) / unit);
-    return std::clamp(tuning::island::correction * wrong, -most * unit, most * unit);
-  };
-  auto one_sided = [&](double gap, double unit) { return gap < 0 ? part(gap, unit) : gap; };
-  for (Index k = 0, in_boxes = 0; k < constraint_count; ++k) {
-    ActiveConstraint& x = constraint(k);
-    double over[2] = {1, 1};  // an equality's largest length and angle over what a step corrects: errors keep their directions
-    for (Index r = 0; r < x.rows; ++r) {
-      const Index i = x.first + r;
-      double wrong = 0;
-      if (x.kind == RowKind::Equality && !(x.s->c.stiffness > 0 || x.s->c.damping > 0)) {
-        if (dropped > 0 || !(x.s->dropped >> r & 1)) {
-          const bool angle = is_angle(x, r);
-          wrong = x.s->error[r] + ahead * c[i];
-          const double size = std::abs(wrong) / (angle ? 1 : w.length);
-          wrong *= tuning::island::correction;
-          largest = std::max(largest, size), over[angle] = std::max(over[angle], tuning::island::correction * size / most);
-        }
-      } else if (x.kind == RowKind::Box && x.s->c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
-        wrong = one_sided(x.s->error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
-      } else if (x.kind == RowKind::Box) {
-        lower[in_boxes] = upper[in_boxes] = w.blocks[k].lower = w.blocks[k].upper = 0;
-      } else if (x.kind == RowKind::Contact && r == normal_row(x.rows)) {
-        const double rate = w.laws[x.index].rate[r];
-        const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed_gap + moved * std::max(0.0, -rate);
-        wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most * w.length) : one_sided(gap, w.length);
-      }
-      g[i] = compliance[i] = 0, bias[i] = wrong;
-    }
-    in_boxes += x.kind == RowKind::Box;
-    x.far = over[0] > 1 || over[1] > 1, far |= x.far;
-    if (!x.far) continue;
-    for (Index r = 0; r < x.rows; ++r) bias[x.first + r] /= over[is_angle(x, r)];
-  }
-  if (!(largest > tuning::slop)) return false;
-  if (dropped > 0) share_errors(m, d, bias);
-  if (!has_room_for_matrix() || equalities == 0) correct_by_sweeps();
-  else solve_displacement(far), scatter_all();
-  return true;
 }
 
 bool solve_constraints(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq) {

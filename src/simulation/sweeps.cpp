@@ -136,18 +136,19 @@ void Sweeps<Operator>::run(Index most, dynContactReport& report) {
 }
 
 template <class Operator>
-void Sweeps<Operator>::frictionless(int most, double share) {
+bool Sweeps<Operator>::frictionless(int most, double share, double softness) {
   std::fill_n(y, x.rows, 0.0), G.clear();
-  double first = 0;
+  double first = 0, last = 0;
   for (int n = 0; n < most; ++n) {
     double changed = 0;
     G.for_each([&](const Block& s, Index k) {
+      const double give = softness > 0 ? softness * x.free_share(k) : 0;
       const auto row = [&]<int rows>(Index r, double lower, double upper) DYN_INLINE_LAMBDA {
         double c[rows], by[rows] = {}, &l = y[s.first + r];
         const double own = 1 - s.soft[r];
         if (!(own > 0)) return;
         G.template gather<rows>(k, c);
-        const double to = std::clamp(l - (wanted[s.first + r] + c[r]) / own, lower, upper);
+        const double to = std::clamp((l - (wanted[s.first + r] + c[r]) / own) / (1 + give), lower, upper);
         by[r] = to - l;
         if (by[r] == 0) return;
         l = to;
@@ -162,8 +163,11 @@ void Sweeps<Operator>::frictionless(int most, double share) {
     });
     if (n == 0) first = changed;
     else if (changed <= share * first) break;
+    else if (softness == 0 && n >= contradictory_sweeps && changed > std::max(first, contradictory_progress * last)) return false;
+    last = changed;
   }
   write();
+  return true;
 }
 
 template <class Operator>

@@ -16,8 +16,9 @@ class Sweeps {
   double sweep() const;
   // Improves y until the residual meets the tolerance, no longer falls, or `most` sweeps are made.
   void run(Index most, dynContactReport& report);
-  // Smallest normal impulses, without friction and compliance, from y = 0, to a share of the first sweep's change.
-  void frictionless(int most, double share);
+  // Smallest normal impulses, without friction and compliance, from y = 0, to a share of the first sweep's change. Rows give way
+  // by `softness` (Island::free_share). Without it: returns false if changes grow, as of rows that contradict each other.
+  bool frictionless(int most, double share, double softness);
   // The island's lambda from y.
   void write() const;
   // Sets the island's c and by_dof. Returns the residual.

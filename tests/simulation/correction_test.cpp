@@ -26,6 +26,33 @@ TEST(Correction, NoCoordinateMovesFurtherThanATenthOfARadian) {
   EXPECT_NEAR(6, run.q[0], 1e-9);
 }
 
+// A thigh overlaps a pelvis by 5 cm near its hip, whose two hinges have limits of 0.01 rad: no motion opens the overlap. The overlap
+// stays. The hip turns by less than the overlap over the thigh's own length; from a lever of 2 cm alone it would be 0.7 rad.
+TEST(Correction, AnOverlapThatLimitsLeaveNoWayOutStays) {
+  const double none[3] = {0, 0, 0}, lower[1] = {-0.01}, upper[1] = {0.01};
+  for (const double lever : {0.005, 0.02, 0.05}) {
+    Builder b;
+    EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+    Spec x("x", DYN_JOINT_TYPE_REVOLUTE, nullptr, {0, 0, -0.05}), y("y", DYN_JOINT_TYPE_REVOLUTE, "x");
+    x.about(1, 0, 0), y.about(0, 1, 0);
+    for (Spec* s : {&x, &y}) s->lower = lower, s->upper = upper;
+    b.joint(x).body("hip", "x", 1).joint(y).body("thigh", "y", 3, {0, 0, -0.2});
+    dynShapeSpec pelvis, thigh;
+    dyn_shape_spec_init(&pelvis), dyn_shape_spec_init(&thigh);
+    pelvis.body = "universe", thigh.body = "thigh", pelvis.name = "pelvis", thigh.name = "femur", pelvis.type = thigh.type = DYN_SHAPE_TYPE_SPHERE;
+    pelvis.size[0] = 0.1, thigh.size[0] = 0.07, pelvis.material = thigh.material = material(0);
+    thigh.placement[9] = lever, thigh.placement[10] = lever / 2, thigh.placement[11] = -0.06;
+    for (const dynShapeSpec* shape : {&pelvis, &thigh}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, shape)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_pair(b, "pelvis", "femur", nullptr)) << dyn_last_error();
+    Simulation run(b.finish(), 2e-3);
+    run.set({0, 0});
+    run.steps(1000);
+    for (int k = 0; k < 2; ++k) EXPECT_LT(std::abs(run.q[k]), 0.03) << lever;
+    for (int k = 0; k < 2; ++k) EXPECT_LT(std::abs(run.v[k]), 0.02) << lever;
+    EXPECT_EQ(1u, run.contacts().size()) << lever;
+  }
+}
+
 // Cubes of a tower overlap by 0.1 mm each. Twenty sweeps without friction lift the highest of twelve by a fifth of what it lacks.
 TEST(Correction, TwentySweepsStraightenATower) {
   Scene scene;
