@@ -146,9 +146,8 @@ void StepJacobian::add_largest_correction(double speed, double length) const {
 
 void StepJacobian::add_gravity(const Vec3<double>& along, double factor) const {
   for (Index i = 1; i < m.n.bodies; ++i) {
-    const auto& Y = d.composite[i].Y;
-    for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k)
-      y.given.force[user_dof(m, k)] += factor * h * ratio(k) * dot(d.S[k], Force<double>{along * Y.m, cross(Y.h, along)});
+    const Body& b = m.bodies()[i];
+    add_body_force(i, {along * b.m, cross(d.R[i] * b.h + d.rel[i] * b.m, along)}, factor * h, y.given.force);
   }
   if (correction_falls(d)) {
     const Vec3<double> g = load3(static_cast<const double*>(d.world_gravity));

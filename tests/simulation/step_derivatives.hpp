@@ -227,4 +227,15 @@ inline void hold(Stepper& run, const Numbers& q) {
   ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data()));
 }
 
+// A mechanism, its loops closed, at rest and in motion.
+inline Model mechanism(const char* name) {
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_model_load((std::string(DYN_MODELS_DIR "/mechanisms/") + name).c_str(), nullptr, &m)) << dyn_last_error();
+  return Model(m);
+}
+inline void close_loops(Stepper& run, Numbers q, Numbers v) {
+  ASSERT_EQ(DYN_OK, dyn_project(run.m, run.d, q.data(), v.data(), nullptr, q.data(), v.data(), nullptr)) << dyn_last_error();
+  run.set(q, v);
+}
+
 }  // namespace dyn_test

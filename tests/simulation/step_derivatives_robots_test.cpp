@@ -44,17 +44,6 @@ TEST(StepDerivatives, OfAnArmAtItsLimit) {
   run.agree();
 }
 
-// A mechanism, its loops closed, at rest and in motion.
-Model mechanism(const char* name) {
-  dynModel* m = nullptr;
-  EXPECT_EQ(DYN_OK, dyn_model_load((std::string(DYN_MODELS_DIR "/mechanisms/") + name).c_str(), nullptr, &m)) << dyn_last_error();
-  return Model(m);
-}
-void close_loops(Stepper& run, Numbers q, Numbers v) {
-  ASSERT_EQ(DYN_OK, dyn_project(run.m, run.d, q.data(), v.data(), nullptr, q.data(), v.data(), nullptr)) << dyn_last_error();
-  run.set(q, v);
-}
-
 TEST(StepDerivatives, OfMechanisms) {
   for (const char* name : {"four_bar.urdf", "four_bar_in_space.urdf"}) {
     SCOPED_TRACE(name);

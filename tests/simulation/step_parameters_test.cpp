@@ -360,6 +360,23 @@ TEST(StepParameters, OfLimitsThatAreFarOff) {
   agree(run, p);
 }
 
+// Closed loops, in motion and at rest: their forces follow the masses, and their drift is rounding.
+TEST(StepParameters, OfMechanisms) {
+  for (const char* name : {"four_bar.urdf", "four_bar_in_space.urdf"})
+    for (double speed : {0.0, 0.7}) {
+      SCOPED_TRACE(name);
+      Stepper run(mechanism(name));
+      Numbers q(static_cast<std::size_t>(run.m.nq())), v(static_cast<std::size_t>(run.m.nv()), speed);
+      ASSERT_EQ(DYN_OK, dyn_configuration_neutral(run.m, q.data()));
+      for (double& x : q) x += 0.2;
+      close_loops(run, q, v);
+      Parameters p;
+      for (int j = 1; j < run.m.njoints(); ++j) p.add(DYN_STEP_PARAMETER_TYPE_INERTIA, j);
+      p.add(DYN_STEP_PARAMETER_TYPE_GRAVITY), p.add(DYN_STEP_PARAMETER_TYPE_TIME_STEP);
+      agree(run, p, 1e-5);
+    }
+}
+
 TEST(StepParameters, OfAStackOfBoxes) {
   Scene scene;
   scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.7));
