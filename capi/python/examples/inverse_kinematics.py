@@ -39,7 +39,8 @@ def by_hand(model: dyn.Model, data: dyn.Data, target: dyn.Placement, q: np.ndarr
 def main(starts: int = 1000) -> None:
     model = dyn.load(PANDA, base="fixed")
     data = model.data()
-    met, within, solved, iterations = 0, 0, 0, []
+    met, within, solved = 0, 0, 0
+    iterations: list[int] = []
     for k in range(starts):
         data.forward_kinematics(model.random(2 * k))  # a pose that some q reaches
         target = data.frame_placement(HAND)

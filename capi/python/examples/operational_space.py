@@ -21,11 +21,11 @@ STIFFNESS, DAMPING = 400.0, 40.0  # 1/s^2, 1/s: of the error of the hand
 def main(page: str | None = None) -> dyn.Recording:
     bent = {f"panda_joint{k}": x for k, x in zip(range(1, 8), (0, -0.5, 0, -2.2, 0, 1.8, 0.8))}
     sim = dyn.Simulation(PANDA, bent, base="fixed", effects=())
-    model, terms = sim.model, sim.model.data()
+    terms = sim.model.data()
     home = sim.q.copy()
     terms.forward_kinematics(home)
     start = terms.frame_placement(HAND)
-    errors = []
+    errors: list[float] = []
 
     def goal(t: float) -> Placement:
         """The hand's placement on the circle, from rest to rest."""
@@ -42,7 +42,7 @@ def main(page: str | None = None) -> dyn.Recording:
         M, h = terms.crba(q), terms.compute_nle(q, v)
         J, hand = terms.frame_jacobian(HAND), terms.frame_placement(HAND)
         error = (hand.inverse() @ goal(sim.time)).log()  # a twist in the hand's axes
-        errors.append(np.linalg.norm(error))
+        errors.append(float(np.linalg.norm(error)))
         t = sim.time
         wanted = STIFFNESS * error + DAMPING * (twist(t) - J @ v) + (twist(t + sim.dt) - twist(t)) / sim.dt
         inverse = np.linalg.inv(M)

@@ -34,7 +34,7 @@ def main() -> int:
     a, b = links[counted[np.bincount(which[~free]).argmax()]]
     print(f"{SAMPLES} configurations, {len(counted)} pairs of shapes each: {1e6 * seconds / SAMPLES:.0f} us a configuration")
     print(f"{free.mean():.1%} keep {1e3 * MARGIN:.0f} mm away; of the others most have {a} near {b}")
-    print(f"most room: {1e3 * nearest.max():.0f} mm, at q = {np.round(q[np.argmax(nearest)], 2).tolist()}")
+    print(f"most room: {1e3 * nearest.max():.0f} mm, at q = {[round(float(x), 2) for x in q[np.argmax(nearest)]]}")
     return 0 if 0.5 < free.mean() < 1 else 1
 
 

@@ -59,7 +59,8 @@ class Problem:
     def improve(self, path: list[State], u: np.ndarray, damping: float) -> list[State]:
         """Feed-forward k and feedback K of every step, from the last to the first."""
         nv = self.model.nv
-        V_x, V_xx, gains = ARRIVAL * self.away(path[-1]), ARRIVAL * np.eye(2 * nv), []
+        V_x, V_xx = ARRIVAL * self.away(path[-1]), ARRIVAL * np.eye(2 * nv)
+        gains: list[State] = []
         for (q, v), u_k in zip(reversed(path[:-1]), reversed(u)):
             A, B = self.derivatives(q, v, u_k)
             Q_x, Q_u = A.T @ V_x, H * EFFORT * u_k + B.T @ V_x
@@ -74,7 +75,8 @@ class Problem:
     def follow(self, path: list[State], u: np.ndarray, gains: list[State],
                share: float) -> tuple[list[State], np.ndarray]:
         """The path with the gains applied to what it deviates from the old one."""
-        new, controls = [path[0]], []
+        new = [path[0]]
+        controls: list[np.ndarray] = []
         for (q, v), u_k, (k, K) in zip(path, u, gains):
             deviation = np.concatenate([self.model.difference(q, new[-1][0]), new[-1][1] - v])
             controls.append(u_k + share * k + K @ deviation)

@@ -26,7 +26,7 @@ def _plain(name: str) -> Any:
     return _TYPES[name] if name in _TYPES or not name.endswith("*") else c_void_p
 
 
-def _member(declared: dict) -> Any:
+def _member(declared: dict[str, Any]) -> Any:
     """Type of a structure's field: a number, an address, an array, or a function."""
     if "returns" in declared:
         return _function(declared)
@@ -36,11 +36,11 @@ def _member(declared: dict) -> Any:
     return found
 
 
-def _argument(declared: dict) -> Any:
+def _argument(declared: dict[str, Any]) -> Any:
     return c_void_p if "length" in declared or "returns" in declared else _plain(declared["type"])
 
 
-def _function(declared: dict) -> Any:
+def _function(declared: dict[str, Any]) -> Any:
     return CFUNCTYPE(_plain(declared["returns"]), *map(_argument, declared["parameters"]))
 
 
@@ -52,7 +52,7 @@ class Sized(Structure):
         self.struct_size = ctypes.sizeof(self)
 
 
-def _structure(declared: dict) -> type[Structure]:
+def _structure(declared: dict[str, Any]) -> type[Structure]:
     fields = [(field["name"], _member(field)) for field in declared["fields"]]
     base = Sized if fields[0][0] == "struct_size" else Structure
     return type(declared["name"][3:], (base,), {"__module__": __name__, "__doc__": declared["doc"], "_fields_": fields})

@@ -37,21 +37,21 @@ def _words(key: str, x: Any) -> list[str]:
     return [option, repr(x)]
 
 
-def sweep(file: str | os.PathLike, base: str | None = None, **options: Any) -> dict:
+def sweep(file: str | os.PathLike[str], base: str | None = None, **options: Any) -> dict[str, Any]:
     """Runs `dyn accuracy` on a robot or scene. Returns its JSON as a dict. Options are the command's own: q, v, tau, ctrl
     (numbers), configuration, duration, target="1e-6m", budget="30s", ground=True, without="limits", solver, reference, resume,
     csv, html and so on."""
     return _answer("accuracy", [file], base, options)
 
 
-def compare(a: str | os.PathLike, b: str | os.PathLike, base: str | None = None, **options: Any) -> dict:
+def compare(a: str | os.PathLike[str], b: str | os.PathLike[str], base: str | None = None, **options: Any) -> dict[str, Any]:
     """Runs `dyn compare` on two robot files, a log and a robot file, or two logs. Returns its JSON as a dict: when the
     divergence begins, both errors of integration, and the causes, that which explains most first. Options are the command's
     own: duration, dt, dt_b, q, q_b, model, layout_a, svg and so on."""
     return _answer("compare", [a, b], base, options)
 
 
-def _answer(subcommand: str, files: list[Any], base: str | None, options: dict[str, Any]) -> dict:
+def _answer(subcommand: str, files: list[Any], base: str | None, options: dict[str, Any]) -> dict[str, Any]:
     """The JSON of a subcommand of `dyn`."""
     if base not in (None, "fixed", "floating"):
         raise ArgumentError(f'base is {base!r}, but must be "fixed" or "floating".')
@@ -65,7 +65,7 @@ def _answer(subcommand: str, files: list[Any], base: str | None, options: dict[s
     return json.loads(done.stdout)
 
 
-def _read(result: Any) -> dict:
+def _read(result: Any) -> dict[str, Any]:
     if isinstance(result, (str, os.PathLike)):
         try:
             result = json.loads(Path(result).read_text(encoding="utf-8"))
@@ -77,9 +77,9 @@ def _read(result: Any) -> dict:
     return result
 
 
-def methods(result: Any) -> dict[str, list[dict]]:
+def methods(result: Any) -> dict[str, list[dict[str, Any]]]:
     """The points of each line of the diagram: integrators in steps, and for an accuracy, from the coarsest setting on."""
-    out: dict[str, list[dict]] = {}
+    out: dict[str, list[dict[str, Any]]] = {}
     for p in _read(result)["points"]:
         out.setdefault(p["integrator"] + (", accuracy" if p["accuracy"] is not None else ""), []).append(p)
     for points in out.values():
@@ -87,7 +87,7 @@ def methods(result: Any) -> dict[str, list[dict]]:
     return out
 
 
-def plot(result: Any, path: str | os.PathLike | None = None, error: str = "m") -> Any:
+def plot(result: Any, path: str | os.PathLike[str] | None = None, error: str = "m") -> Any:
     """The work-precision diagram of a sweep (a dict, or a file of it): error to the right, time upwards, both logarithmic; beside
     it the same over evaluations of forward dynamics. One line a method, one mark a setting; what nothing is both cheaper and
     nearer than has a ring; what failed stands at the right edge. error: which one, "m", "rad", "J" or "kg m/s". Writes path if

@@ -161,7 +161,7 @@ class Batch(Algorithms, Rollouts):
         status.fill(0)
         return address(status)
 
-    def _quick(self, plan: _Plan, given: tuple, out: Any) -> Numbers | None:
+    def _quick(self, plan: _Plan, given: tuple[Any, ...], out: Any) -> Numbers | None:
         """Sets the addresses of arrays that all lie in memory as the library reads them, with one output: what most calls are.
 
         Returns what is to be filled. None: they have to be looked at one by one.
@@ -187,7 +187,7 @@ class Batch(Algorithms, Rollouts):
         arrays.status = None
         return memory
 
-    def _compute(self, algorithm: AlgorithmInfo, given: tuple, only: str | None, out: Any, status: Any) -> Any:
+    def _compute(self, algorithm: AlgorithmInfo, given: tuple[Any, ...], only: str | None, out: Any, status: Any) -> Any:
         plan = self._plans.get(algorithm.id)
         if plan is None:
             plan = self._plans[algorithm.id] = _Plan(self.model, algorithm)

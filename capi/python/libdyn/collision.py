@@ -63,7 +63,7 @@ def _geometry(type: Any, size: ArrayLike | Mesh, radius: float, what: str) -> ab
 
 
 def geometry_distance(
-    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0,
+    a: tuple[Any, ...], placement_a: Any, b: tuple[Any, ...], placement_b: Any, tolerance: float = 0.0,
     method: DistanceMethodLike = DistanceMethod.GJK
 ) -> Distance:
     """Distance between two shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);

@@ -101,12 +101,12 @@ def to_contact(c: abi.Contact) -> Contact:
     return Contact(c.pair, c.shape_a, c.shape_b, c.feature, c.distance, np.array(c.position), np.array(c.normal))
 
 
-def _shape(x: tuple, what: str) -> abi.Geometry:
+def _shape(x: tuple[Any, ...], what: str) -> abi.Geometry:
     return _geometry(*x, *(0.0,) * (3 - len(x)), what)
 
 
 def geometry_contacts(
-    a: tuple, placement_a: Any, b: tuple, placement_b: Any, margin: float = 0.0, tolerance: float = 0.0
+    a: tuple[Any, ...], placement_a: Any, b: tuple[Any, ...], placement_b: Any, margin: float = 0.0, tolerance: float = 0.0
 ) -> list[Contact]:
     """Contact points, at most eight, at a distance of at most margin (m); shapes as in dyn.geometry_distance."""
     A, B = _shape(a, "a"), _shape(b, "b")
@@ -117,7 +117,7 @@ def geometry_contacts(
     return [to_contact(c) for c in out[: count.value]]
 
 
-def geometry_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayLike) -> RayHit | None:
+def geometry_ray(shape: tuple[Any, ...], placement: Any, origin: ArrayLike, direction: ArrayLike) -> RayHit | None:
     """Returns the first hit of the ray origin + t direction on a solid."""
     S, X = _shape(shape, "shape"), twelve(placement, "placement")
     o, d, out = checked(origin, (3,), "origin"), checked(direction, (3,), "direction"), abi.RayHit()
@@ -125,7 +125,7 @@ def geometry_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: Arr
     return None if out.shape < 0 else RayHit(out.t, np.array(out.position), np.array(out.normal))
 
 
-def geometry_closest_point(shape: tuple, placement: Any, point: ArrayLike) -> ClosestPoint:
+def geometry_closest_point(shape: tuple[Any, ...], placement: Any, point: ArrayLike) -> ClosestPoint:
     """The point of a shape's surface that is closest to a point."""
     S, X, p, out = _shape(shape, "shape"), twelve(placement, "placement"), checked(point, (3,), "point"), abi.ClosestPoint()
     check(lib.dyn_geometry_closest_point(byref(S), address(X), address(p), byref(out)))
@@ -133,10 +133,10 @@ def geometry_closest_point(shape: tuple, placement: Any, point: ArrayLike) -> Cl
 
 
 def geometry_sweep(
-    a: tuple,
+    a: tuple[Any, ...],
     placement_a: Any,
     motion_a: ArrayLike | None,
-    b: tuple,
+    b: tuple[Any, ...],
     placement_b: Any,
     motion_b: ArrayLike | None,
     duration: float,

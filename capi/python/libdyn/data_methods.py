@@ -58,7 +58,7 @@ def parameters(algorithm: AlgorithmInfo) -> tuple[list[str], int] | None:
             and ADDRESSES.keys() >= set(names) else None)
 
 
-def gathered(function: dict) -> list[dict]:
+def gathered(function: dict[str, Any]) -> list[dict[str, Any]]:
     """The pointers in `out`, where outputs stand in a structure."""
     last = function["parameters"][-1]
     if last["name"] != "out" or not last["type"].startswith("const dyn"):

@@ -10,7 +10,7 @@ import enum
 from .interface import INTERFACE, public_name
 
 
-def _make(described: dict) -> type[enum.Enum]:
+def _make(described: dict[str, Any]) -> type[enum.Enum]:
     values = {value["name"]: value["value"] for value in described["values"]}
     masks = described["bits"] or max(values.values()) > len(values)
     made: type[enum.Enum] = (enum.IntFlag if masks else enum.IntEnum)(public_name(described), values, module=__name__)

@@ -16,6 +16,6 @@ FUNCTIONS: dict[str, dict] = {function["name"]: function for function in INTERFA
 """Every function: its parameters, what it returns, and its comment."""
 
 
-def public_name(enum: dict) -> str:
+def public_name(enum: dict[str, Any]) -> str:
     """Name of an enumeration in Python: of dynJointType JointType, of the bits DYN_PART_... Part."""
     return enum["prefix"][4:-1].title().replace("_", "") if enum["bits"] else enum["name"][3:]

@@ -184,13 +184,13 @@ class Mesh:
 
 
 def load_mesh(
-    path: str | os.PathLike,
+    path: str | os.PathLike[str],
     *,
     scale: float | Sequence[float] = 1.0,
     weld_tolerance: float = 0.0,
     up_z: bool = False,
-    package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
-    relative_to: str | os.PathLike | None = None,
+    package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+    relative_to: str | os.PathLike[str] | None = None,
 ) -> Mesh:
     """Reads an STL, OBJ, COLLADA (.dae) or glTF (.gltf, .glb) file.
 

@@ -38,7 +38,7 @@ def _options(strict: bool, lines: list[SaveLine]) -> abi.SaveOptions:
 class Saving(ModelHandle):
     """The part of Model that writes it."""
 
-    def save(self, path: str | os.PathLike, strict: bool = False) -> list[SaveLine]:
+    def save(self, path: str | os.PathLike[str], strict: bool = False) -> list[SaveLine]:
         """Writes the model as URDF (.urdf), MJCF (.xml, .mjcf) or compiled (.dynb): see dyn_model_save. What the format has no
         place for is in the list as WARNING, and an error with strict; what it says in another way as INFO."""
         name = os.fsencode(path)

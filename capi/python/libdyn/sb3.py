@@ -43,11 +43,11 @@ class Vector(VecEnv):  # type: ignore[misc, unused-ignore]
     def step_async(self, actions: Numbers) -> None:
         self._actions = actions
 
-    def step_wait(self) -> tuple[Numbers, Numbers, Numbers, list[dict]]:
+    def step_wait(self) -> tuple[Numbers, Numbers, Numbers, list[dict[str, Any]]]:
         observation, reward, over, late, info = self.envs.step(self._actions)
         self._return += reward
         self._length += 1
-        infos: list[dict] = [{} for _ in range(self.num_envs)]
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = over | late
         if ended.any():
             final, reasons = observation.astype(np.float32), info.get("ended")

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 SOURCE = Path(__file__).with_name("native") / "casadi_external.c"
 
 
-def generate(model: Model, name: str, path: str | os.PathLike, symbol: str = "", **options: Any) -> Path:
+def generate(model: Model, name: str, path: str | os.PathLike[str], symbol: str = "", **options: Any) -> Path:
     """Writes a C file of one function with its model, and returns its path. Link it with libdyn.
 
     symbol   name of the function in C (default: name); jac_, adj1_ and jac_adj1_ stand in front of those of its derivatives
@@ -63,7 +63,7 @@ def _write(f: Function, path: Path, symbol: str) -> Path:
     return path
 
 
-def build(source: str | os.PathLike) -> Path:
+def build(source: str | os.PathLike[str]) -> Path:
     """Compiles a file of generate, and returns the shared library beside it, which casadi.external takes."""
     return shared_library(source, "cc", "-std=c11")
 
@@ -98,7 +98,7 @@ class _Callback(casadi.Callback):  # type: ignore[misc, unused-ignore]
     """Inputs: those of f, then outputs that CasADi hands over. outputs: (name, rows, columns)."""
 
     def __init__(self, symbol: str, f: Function, inputs: list[tuple[str, int]], outputs: list[tuple[str, int, int]],
-                 options: dict):
+                 options: dict[str, Any]):
         casadi.Callback.__init__(self)
         self.f, self.inputs, self.outputs, self.symbol = f, inputs, outputs, symbol
         self.construct(symbol, options)
@@ -135,7 +135,7 @@ class _Value(_Callback):
     def has_jacobian(self) -> bool:
         return True
 
-    def get_jacobian(self, symbol: str, names_in: Any, names_out: Any, options: dict) -> Any:
+    def get_jacobian(self, symbol: str, names_in: Any, names_out: Any, options: dict[str, Any]) -> Any:
         return _kept(_Jacobian(symbol, self.f, names_in, names_out))
 
 

@@ -21,7 +21,7 @@ def compiler(kind: Literal["cc", "c++"]) -> str | None:
     return next(filter(None, map(shutil.which, (os.environ.get(variable, ""), *names))), None)
 
 
-def shared_library(source: str | os.PathLike, kind: Literal["cc", "c++"], *options: str) -> Path:
+def shared_library(source: str | os.PathLike[str], kind: Literal["cc", "c++"], *options: str) -> Path:
     """Compiles a file, and returns the shared library beside it."""
     source, found = Path(source), compiler(kind)
     if not found:
