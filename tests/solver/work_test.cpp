@@ -141,7 +141,7 @@ const Cost costs[] = {
     {augmented_lagrangian, "random", 411, 0, 411, 12, 0.08},
     {augmented_lagrangian, "at rest", 24, 0, 24, 12, 0.1},
     {augmented_lagrangian, "cubes", 1349, 0, 1349, 12, 0.25},
-    {augmented_lagrangian, "table", 875, 0, 875, 11, 0.16},
+    {augmented_lagrangian, "table", 958, 0, 958, 11, 0.1},  // 875 and 1041, by the compiler's options
     {augmented_lagrangian, "all rows", 300, 0, 300, 12},
     {augmented_lagrangian, "uneven", 383, 0, 383, 12},
     {smoothing, "random", 0, 78, 78, 12, 0.08},
