@@ -206,7 +206,7 @@ inline BoxContacts box_contacts(const shape::Box& a, const Pose& XA, const shape
   d.limit(margin);
   const BoxAxes axes(a.half, b.half, d.X, d.Rt);
   if (axes.apart(d.reach)) return BoxContacts::Found;
-  const BoxAxis axis = axes.best(d.rounding(), shape::largest(b.half));
+  const BoxAxis axis = axes.best(d.rounding());
   const double distance = axis.distance - a.radius - b.radius, size = d.small;
   const bool apart = axis.distance > 1e-10 * size + d.rounding();
   if (std::min(shape::smallest(a.half), shape::smallest(b.half)) > 4 * same_point * size) {

@@ -21,13 +21,19 @@ double size_of(const shape::Shape& s) {
 // Returns whether a tangent plane of an ellipsoid proves that the point p is farther from it than reach.
 bool is_clear(const shape::Ellipsoid& s, const Vec& p, double reach) {
   const double away = std::max(0.0, reach + s.radius) + 1e-12 * (shape::norm(p) + s.extent());
-  const auto clear = [&](const Vec& n) {
-    const double gap = dot(n, p) - shape::norm(hadamard(s.semi, n));
-    return gap > 0 && gap * gap > away * away * dot(n, n);
-  };
   const Vec& a = s.semi;
-  const Vec n = Vec::make(p[0] / (a[0] * a[0]), p[1] / (a[1] * a[1]), p[2] / (a[2] * a[2]));  // where the radius to p leaves it
-  return dot(n, n) > 0 && (clear(n) || clear(p - s.support(n)));
+  Vec n = Vec::make(p[0] / (a[0] * a[0]), p[1] / (a[1] * a[1]), p[2] / (a[2] * a[2]));  // where the radius to p leaves it
+  if (!(dot(n, n) > 0)) return false;
+  for (int i = 0; i < 4; ++i) {
+    const Vec e = hadamard(a, n);
+    const double height = shape::norm(e), gap = dot(n, p) - height;
+    if (gap > 0 && gap * gap > away * away * dot(n, n)) return true;
+    const Vec top = hadamard(a, e) * (1 / height), way = p - top;
+    if (dot(way, way) <= away * away) return false;  // a point within reach
+    // from the centre of a ball of the mean radius of curvature at the top (the trace of Ellipsoid::curvature_radii)
+    n = way + n * ((dot(a, a) - dot(top, top)) / (2 * height));
+  }
+  return false;
 }
 
 // Contact points without a distance query. Returns false where there is no closed form.
@@ -111,13 +117,25 @@ inline bool closed_form(const shape::Shape& a, const Pose& XA, const shape::Shap
   return f && f(a, XA, b, XB, margin, out);
 }
 
-// Contact points of a sphere: its nearest point alone.
-void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const Result& r, double same, double band,
-                  const ContactPlane& plane, Manifold& out) {
+// Part of a shape that the nearest point to a sphere lies on. A hull's corner needs no face around it.
+std::uint32_t nearest_part(const shape::Shape& s, const Pose& X, bool sphere_is_a, const Result& r, double same, double band) {
+  const double towards = sphere_is_a ? -1 : 1;
+  if (s.type == shape::Type::Convex) {
+    const shape::Convex hull(s);
+    const Vec n = transpose_times(X.R, r.normal * towards);
+    const Vec way = hull.support(n) - X.act_inverse(sphere_is_a ? r.point_b : r.point_a);
+    const double high = dot(way, n);
+    if (dot(way, way) - high * high <= same * same) return detail::edge_part(hull.support_number(), hull.support_number());
+  }
   shape::Feature feature;
   PlanarFeature f;
-  planar_feature_of(s, X, plane, sphere_is_a ? -1 : 1, band, feature, f);
-  const std::uint64_t part = part_of(f, 0, 0, same);
+  planar_feature_of(s, X, ContactPlane(r.normal, r.point_a), towards, band, feature, f);
+  return part_of(f, 0, 0, same);
+}
+// Contact points of a sphere: its nearest point alone.
+void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const Result& r, double same, double band,
+                  Manifold& out) {
+  const std::uint64_t part = nearest_part(s, X, sphere_is_a, r, same, band);
   out.points[out.count++] = {r.point_a + r.normal * (r.distance / 2), r.distance, sphere_is_a ? part : part << 32};
 }
 
@@ -129,9 +147,9 @@ void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const 
   out.normal = r.normal;
   const double size = std::min(size_of(a), size_of(b)), eps = coincident * size, same = same_point * size;
   const double band = std::max(margin - r.distance, 0.0) + eps;
+  if (!surface && !plane_a && b.type == shape::Type::Sphere) return sphere_point(a, X_WA, false, r, same, band, out);
+  if (!surface && !plane_b && a.type == shape::Type::Sphere) return sphere_point(b, X_WB, true, r, same, band, out);
   const ContactPlane plane(r.normal, r.point_a);
-  if (!surface && !plane_a && b.type == shape::Type::Sphere) return sphere_point(a, X_WA, false, r, same, band, plane, out);
-  if (!surface && !plane_b && a.type == shape::Type::Sphere) return sphere_point(b, X_WB, true, r, same, band, plane, out);
   ClipPoint witness(0, 0, 0, r.distance);
   witness.feature = ~std::uint64_t(0);
   Overlap overlap;
