@@ -83,7 +83,8 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
                                    : on_line & bit ? detail::edge_part(0, 1)
                                                    : detail::inside_part;
         const double height = gap[lane];
-        const Vec end = of_a ? A.z * ends[lane] + n * (a.radius + height / 2) : p + B.z * ends[lane] - n * (b.radius + height / 2);
+        const Vec end = of_a ? A.z * ends[lane] + n * (a.radius + height / 2)
+                             : p + B.z * ends[lane] - n * (b.radius + height / 2);
         deepest = std::min(deepest, height);
         int place = 0;  // of the point that it is one with; the deeper of the two stays
         for (; place < count; ++place) {

@@ -1,5 +1,6 @@
 #include "collision/manifold.hpp"
 
+#include "collision/ascending.hpp"
 #include "collision/box_manifold.hpp"
 #include "collision/capsule_manifold.hpp"
 #include "collision/plane_manifold.hpp"
@@ -120,16 +121,21 @@ inline bool closed_form(const shape::Shape& a, const Pose& XA, const shape::Shap
 // Part of a shape that the nearest point to a sphere lies on. A hull's corner needs no face around it.
 std::uint32_t nearest_part(const shape::Shape& s, const Pose& X, bool sphere_is_a, const Result& r, double same, double band) {
   const double towards = sphere_is_a ? -1 : 1;
+  const Vec n = transpose_times(X.R, r.normal * towards);
+  shape::Feature feature;
   if (s.type == shape::Type::Convex) {
     const shape::Convex hull(s);
-    const Vec n = transpose_times(X.R, r.normal * towards);
-    const Vec way = hull.support(n) - X.act_inverse(sphere_is_a ? r.point_b : r.point_a);
+    const Vec top = hull.support(n), way = top - X.act_inverse(sphere_is_a ? r.point_b : r.point_a);
     const double high = dot(way, n);
     if (dot(way, way) - high * high <= same * same) return detail::edge_part(hull.support_number(), hull.support_number());
+    hull.facing_at(top, n, band, feature);
+  } else {
+    shape::visit(s, [&]<class S>(const S& x) {
+      if constexpr (S::type != shape::Type::HalfSpace) x.facing(n, band, feature);
+    });
   }
-  shape::Feature feature;
   PlanarFeature f;
-  planar_feature_of(s, X, ContactPlane(r.normal, r.point_a), towards, band, feature, f);
+  project(feature, X, ContactPlane(r.normal, r.point_a), towards, f);
   return part_of(f, 0, 0, same);
 }
 // Contact points of a sphere: its nearest point alone.
@@ -180,17 +186,15 @@ void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const 
   merge(overlap, same);
   if (deepest > r.distance + eps) overlap.insert(witness);
   reduce_points(overlap, Manifold::most, eps);
-  // order by feature
-  int order[Manifold::most];
+  std::uint64_t feature[Manifold::most];
+  int place[Manifold::most];
+  for (int i = 0; i < overlap.count; ++i)
+    feature[i] = surface ? overlap.p[i].feature : feature_of(fa, fb, overlap.p[i], same);
+  ascending(feature, overlap.count, place);
+  out.count = overlap.count;
   for (int i = 0; i < overlap.count; ++i) {
-    if (!surface) overlap.p[i].feature = feature_of(fa, fb, overlap.p[i], same);
-    int at = i;
-    for (; at > 0 && overlap.p[order[at - 1]].feature > overlap.p[i].feature; --at) order[at] = order[at - 1];
-    order[at] = i;
-  }
-  for (int i = 0; i < overlap.count; ++i) {
-    const ClipPoint& p = overlap.p[order[i]];
-    out.points[out.count++] = {plane.origin + plane.u * p.x + plane.v * p.y + plane.n * (p.high + p.gap / 2), p.gap, p.feature};
+    const ClipPoint& p = overlap.p[i];
+    out.points[place[i]] = {plane.origin + plane.u * p.x + plane.v * p.y + plane.n * (p.high + p.gap / 2), p.gap, feature[i]};
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "collision/ascending.hpp"
 #include "collision/manifold.hpp"
 #include "collision/manifold_clip.hpp"
 #include "shape/list.hpp"
@@ -49,8 +50,7 @@ bool facing_contacts(const S& s, const Pose& X, const Vec& m, double height, dou
     gap[k] = height + dot(m, f.p[k]);
     kept |= unsigned(gap[k] <= contacts.margin) << k, near |= gap[k] <= distance + eps;
   }
-  const int count = std::popcount(kept);
-  if (!near || count > Manifold::most) return false;
+  if (!near || std::popcount(kept) > Manifold::most) return false;
   // distances across the normal
   Vec normal = Vec::zero();
   for (int k = 0; k < f.count; ++k) {
@@ -62,13 +62,12 @@ bool facing_contacts(const S& s, const Pose& X, const Vec& m, double height, dou
   }
   const double facing = dot(normal, m);
   if (f.count > 2 && !(facing * facing > 4 * steep * steep * dot(normal, normal))) return false;
-  // ascending by feature
+  std::uint16_t id[Manifold::most];
+  int corner[Manifold::most], place[Manifold::most], count = 0;
+  for_each_bit(kept, [&](int k) { id[count] = f.id[k], corner[count++] = k; });
+  ascending(id, count, place);
+  for (int i = 0; i < count; ++i) contacts.put(place[i], X.act(f.p[corner[i]]), gap[corner[i]], id[i]);
   contacts.out.count = count;
-  for_each_bit(kept, [&](int k) {
-    int at = 0;
-    for_each_bit(kept, [&](int i) { at += f.id[i] < f.id[k]; });
-    contacts.put(at, X.act(f.p[k]), gap[k], f.id[k]);
-  });
   return true;
 }
 

@@ -83,7 +83,8 @@ struct BoxAxes {
     }
   };
   Edges edges() const {
-    const auto along = [&](int j) { return select(length2[j] > shortest2, gap[j] / sqrt(length2[j]), Double4(-shape::infinity)); };
+    const Double4 none = Double4(-shape::infinity);
+    const auto along = [&](int j) { return select(length2[j] > shortest2, gap[j] / sqrt(length2[j]), none); };
     return {{along(0), along(1), along(2)}};
   }
   unsigned faces_at_least(double least) const { return bits_of(faces_a >= least) | bits_of(faces_b >= least) << 3; }
