@@ -4,7 +4,6 @@
 #pragma once
 
 #include <bit>
-#include <utility>
 
 #include "collision/analytic/capsules.hpp"
 #include "collision/analytic/minkowski_segments.hpp"
