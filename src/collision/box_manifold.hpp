@@ -4,6 +4,7 @@
 
 #include "base/simd_shuffle.hpp"
 #include "collision/analytic/boxes.hpp"
+#include "collision/ascending.hpp"
 #include "collision/sphere_manifold.hpp"
 #include "convex_methods.hpp"
 
@@ -156,7 +157,7 @@ inline bool face_contacts(const shape::Box& own, const Pose& XO, const FaceView&
   if (!is_nearest) return false;
   const std::uint32_t base = std::uint32_t(view.side > 0) << view.f, ue = 1u << view.e, um = 1u << view.m;
   std::uint64_t feature[Manifold::most];
-  int order[Manifold::most];
+  int place[Manifold::most];
   for (int c = 0; c < count; ++c) {
     const OverFace& p = points[c];
     std::uint32_t part_own = inside_part, part_other;
@@ -173,17 +174,15 @@ inline bool face_contacts(const shape::Box& own, const Pose& XO, const FaceView&
     }
     if (!face.part(p.x, p.y, same, part_other)) return false;
     feature[c] = own_is_a ? std::uint64_t(part_own) << 32 | part_other : std::uint64_t(part_other) << 32 | part_own;
-    int at = c;
-    for (; at > 0 && feature[order[at - 1]] > feature[c]; --at) order[at] = order[at - 1];
-    order[at] = c;
   }
+  ascending(feature, count, place);
   const Vec across = XO.R[view.f] * view.side, normal = across * view.c + XO.R[view.m] * view.s;
   const Vec x = XO.R[view.e], y = XO.R[view.m] * view.c - across * view.s;
   const Vec origin = XO.p + across * view.half + normal * own.radius;
   out.normal = own_is_a ? normal : -normal, out.count = count;
   for (int c = 0; c < count; ++c) {
-    const OverFace& p = points[order[c]];
-    out.points[c] = {origin + x * p.x + y * p.y + normal * (view.slope * p.y + p.gap / 2), p.gap, feature[order[c]]};
+    const OverFace& p = points[c];
+    out.points[place[c]] = {origin + x * p.x + y * p.y + normal * (view.slope * p.y + p.gap / 2), p.gap, feature[c]};
   }
   return true;
 }
@@ -206,7 +205,7 @@ inline BoxContacts box_contacts(const shape::Box& a, const Pose& XA, const shape
   d.limit(margin);
   const BoxAxes axes(a.half, b.half, d.X, d.Rt);
   if (axes.apart(d.reach)) return BoxContacts::Found;
-  const BoxAxis axis = axes.best(d.rounding(), shape::largest(b.half));
+  const BoxAxis axis = axes.best(d.rounding());
   const double distance = axis.distance - a.radius - b.radius, size = d.small;
   const bool apart = axis.distance > 1e-10 * size + d.rounding();
   if (std::min(shape::smallest(a.half), shape::smallest(b.half)) > 4 * same_point * size) {

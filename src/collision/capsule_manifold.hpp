@@ -53,46 +53,50 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
     const Axis &A = axes[0], &B = axes[1];
     const auto both = [](double x, double y) { return Double4(x, x, y, y); };
     const Double4 ends = both(A.half, B.half) * Double4(1.0, -1.0, 1.0, -1.0), sign = both(1, -1);
-    const Double4 other_rise = both(B.rise, A.rise), other_square = both(B.square, A.square);
+    const Double4 other_rise = both(B.rise, A.rise), other_square = both(B.square, A.square), other_half = both(B.half, A.half);
     const Double4 up_rel = ends * both(A.rise, B.rise) - sign * high, along = both(-along_b, along_a) + ends * uv;
     // times the sine
-    const Double4 t_sine = along - other_rise * up_rel, beside_sine = both(-beside_b, beside_a) + sign * ends * twist;
+    const Double4 t_sine = along - other_rise * up_rel, beside_sine = abs(both(-beside_b, beside_a) + sign * ends * twist);
     const Double4 wide = both(std::max(b.radius, eps), std::max(a.radius, eps));
     const Double4 least_gap = sign * (t_sine * other_rise - up_rel * other_square);  // times the squared sine, of the axes
-    const unsigned over_other = bits_of((beside_sine * beside_sine <= wide * wide * other_square) &
-                                        (abs(t_sine) <= both(B.half, A.half) * other_square + eps) &
-                                        (least_gap <= other_square * (margin + a.radius + b.radius + eps)));
-    for_each_bit(over_other, [&](int lane) {
-      const int k = lane >> 1;
-      const Axis &own = axes[k], &other = axes[1 - k];
-      const double side = lane & 1 ? -1 : 1, curvature = k == 0 ? b.radius : a.radius;
-      const double sine = std::sqrt(other.square), t = t_sine[lane] / sine, beside = std::abs(beside_sine[lane]) / sine;
-      const double over = std::abs(t) - other.half * sine;
-      if (over > eps) return;
-      const double falls =
-          curvature > 0 ? (curvature - std::sqrt(std::max(0.0, curvature * curvature - beside * beside))) / sine : 0;
+    unsigned over_other = bits_of((beside_sine * beside_sine <= wide * wide * other_square) &
+                                  (abs(t_sine) <= other_half * other_square + eps) &
+                                  (least_gap <= other_square * (margin + a.radius + b.radius + eps)));
+    // the nearest points alone: an end that is one of them says nothing more
+    const Double4 nearest = both(dot(A.z, c.a), dot(B.z, c.b - p));
+    const unsigned others = over_other & ~bits_of(ends * nearest >= ends * ends - abs(ends) * eps);
+    if (!others) over_other = 0;
+    if (over_other) {
+      const Double4 sine = sqrt(other_square), inverse = Double4(1) / sine, t = t_sine * inverse, beside = beside_sine * inverse;
+      const Double4 over = abs(t) - other_half * sine, curvature = both(b.radius, a.radius), none = Double4::zero();
+      const Double4 falls = (curvature - sqrt(max(none, curvature * curvature - beside * beside))) * inverse;
       // from the end to the other axis along n; A lies below
-      const double up = (t / sine) * other.rise - up_rel[lane], gap = (k == 0 ? up : -up) - a.radius - b.radius + falls;
-      if (!(gap <= margin)) return;
-      const std::uint32_t corner = side > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
-      std::uint32_t part = detail::inside_part;
-      if (over * over + beside * beside <= same * same)
-        part = t > 0 ? detail::edge_part(0, 0) : detail::edge_part(1, 1);
-      else if (beside <= same && over <= 0)
-        part = detail::edge_part(0, 1);
-      const Vec end = own.center + own.z * (side * own.half);
-      const Vec at = k == 0 ? end + n * (a.radius + gap / 2) : end - n * (b.radius + gap / 2);
-      deepest = std::min(deepest, gap);
-      int place = 0;  // of the point that it is one with; the deeper of the two stays
-      for (; place < count; ++place) {
-        const Vec way = points[place].at - at;
-        const double high = dot(way, n);
-        if (dot(way, way) - high * high <= same * same) break;
-      }
-      if (place == count || gap < points[place].gap)
-        points[place] = {at, gap, k == 0 ? std::uint64_t(corner) << 32 | part : std::uint64_t(part) << 32 | corner};
-      count = std::max(count, place + 1);
-    });
+      const Double4 gap = sign * (t * inverse * other_rise - up_rel) - a.radius - b.radius + falls;
+      over_other &= bits_of((over <= eps) & (gap <= margin));
+      const unsigned at_end = bits_of(over * over + beside * beside <= same * same),
+                     on_line = bits_of((beside <= same) & (over <= 0.0)), upper = bits_of(t > 0.0);
+      for_each_bit(over_other, [&](int lane) {
+        const bool of_a = lane < 2;
+        const unsigned bit = 1u << lane;
+        const std::uint32_t corner = lane & 1 ? detail::edge_part(1, 1) : detail::edge_part(0, 0);
+        const std::uint32_t part = at_end & bit    ? upper & bit ? detail::edge_part(0, 0) : detail::edge_part(1, 1)
+                                   : on_line & bit ? detail::edge_part(0, 1)
+                                                   : detail::inside_part;
+        const double height = gap[lane];
+        const Vec end = of_a ? A.z * ends[lane] + n * (a.radius + height / 2)
+                             : p + B.z * ends[lane] - n * (b.radius + height / 2);
+        deepest = std::min(deepest, height);
+        int place = 0;  // of the point that it is one with; the deeper of the two stays
+        for (; place < count; ++place) {
+          const Vec way = points[place].at - end;
+          const double rise = dot(way, n);
+          if (dot(way, way) - rise * rise <= same * same) break;
+        }
+        if (place == count || height < points[place].gap)
+          points[place] = {end, height, of_a ? std::uint64_t(corner) << 32 | part : std::uint64_t(part) << 32 | corner};
+        count = std::max(count, place + 1);
+      });
+    }
   }
   if (deepest > distance + eps) {
     const std::uint32_t part_a = axes[0].part(c.a, same), part_b = axes[1].part(c.b, same);

@@ -36,6 +36,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
   const double enough = wanted(d, options);
   Refined p{};
   bool refined = false, overlap = false;  // overlap: Newton's method found a normal of overlapping shapes
+  bool is_beyond = false;
   Cores deepest;
   bool is_deepest = false;
   auto finish = [&](const GjkResult& g) {
@@ -44,7 +45,9 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
     if constexpr (D::curved) {
       if (overlap) return false;
       const bool found = on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p);
-      refined = found && p.distance > -enough && shape::norm(p.b - p.a) - p.distance <= enough;
+      const double between = shape::norm(p.b - p.a);
+      if (found && d.is_beyond(p.distance, between)) return is_beyond = true;
+      refined = found && p.distance > -enough && between - p.distance <= enough;
       overlap = found && p.distance <= -enough;
       if (overlap) return is_deepest = deepest_point_pair(d, p.normal, deepest);
     }
@@ -52,6 +55,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
     return refined && p.unique;
   };
   GjkResult g = gjk(d, guess, options, finish);
+  if (is_beyond) return beyond(p.normal, p.distance);
   if (!is_deepest && g.beyond) return beyond(g.v * (-1 / g.norm), g.norm - g.gap);
   if (!is_deepest && !refined && g.apart && g.gap > options.accepted * d.small) {
     // GJK stalled by rounding: start again from another direction

@@ -32,6 +32,9 @@ struct Difference {
     bound_share = share;
   }
 
+  // Whether a lower bound of the cores' distance is all that is asked; distance: an upper bound.
+  bool is_beyond(double bound, double distance) const { return bound > std::max(reach, bound_share * distance); }
+
   static constexpr bool curved = A::curved || B::curved;
 
   DYN_INLINE Vertex support(const Vec& d) const {

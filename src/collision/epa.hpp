@@ -46,8 +46,11 @@ class Epa {
     }
     double apart = 0;              // gap between the best depth and the nearest open face
     double next = 0.01 * d_.small;  // gap at which refinement is tried next
+    Index nearest;
+    double upper = shape::infinity;  // of the depth along the nearest face's normal
+    bool is_exact = false;           // the nearest of all faces is one of D
     for (;;) {
-      const Index nearest = nearest_face();
+      nearest = nearest_face();
       const double offset = w_.offset[nearest];
       apart = std::min(refined_upper_, r.upper) - offset;
       if (apart <= (refined() ? tie_ : wanted_) || r.iterations == 2 * o_.max_iterations) break;
@@ -60,7 +63,7 @@ class Epa {
       }
       ++r.iterations;
       const Vertex p = d_.support(n);
-      const double upper = dot(n, p.w);
+      upper = dot(n, p.w);
       if (upper < r.upper) r.normal = n, r.upper = upper;
       // near convergence: refine by Newton's method, and grow the polytope if that fails
       if (D::curved && (rival || (minima_ == 0 && upper - offset <= next))) {
@@ -72,7 +75,7 @@ class Epa {
       }
       const bool exact = upper - offset <= wanted_;
       if (exact && minima_ == 0) {
-        apart = upper - offset;
+        apart = upper - offset, is_exact = !stuck_;
         break;
       }
       if (exact || stuck_)
@@ -88,9 +91,11 @@ class Epa {
       r.normal = refined_.normal, r.a = refined_.a, r.b = refined_.b, r.upper = refined_upper_, r.residual = refined_.residual;
       r.unique = refined_.unique, r.refined = true;
     } else {
-      for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
-      const Index nearest = nearest_face();
-      const double upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
+      if (!is_exact) {
+        for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
+        nearest = nearest_face();
+        upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
+      }
       // returns the lowest support value if the polytope confirms it, else that of its nearest face
       if (upper > r.upper + wanted_) {
         witness(face_along(r.normal * r.upper));
@@ -132,8 +137,12 @@ class Epa {
     for (Index f = lanes; f < faces_; f += lanes) least = min(least, block(f));
     const Double4 l = min(slice4<0>(least), slice4<4>(least));
     const double offset = std::min(std::min(l[0], l[1]), std::min(l[2], l[3]));
-    for (Index f = 0; f < faces_; f += Double4::lanes)
-      if (const unsigned at = bits_of(Double4::load(w_.offset + f) <= offset)) return f + Index(std::countr_zero(at));
+    for (Index first = 0; first < faces_; first += 64) {
+      std::uint64_t at = 0;  // no branch for a face: which one it is cannot be predicted
+      for (Index f = first; f < std::min(first + 64, faces_); f += Double4::lanes)
+        at |= std::uint64_t(bits_of(Double4::load(w_.offset + f) <= offset)) << (f - first);
+      if (at) return first + Index(std::countr_zero(at));
+    }
     return 0;
   }
   // Number of a new face; -1: there is no room.

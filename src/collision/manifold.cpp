@@ -1,5 +1,6 @@
 #include "collision/manifold.hpp"
 
+#include "collision/ascending.hpp"
 #include "collision/box_manifold.hpp"
 #include "collision/capsule_manifold.hpp"
 #include "collision/plane_manifold.hpp"
@@ -21,13 +22,19 @@ double size_of(const shape::Shape& s) {
 // Returns whether a tangent plane of an ellipsoid proves that the point p is farther from it than reach.
 bool is_clear(const shape::Ellipsoid& s, const Vec& p, double reach) {
   const double away = std::max(0.0, reach + s.radius) + 1e-12 * (shape::norm(p) + s.extent());
-  const auto clear = [&](const Vec& n) {
-    const double gap = dot(n, p) - shape::norm(hadamard(s.semi, n));
-    return gap > 0 && gap * gap > away * away * dot(n, n);
-  };
   const Vec& a = s.semi;
-  const Vec n = Vec::make(p[0] / (a[0] * a[0]), p[1] / (a[1] * a[1]), p[2] / (a[2] * a[2]));  // where the radius to p leaves it
-  return dot(n, n) > 0 && (clear(n) || clear(p - s.support(n)));
+  Vec n = Vec::make(p[0] / (a[0] * a[0]), p[1] / (a[1] * a[1]), p[2] / (a[2] * a[2]));  // where the radius to p leaves it
+  if (!(dot(n, n) > 0)) return false;
+  for (int i = 0; i < 4; ++i) {
+    const Vec e = hadamard(a, n);
+    const double height = shape::norm(e), gap = dot(n, p) - height;
+    if (gap > 0 && gap * gap > away * away * dot(n, n)) return true;
+    const Vec top = hadamard(a, e) * (1 / height), way = p - top;
+    if (dot(way, way) <= away * away) return false;  // a point within reach
+    // from the centre of a ball of the mean radius of curvature at the top (the trace of Ellipsoid::curvature_radii)
+    n = way + n * ((dot(a, a) - dot(top, top)) / (2 * height));
+  }
+  return false;
 }
 
 // Contact points without a distance query. Returns false where there is no closed form.
@@ -111,13 +118,30 @@ inline bool closed_form(const shape::Shape& a, const Pose& XA, const shape::Shap
   return f && f(a, XA, b, XB, margin, out);
 }
 
+// Part of a shape that the nearest point to a sphere lies on. A hull's corner needs no face around it.
+std::uint32_t nearest_part(const shape::Shape& s, const Pose& X, bool sphere_is_a, const Result& r, double same, double band) {
+  const double towards = sphere_is_a ? -1 : 1;
+  const Vec n = transpose_times(X.R, r.normal * towards);
+  shape::Feature feature;
+  if (s.type == shape::Type::Convex) {
+    const shape::Convex hull(s);
+    const Vec top = hull.support(n), way = top - X.act_inverse(sphere_is_a ? r.point_b : r.point_a);
+    const double high = dot(way, n);
+    if (dot(way, way) - high * high <= same * same) return detail::edge_part(hull.support_number(), hull.support_number());
+    hull.facing_at(top, n, band, feature);
+  } else {
+    shape::visit(s, [&]<class S>(const S& x) {
+      if constexpr (S::type != shape::Type::HalfSpace) x.facing(n, band, feature);
+    });
+  }
+  PlanarFeature f;
+  project(feature, X, ContactPlane(r.normal, r.point_a), towards, f);
+  return part_of(f, 0, 0, same);
+}
 // Contact points of a sphere: its nearest point alone.
 void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const Result& r, double same, double band,
-                  const ContactPlane& plane, Manifold& out) {
-  shape::Feature feature;
-  PlanarFeature f;
-  planar_feature_of(s, X, plane, sphere_is_a ? -1 : 1, band, feature, f);
-  const std::uint64_t part = part_of(f, 0, 0, same);
+                  Manifold& out) {
+  const std::uint64_t part = nearest_part(s, X, sphere_is_a, r, same, band);
   out.points[out.count++] = {r.point_a + r.normal * (r.distance / 2), r.distance, sphere_is_a ? part : part << 32};
 }
 
@@ -129,9 +153,9 @@ void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const 
   out.normal = r.normal;
   const double size = std::min(size_of(a), size_of(b)), eps = coincident * size, same = same_point * size;
   const double band = std::max(margin - r.distance, 0.0) + eps;
+  if (!surface && !plane_a && b.type == shape::Type::Sphere) return sphere_point(a, X_WA, false, r, same, band, out);
+  if (!surface && !plane_b && a.type == shape::Type::Sphere) return sphere_point(b, X_WB, true, r, same, band, out);
   const ContactPlane plane(r.normal, r.point_a);
-  if (!surface && !plane_a && b.type == shape::Type::Sphere) return sphere_point(a, X_WA, false, r, same, band, plane, out);
-  if (!surface && !plane_b && a.type == shape::Type::Sphere) return sphere_point(b, X_WB, true, r, same, band, plane, out);
   ClipPoint witness(0, 0, 0, r.distance);
   witness.feature = ~std::uint64_t(0);
   Overlap overlap;
@@ -162,17 +186,15 @@ void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const 
   merge(overlap, same);
   if (deepest > r.distance + eps) overlap.insert(witness);
   reduce_points(overlap, Manifold::most, eps);
-  // order by feature
-  int order[Manifold::most];
+  std::uint64_t feature[Manifold::most];
+  int place[Manifold::most];
+  for (int i = 0; i < overlap.count; ++i)
+    feature[i] = surface ? overlap.p[i].feature : feature_of(fa, fb, overlap.p[i], same);
+  ascending(feature, overlap.count, place);
+  out.count = overlap.count;
   for (int i = 0; i < overlap.count; ++i) {
-    if (!surface) overlap.p[i].feature = feature_of(fa, fb, overlap.p[i], same);
-    int at = i;
-    for (; at > 0 && overlap.p[order[at - 1]].feature > overlap.p[i].feature; --at) order[at] = order[at - 1];
-    order[at] = i;
-  }
-  for (int i = 0; i < overlap.count; ++i) {
-    const ClipPoint& p = overlap.p[order[i]];
-    out.points[out.count++] = {plane.origin + plane.u * p.x + plane.v * p.y + plane.n * (p.high + p.gap / 2), p.gap, p.feature};
+    const ClipPoint& p = overlap.p[i];
+    out.points[place[i]] = {plane.origin + plane.u * p.x + plane.v * p.y + plane.n * (p.high + p.gap / 2), p.gap, feature[i]};
   }
 }
 

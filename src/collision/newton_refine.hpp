@@ -109,6 +109,12 @@ struct Pieces {
     evaluate(next);
   }
 
+  // Whether the plane across n separates the shapes by more than their reach.
+  bool is_beyond() const {
+    const D& d = *difference;
+    return f > d.reach && d.is_beyond(-dot(n, d.support(n).w), shape::norm(y));
+  }
+
  private:
   // Drops the middle one of three collinear points.
   void drop_middle() {
@@ -146,6 +152,7 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   double before = shape::infinity, least = shape::infinity;
   for (int i = 0, stale = 0; i < 40 && stale < 8; ++i) {
     if (!(p.residual < shape::infinity)) break;
+    if (p.is_beyond()) return true;
     p.compute_step();
     // where f is nearly flat, a small residual does not make the normal accurate
     if (p.residual <= 0.1 * wanted && (p.length <= 1e-8 || p.flat)) return true;
@@ -197,7 +204,8 @@ inline bool on_face(const D& d, const Vec& n, Refined& out) {
   return false;
 }
 
-// From support points near the solution, their weights, and a normal. Returns false if no solution was found.
+// From support points near the solution, their weights, and a normal. Returns false if no solution was found. Ends early where a
+// plane separates the shapes by more than their reach; the distance is then a lower bound.
 template <class D>
 [[gnu::noinline]] inline bool newton_refine(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal,
                                             double wanted, Refined& out) {
@@ -220,7 +228,7 @@ template <class D>
   // a clamped weight moves the points off the normal, which is then not unique
   const Vec between = out.b - out.a;
   if (shape::norm(between + p.n * h) > 1e-7 * std::abs(h) + 8 * d.rounding()) out.unique = false;
-  return h + p.f <= std::max(wanted, p.residual);
+  return h + p.f <= std::max(wanted, p.residual) || d.is_beyond(-h, shape::norm(between));
 }
 
 }  // namespace dyn::collision

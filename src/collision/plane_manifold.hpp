@@ -1,6 +1,9 @@
 // Contact points of a half-space with a convex shape, without a distance query: the corners of the feature that faces the plane.
 #pragma once
 
+#include <bit>
+
+#include "collision/ascending.hpp"
 #include "collision/manifold.hpp"
 #include "collision/manifold_clip.hpp"
 #include "shape/list.hpp"
@@ -17,10 +20,12 @@ struct PlaneContacts {
   Manifold& out;
 
   void add(const Vec& p, double distance, std::uint32_t id) {
-    if (!(distance <= margin)) return;
+    if (distance <= margin) put(out.count++, p, distance, id);
+  }
+  void put(int at, const Vec& p, double distance, std::uint32_t id) {
     const std::uint64_t corner = id << 16 | id, inside = 0xffffffff;
     const std::uint64_t feature = plane_is_a ? inside << 32 | corner : corner << 32 | inside;
-    out.points[out.count++] = {p - n * (radius + distance / 2), distance, feature};
+    out.points[at] = {p - n * (radius + distance / 2), distance, feature};
   }
 };
 
@@ -34,14 +39,18 @@ bool facing_contacts(const S& s, const Pose& X, const Vec& m, double height, dou
   const double distance = height + dot(m, deepest);
   contacts.out.count = 0;
   if (distance > contacts.margin) return true;
+  if constexpr (S::type == shape::Type::Convex)
+    if (s.is_alone(-m, contacts.margin - distance + eps))
+      return contacts.add(X.act(deepest), distance, s.support_number()), true;
   s.facing_at(deepest, -m, std::max(contacts.margin - distance, 0.0) + eps, f);
   double gap[shape::Feature::most];
-  int kept = 0, near = 0;
+  unsigned kept = 0;  // a bit each
+  bool near = false;
   for (int k = 0; k < f.count; ++k) {
     gap[k] = height + dot(m, f.p[k]);
-    kept += gap[k] <= contacts.margin, near += gap[k] <= distance + eps;
+    kept |= unsigned(gap[k] <= contacts.margin) << k, near |= gap[k] <= distance + eps;
   }
-  if (near == 0 || kept > Manifold::most) return false;
+  if (!near || std::popcount(kept) > Manifold::most) return false;
   // distances across the normal
   Vec normal = Vec::zero();
   for (int k = 0; k < f.count; ++k) {
@@ -51,16 +60,14 @@ bool facing_contacts(const S& s, const Pose& X, const Vec& m, double height, dou
     if (f.count > 1 && length2 - along * along <= least) return false;
     if (f.count > 2) normal += cross(f.p[k] - f.p[0], e);
   }
-  if (f.count > 2 && !(std::abs(dot(normal, m)) > 2 * steep * shape::norm(normal))) return false;
-  // ascending by feature
-  int order[Manifold::most], count = 0;
-  for (int k = 0; k < f.count; ++k) {
-    if (!(gap[k] <= contacts.margin)) continue;
-    int at = count++;
-    for (; at > 0 && f.id[order[at - 1]] > f.id[k]; --at) order[at] = order[at - 1];
-    order[at] = k;
-  }
-  for (int i = 0; i < count; ++i) contacts.add(X.act(f.p[order[i]]), gap[order[i]], f.id[order[i]]);
+  const double facing = dot(normal, m);
+  if (f.count > 2 && !(facing * facing > 4 * steep * steep * dot(normal, normal))) return false;
+  std::uint16_t id[Manifold::most];
+  int corner[Manifold::most], place[Manifold::most], count = 0;
+  for_each_bit(kept, [&](int k) { id[count] = f.id[k], corner[count++] = k; });
+  ascending(id, count, place);
+  for (int i = 0; i < count; ++i) contacts.put(place[i], X.act(f.p[corner[i]]), gap[corner[i]], id[i]);
+  contacts.out.count = count;
   return true;
 }
 

@@ -1,6 +1,7 @@
 // The contact point of a sphere with a box, capsule or cylinder in closed form: the nearest point and the part that it lies on.
 #pragma once
 
+#include "collision/lanes.hpp"
 #include "collision/manifold.hpp"
 #include "collision/manifold_clip.hpp"
 #include "shape/list.hpp"
@@ -61,16 +62,9 @@ namespace detail {
 // not certain, or the point is inside.
 inline bool outside_box(const shape::Box& s, const Vec& p, const Vec& over, double square, double same, shape::Nearest& near,
                         std::uint32_t& part) {
-  const Vec slack = s.half - sizes(p);
-  std::uint32_t on = 0, number = 0;
-  bool certain = square > 0;
-  for (int i = 0; i < 3; ++i) {
-    const std::uint32_t out = slack[i] < 0;
-    certain &= (out || slack[i] > 2 * same) && s.half[i] > 2 * same;
-    on |= out << i, number |= (out & std::uint32_t(p[i] > 0)) << i;
-  }
-  if (!certain) return false;
-  const std::uint32_t open = 7 & ~on;
+  const Double4 half = lanes_of(s.half), slack = half - lanes_of(sizes(p));
+  const unsigned on = bits_of(slack < 0.0), number = on & bits_of(lanes_of(p) > 0.0), open = 7 & ~on;
+  if (!(square > 0) || (open & bits_of(slack <= 2 * same)) || (7 & bits_of(half <= 2 * same))) return false;
   part = open & (open - 1) ? inside_part : edge_part(number, number | open);  // two directions are open: a face
   near.distance = std::sqrt(square);
   near.normal = shape::with_sign(over, p) * (1 / near.distance);

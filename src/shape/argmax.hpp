@@ -20,13 +20,15 @@ DYN_INLINE std::int64_t argmax(std::int64_t n, F&& at) {
     const auto more = x > most;
     most = select(more, x, most), id = select(more, base, id);
   }
-  // the largest of the two halves, then of pairs
+  // the largest of the two halves, of neighbours, of pairs; the first of equals, without a branch that depends on the numbers
   const Double4 low = slice4<0>(most), high = slice4<4>(most);
-  const auto above = high > low;
-  const Double4 m = select(above, high, low);
-  const Simd<std::int64_t, 4> k = select(above, slice4<4>(id), slice4<0>(id));
-  const int a = m[1] > m[0] ? 1 : 0, b = m[3] > m[2] ? 3 : 2;
-  return m[b] > m[a] ? k[b] : k[a];
+  const auto upper = high > low;
+  const Double4 m = select(upper, high, low), beside = shuffle<1, 0, 3, 2>(m);
+  const Simd<std::int64_t, 4> k = select(upper, slice4<4>(id), slice4<0>(id));
+  const auto next = beside > m;
+  const Double4 pair = select(next, beside, m);
+  const Simd<std::int64_t, 4> of_pair = select(next, shuffle<1, 0, 3, 2>(k), k);
+  return select(shuffle<2, 3, 0, 1>(pair) > pair, shuffle<2, 3, 0, 1>(of_pair), of_pair)[0];
 }
 
 }  // namespace dyn::shape

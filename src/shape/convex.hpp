@@ -62,6 +62,10 @@ struct Convex : Solid<Convex> {
   explicit Convex(const Shape& s) : hull(*s.hull), vertex_faces(s.vertex_faces), radius(s.radius) {}
 
   Vec support(const Vec& d) const { return hull.vertex(last_ = hull.vertices <= search_all ? farthest(d) : climb(d)); }
+  // Number of the vertex that support() returned last, as features have it.
+  std::uint16_t support_number() const { return std::uint16_t(last_); }
+  // Whether that vertex, a support point of n, is the only one within `band` of its plane: no neighbour is.
+  bool is_alone(const Vec& n, double band) const;
   Nearest nearest(const Vec& p) const;
   Flat flat(const Vec& n) const;
   void facing(const Vec& n, double band, Feature& f) const { facing_at(support(n), n, band, f); }
@@ -164,19 +168,28 @@ inline Flat Convex::flat(const Vec& n) const {
   return f;
 }
 
+inline bool Convex::is_alone(const Vec& n, double band) const {
+  const auto along = [&](Index v) { return hull.x[v] * n[0] + hull.y[v] * n[1] + hull.z[v] * n[2]; };
+  const double least = along(last_) - band;
+  bool alone = true;
+  for (Index k = hull.neighbour_start[last_]; k < hull.neighbour_start[last_ + 1]; ++k)
+    alone &= along(hull.neighbours[k]) < least;
+  return alone;
+}
+
 // Of the faces at the support point, takes the one with most corners in the band. Ties go to the one that faces n most.
 inline void Convex::facing_at(const Vec& top, const Vec& n, double band, Feature& f) const {
   const double height = dot(top, n), on = 1e-9 * hull.extent;
   Index best = -1;
-  int most = 0;
-  double turned = 0;
+  double most = 0;
   const auto is_within = [&](Index v) { return height - (hull.x[v] * n[0] + hull.y[v] * n[1] + hull.z[v] * n[2]) <= band; };
   const auto consider = [&](Index k) {
-    const double slope = dot(hull.normal(k), n);
-    if (slope <= 0) return;
+    const double* const plane = hull.planes + 4 * k;
+    const double slope = plane[0] * n[0] + plane[1] * n[1] + plane[2] * n[2];
     int within = 0;
     for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c) within += is_within(hull.face_vertices[c]);
-    if (within > most || (within == most && slope > turned)) best = k, most = within, turned = slope;
+    const double merit = slope > 0 ? within + slope / 2 : 0;  // half a cosine is less than a corner
+    if (merit > most) most = merit, best = k;
   };
   const Index vertex = last_;
   for (Index i = hull.neighbour_start[vertex]; vertex_faces && i < hull.neighbour_start[vertex + 1]; ++i)

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <bit>
-#include <utility>
 
 #include "collision/analytic/capsules.hpp"
 #include "collision/analytic/minkowski_segments.hpp"
+#include "collision/lanes.hpp"
 
 namespace dyn::collision {
 
@@ -16,17 +16,7 @@ struct BoxAxis {
   Vec n;            // from A to B, in A
   double distance;
   int i, j;
-  bool unique;      // no other axis is as good
 };
-
-// The entries as lanes; the fourth is 0.
-DYN_INLINE Double4 lanes_of(const Vec& a) {
-#if DYN_LANES == 4
-  return a.v;
-#else
-  return Double4(a[0], a[1], a[2], 0.0);
-#endif
-}
 
 // Signed distances along the fifteen axes, three at once. Entry i is A's axis i, or B's axis i for the faces of B.
 struct BoxAxes {
@@ -54,41 +44,56 @@ struct BoxAxes {
   bool faces_apart(double reach) const { return any((faces_a > reach) | (faces_b > reach)); }
   // Whether one of the axes separates the boxes by more than the reach, 0 or more.
   bool apart(double reach) const {
-    if (faces_apart(reach)) return true;
-    const auto over = [&](int j) { return (gap[j] > 0.0) & (gap[j] * gap[j] > length2[j] * (reach * reach)); };
-    const auto real = [&](int j) { return length2[j] > shortest2; };
-    return any((over(0) & real(0)) | (over(1) & real(1)) | (over(2) & real(2)));
+    return faces_apart(reach) || edges_apart(reach);
   }
-  // margin: of rounding; faces come first, unless edges are better by more. size: of the boxes.
-  BoxAxis best(double margin, double size) const {
-    const Double4 none = Double4(-shape::infinity);
-    Double4 edges[3];
-    for (int j = 0; j < 3; ++j) edges[j] = select(length2[j] > shortest2, gap[j] / sqrt(length2[j]), none);
-    const double face = largest(max(faces_a, faces_b)), edge = largest(max(max(edges[0], edges[1]), edges[2]));
-    const auto at_least = [&](double least) {
-      return std::pair{bits_of(faces_a >= least) | bits_of(faces_b >= least) << 3,
-                       bits_of(edges[0] >= least) | bits_of(edges[1] >= least) << 4 | bits_of(edges[2] >= least) << 8};
-    };
+  // margin: of rounding; faces come first, unless edges are better by more.
+  BoxAxis best(double margin) const {
+    const double face = largest(max(faces_a, faces_b));
     BoxAxis out;
     Vec n;
     double side;
-    if (edge > face + margin) {
-      const int k = std::countr_zero(at_least(edge - margin).second);
-      out.i = k & 3, out.j = k >> 2, out.distance = edges[out.j][out.i];
+    if (edges_apart(face + margin)) {
+      const Edges along = edges();
+      const int k = std::countr_zero(along.at_least(along.largest() - margin));
+      out.i = k & 3, out.j = k >> 2, out.distance = along.x[out.j][out.i];
       n = cross(shape::axis(out.i), X.R[out.j]) * (1 / std::sqrt(length2[out.j][out.i])), side = dot(n, X.p);
     } else {
-      const int k = std::countr_zero(at_least(face - margin).first);
+      const int k = std::countr_zero(faces_at_least(face - margin));
       out.i = k < 3 ? k : -1, out.j = k < 3 ? -1 : k - 3, out.distance = k < 3 ? faces_a[k] : faces_b[k - 3];
       n = k < 3 ? shape::axis(k) : X.R[k - 3], side = k < 3 ? X.p[k] : q[k - 3];
     }
     out.n = n * std::copysign(1.0, side);
-    const auto [faces, pairs] = at_least(out.distance - 1e-7 * size);
-    out.unique = side != 0 && std::popcount(faces) + std::popcount(pairs) == 1;
     return out;
+  }
+  // Whether no other axis, nor the other side of this one, is as good. size: of the boxes.
+  bool is_unique(const BoxAxis& axis, double size) const {
+    const double least = axis.distance - 1e-7 * size;
+    return dot(axis.n, X.p) != 0 && std::popcount(faces_at_least(least)) + std::popcount(edges().at_least(least)) == 1;
   }
 
  private:
   static constexpr double shortest2 = 1e-20;  // of cross products of edges that are not parallel
+  // Signed distances along the axes of edges.
+  struct Edges {
+    Double4 x[3];
+    double largest() const { return BoxAxes::largest(max(max(x[0], x[1]), x[2])); }
+    unsigned at_least(double least) const {
+      return bits_of(x[0] >= least) | bits_of(x[1] >= least) << 4 | bits_of(x[2] >= least) << 8;
+    }
+  };
+  Edges edges() const {
+    const Double4 none = Double4(-shape::infinity);
+    const auto along = [&](int j) { return select(length2[j] > shortest2, gap[j] / sqrt(length2[j]), none); };
+    return {{along(0), along(1), along(2)}};
+  }
+  unsigned faces_at_least(double least) const { return bits_of(faces_a >= least) | bits_of(faces_b >= least) << 3; }
+  // Whether the distance along the axis of two edges is more than `least`: by squares with the numbers' signs, without roots.
+  bool edges_apart(double least) const {
+    const auto over = [&](int j) {
+      return (gap[j] * abs(gap[j]) > length2[j] * (least * std::abs(least))) & (length2[j] > shortest2);
+    };
+    return any(over(0) | over(1) | over(2));
+  }
   static double largest(const Double4& a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 };
 
@@ -155,9 +160,11 @@ inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, E
   // far apart along the line between the centres: the best axis is not needed
   const Vec& p = d.X.p;
   if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && minkowski_pair(d, p, enough, c)) return c;
-  const BoxAxis axis = BoxAxes(ha, hb, d.X, d.Rt).best(d.rounding(), shape::largest(hb));
+  const BoxAxes axes(ha, hb, d.X, d.Rt);
+  const BoxAxis axis = axes.best(d.rounding());
   if (axis.distance > d.reach) return beyond(axis.n, axis.distance);
-  c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
+  c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0,
+       options.says_unique && axes.is_unique(axis, shape::largest(hb))};
   box_witness(ha, hb, d.X, axis, c.a, c.b);
   c.residual = shape::norm(c.b - c.a - c.normal * c.distance);
   if (axis.distance <= 1e-10 * d.small + d.rounding() || c.residual <= d.rounding()) return c;
