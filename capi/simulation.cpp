@@ -14,6 +14,11 @@ using namespace dyn::capi;
 
 namespace {
 
+// A step that failed leaves no contacts and no forces of limits: they may be infinite.
+void drop_forces(simulation::Workspace& w) {
+  w.contact_count = 0;
+  std::fill_n(w.limit_forces, w.limits, 0.0);
+}
 
 const char* joint_at(const Model& m, Index k, bool in_v) {
   const char* name = "?";
@@ -57,7 +62,7 @@ DYN_INLINE dynStatus make_step(Call& call, const char* function, double h) {
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report, d.backup);
   if (answer || !has_finite_state(m, d)) [[unlikely]] {
     const dynStatus status = explain_step(m, d, answer, function, d.time[0]);
-    finish_limit(w), call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d);
+    finish_limit(w), call.rollback(), drop_forces(w), simulation::invalidate_sleep(d), record_forces(m, d);
     return status;
   }
   call.end_step();
@@ -76,7 +81,7 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   call.begin_step();
   const Index answer = integrator::advance(m, d, d.step->options.integrator, duration, d.step->options.accuracy, d.step->report);
   d.time[0] += d.step->report.time;
-  if (d.step->report.steps == 0) call.rollback();
+  if (d.step->report.steps == 0) call.rollback(), drop_forces(*d.step);
   else call.end_step();
   record_forces(m, d);
   return answer || !has_finite_state(m, d) ? explain_step(m, d, answer, function, d.time[0]) : DYN_OK;

@@ -9,8 +9,16 @@
 
 #include "integrator/chart.hpp"
 #include "integrator/stepping.hpp"
+#include "model/length.hpp"
 
 namespace dyn::integrator {
+
+// Rounding of velocities at rest: forces that balance each other leave that of what gravity adds in a step.
+template <class T>
+T rounding_at_rest(const Model& m, const Data<T>& d, T h) {
+  const Vec3<T> g = load3(d.world_gravity);
+  return tuning::ulps * std::numeric_limits<T>::epsilon() * h * std::sqrt(dot(g, g)) / T(std::min(1.0, own_length(m)));
+}
 
 // Fixed point of w by Anderson mixing of two iterates (Walker and Ni 2011).
 // Returns 0, the joint whose forward dynamics failed, or not_converged; the state is then as before.
@@ -41,7 +49,8 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
     const T rounding = tuning::ulps * std::numeric_limits<T>::epsilon() * size;
     stalled = error < best / 2 ? 0 : stalled + 1;
     best = std::min(best, error);
-    if (error <= rounding || (stalled >= tuning::midpoint_stalls && error <= tuning::midpoint_rounding * rounding)) {
+    if (error <= rounding || (stalled >= tuning::midpoint_stalls &&
+                              error <= tuning::midpoint_rounding * (rounding + rounding_at_rest(m, d, h)))) {
       for (Index k = 0; k < nv; ++k) d.v[k] = v0[k] + h * d.ddq[k], half[k] = h * next[k];
       integrate(m, s.q0, half, d.q);
       advance_activations(m, d, s.y0 + 2 * nv, h);

@@ -32,6 +32,19 @@ void Island::accelerated_sweeps(dynContactReport& report) {
   with_sweeps([&](auto&& sweeps) { sweeps.run(w.max_iterations(), report), report.residual = sweeps.finish(); });
 }
 
+// Wedged contacts press on each other with any force, which may grow from step to step until rounding hides the velocities. A few
+// sweeps from none bound it. A contact whose bodies move in one direction alone may wedge by itself: then without friction.
+void Island::solve_without_guess(dynContactReport& report) {
+  std::fill_n(lambda, rows, 0.0);
+  with_sweeps([&](auto&& sweeps) {
+    for (Index k = 0; k < first_sweeps; ++k) sweeps.sweep(), ++report.iterations;
+    report.residual = sweeps.finish();
+    if (report.residual < HUGE_VAL) return;
+    sweeps.frictionless(correction_sweeps, tolerance);
+    report.residual = sweeps.finish();
+  });
+}
+
 // Each Newton attempt gets twice as many sweeps as the last, from the second on an interior point start.
 // At least one sweep: the guess need not lie in its cones.
 void Island::sweeps_and_newton(dynContactReport& report) {

@@ -92,6 +92,7 @@ struct Island {
   void with_sweeps(F&& f);
   bool accept_guess(dynContactReport& report);
   void accelerated_sweeps(dynContactReport& report);  // alone
+  void solve_without_guess(dynContactReport& report);
   void sweeps_and_newton(dynContactReport& report);
   void sweep_while_improving(dynContactReport& report);
   struct PositionErrors {

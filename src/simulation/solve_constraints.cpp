@@ -95,8 +95,9 @@ double released(const Workspace& w, const ActiveConstraint& a, double rate, doub
   return std::max(0.0, stored(gap) - stored(gap + h * rate));
 }
 
-// Work of the impulses: lambda (g + c) / 2. Gains and restitution ask for -lambda bias; belts give lambda slip.
-void note_work(const Island& x) {
+// Work of the impulses: lambda (g + c) / 2. Gains and restitution ask for -lambda bias; belts give lambda slip. What it is for
+// impulses with a large residual says nothing: the energies are compared.
+void note_work(const Island& x, double residual) {
   namespace accept = solver::tuning::accept;
   double work = 0, size = 0, asked = 0, belts = 0;
   for (Index i = 0; i < x.rows; ++i) {
@@ -111,7 +112,8 @@ void note_work(const Island& x) {
       for (Index r = 0; a.rows > 1 && r < 2; ++r) belts += std::abs(x.lambda[a.first + r] * x.w.laws[a.index].slip[r]);
     }
   x.w.rows_work += asked + belts;
-  if (!(work <= asked + (accept::energy + accept::energy_by_tolerance * x.tolerance) * size)) x.w.rows_add_energy = true;
+  if (residual > accept::max_residual || !(work <= asked + (accept::energy + accept::energy_by_tolerance * x.tolerance) * size))
+    x.w.rows_add_energy = true;
 }
 
 // No coordinate moves further than `max_displacement`: contacts near an axis, or rows that move little, ask for more.
@@ -156,6 +158,7 @@ void Island::impulses(dynContactReport& report) {
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses
   }
+  if (report.residual == HUGE_VAL && !is_as_file()) [[unlikely]] solve_without_guess(report);
   w.limit.leave();
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
@@ -197,7 +200,7 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
     island.assign_rows(), island.fill();
     dynContactReport report{};
     island.by_dof = impulse, island.impulses(report);
-    note_work(island);
+    note_work(island, report.residual);
     if (w.ledger.open) record_impulses(island);
     island.by_dof = displacement, corrected |= island.correct();
     island.keep_all();

@@ -36,9 +36,11 @@ inline void check(dynStatus status) {
   if (status != DYN_OK) fail(library_error());
 }
 
-// Checks of options, which say what is wrong: an empty text is none; a number in decimals; a whole one, 0 or more.
+// Checks of options, which say what is wrong: an empty text is none; a number in decimals; seconds, more than none; a whole number,
+// 0 or more.
 std::string not_empty(const std::string& text);
 std::string decimal(const std::string& text);
+std::string seconds(const std::string& text);
 std::string whole(const std::string& text);
 
 // ---------------------------------------------------------------------------------------------------- the robot

@@ -137,7 +137,7 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
 }
 
 void add_dt_option(CLI::App& command, SteppingOptions& options, const std::string& what) {
-  command.add_option("--dt", options.dt, what + "; default: the file's, else 0.001")->check(decimal);
+  command.add_option("--dt", options.dt, what + "; default: the file's, else 0.001")->check(seconds);
 }
 
 void complete_stepping(const Robot& robot, SteppingOptions& options) {
@@ -150,8 +150,6 @@ void complete_stepping(const Robot& robot, SteppingOptions& options) {
 
 void check_stepping(const SteppingOptions& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
-  if (!std::isnan(options.dt) && (!(options.dt > 0) || !std::isfinite(options.dt)))
-    bad_usage("--dt must be a positive number of seconds.");
   if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a number, 0 or more.");
   if (options.max_iterations < 0) bad_usage("--max-iterations must be 0 or more.");
   if (!(options.time_budget >= 0) || !std::isfinite(options.time_budget))

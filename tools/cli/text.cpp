@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -91,6 +92,12 @@ std::string number_of(const std::string& text, double& x) {
 std::string decimal(const std::string& text) {
   double x;
   return number_of(text, x);
+}
+
+std::string seconds(const std::string& text) {
+  double x = 0;
+  const std::string why = number_of(text, x);
+  return why.empty() && !(x > 0 && std::isfinite(x)) ? "\"" + shown(text) + "\" is no positive number of seconds" : why;
 }
 
 std::string whole(const std::string& text) {

@@ -261,6 +261,8 @@ class TaskVectorEnv(VectorEnv):
 
     def step(self, actions: Numbers) -> tuple[Numbers, Numbers, NDArray[np.bool_], NDArray[np.bool_], dict]:
         task, reward, over = self.task, np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+        if np.shape(actions) != (self.num_envs, task.actions):
+            raise ValueError(f"actions have shape {np.shape(actions)}, but must have shape {(self.num_envs, task.actions)}.")
         info: dict[str, Any] = {}
         begins, go = np.flatnonzero(self._ended), np.flatnonzero(~self._ended)
         for k in begins:
@@ -280,7 +282,7 @@ class TaskVectorEnv(VectorEnv):
                 info[name][go], info[f"_{name}"][go] = x, True
             if over.any():
                 reasons = np.full(self.num_envs, None, object)
-                for name, is_so in reversed(ends.items()):
+                for name, is_so in [("failed", ~done), *reversed(ends.items())]:
                     reasons[go[is_so]] = name
                 info["ended"], info["_ended"] = reasons, np.array([x is not None for x in reasons])
         late = ~over & (self._age >= self.max_episode_steps)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import os
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Union
@@ -51,13 +52,18 @@ class Sensors(Mapping[str, Any]):
 
     def __init__(self, simulation: Simulation):
         self._simulation = simulation
-        self._places = {s.name or "": slice(s.idx, s.idx + s.size) for s in simulation.model.sensors}
+        sensors = simulation.model.sensors
+        self._places = {s.name or "": slice(s.idx, s.idx + s.size) for s in sensors}
+        self._of_steps = {s.name or "" for s in sensors if s.order == 2}
 
     def __getitem__(self, name: str) -> Numbers:
         place = self._places.get(name)
         if place is None:
             raise UnknownNameError(f"there is no sensor {name!r}: model {self._simulation.model.name!r} has "
                                    f"{', '.join(self) or 'none'}.")
+        if name in self._of_steps and self._simulation._accelerated != self._simulation.time:
+            raise StaleError(f"sensor {name!r} reads the acceleration of the simulation's last step, and the data has stepped since "
+                             "by itself: call Simulation.step.")
         return np.array(self.values_of_all()[place])
 
     def __contains__(self, name: object) -> bool:
@@ -130,13 +136,13 @@ class Simulation:
         self.model: Model = model
         self.data: Data = model.data()
         self.data.set_step_options(integrator, dt, **stepping)
-        self.dt: float = self.data.step_options.dt
         if effects is not None:
             self.data.set_effects(effects)
         self._set(q, v)
         self._begin = self.data.save_state()
         self._measures_acceleration = any(s.order == 2 for s in model.sensors)
         self._acceleration: Numbers | None = None
+        self._accelerated = self.time  # s, when _acceleration was of the last step
         self._recordings: list[Recording] = []
         self._renderer: tuple[Model, Any, Renderer] | None = None
 
@@ -160,6 +166,11 @@ class Simulation:
     def time(self) -> float:
         """s."""
         return float(self.data.field("time"))
+
+    @property
+    def dt(self) -> float:
+        """s, length of the next step; data.set_step_options changes it."""
+        return float(self.data.step_options.dt)
 
     @property
     def q(self) -> Numbers:
@@ -210,6 +221,7 @@ class Simulation:
         recordings."""
         self.restore_state(self._begin)
         self._set(q, v)
+        self._accelerated = self.time
 
     def save_state(self) -> bytes:
         """The state, for restore_state: see Data.save_state."""
@@ -219,6 +231,7 @@ class Simulation:
         """Back to a state: steps go on from it bit for bit. Ends recordings."""
         self.data.restore_state(state)
         self._recordings, self._acceleration = [], None
+        self._accelerated = self.time
 
     def _set(self, q: Any, v: Any) -> None:
         if isinstance(q, str):
@@ -283,6 +296,8 @@ class Simulation:
             if np.ndim(steps):
                 raise ArgumentError("steps is an array: write step(tau=x) for torques, step(ctrl=x) for controls.")
             steps = whole(steps, "steps")
+        if steps < 0:
+            raise ArgumentError(f"steps is {steps}: time does not run backwards.")
         step = self.data.step
         if not (self._measures_acceleration or self._recordings):
             for _ in range(steps):
@@ -292,7 +307,7 @@ class Simulation:
             before = self.v.copy() if self._measures_acceleration and (self._recordings or k == steps - 1) else None
             step()
             if before is not None:
-                self._acceleration = (self.v - before) / self.dt
+                self._acceleration, self._accelerated = (self.v - before) / self.dt, self.time
             for recording in self._recordings:
                 recording.stepped(self)
 
@@ -306,9 +321,10 @@ class Simulation:
         """
         if returns not in (None, "tau", "ctrl"):
             raise ArgumentError(f'returns is {returns!r}, but must be "tau" or "ctrl".')
-        steps = round(duration / self.dt)
-        if every < 1 or steps < 1 or steps % every or abs(steps * self.dt - duration) > 1e-9 * duration:
-            raise ArgumentError(f"duration is {duration} s, but must be a multiple of every * dt, {every} * {self.dt} s.")
+        every, dt = whole(every, "every", 1), self.dt
+        steps = round(duration / dt) if math.isfinite(duration) else 0
+        if steps < 1 or steps % every or abs(steps * dt - duration) > 1e-9 * duration:
+            raise ArgumentError(f"duration is {duration} s, but must be a multiple of every * dt, {every} * {dt} s.")
         rows = steps // every + 1
         t, q, v = np.empty(rows), np.empty((rows, self.model.nq)), np.empty((rows, self.model.nv))
         t[0], q[0], v[0] = self.time, self.q, self.v

@@ -54,6 +54,8 @@ def short(x):
         ([*SIM, "--dt", "1,5"], ["--dt", '"1,5" is not a number']),
         ([*SIM, "--dt", ""], ["--dt", '"" is not a number']),
         ([*SIM, "--dt", "0x10"], ["--dt", '"0x10" is not a number']),
+        ([*SIM, "--dt", "nan"], ['--dt: "nan" is no positive number of seconds']),
+        ([*SIM, "--dt", "0"], ['--dt: "0" is no positive number of seconds']),
         ([*SIM, "--dt", "1e400"], ["--dt", "is beyond the range of a double"]),
         ([*SIM, "--max-iterations", "0x10"], ["--max-iterations", '"0x10" is no whole number']),
         ([*SIM, "--accuracy", "0"], ["--accuracy must be a positive number"]),

@@ -216,6 +216,8 @@ def test_logs_that_are_refused(log, message, tmp_path):
     (("/none.urdf",), 1, "/none.urdf"), ((ROBOTS / "double_pendulum.urdf", "--layout-a", "mujoco"), 2, "no log"),
     ((ROBOTS / "double_pendulum.urdf", "--model", "x"), 2, "--model"), ((), 2, "B is required"),
     ((ROBOTS / "double_pendulum.urdf", "--integrator-b", "euler"), 2, "euler"),
+    ((ROBOTS / "double_pendulum.urdf", "--dt-b", "-1"), 2, '--dt-b: "-1" is no positive number of seconds'),
+    ((ROBOTS / "double_pendulum.urdf", "--dt-b", "nan"), 2, '--dt-b: "nan" is no positive number of seconds'),
     ((ROBOTS / "double_pendulum.urdf", "--q-b", "1"), 1, "--q has 1 numbers"),
     ((ROBOTS / "double_pendulum.urdf", "--svg", "/none/a.svg"), 1, "/none/a.svg"),
 ])  # fmt: skip

@@ -128,6 +128,64 @@ def test_steps_gain_little_and_are_not_repeated_for_less(integrator, fastest, ga
     assert 15 < refused < 35
 
 
+def hand_with_wedged_fingertips():
+    """Fingers on slides. Small spheres of one tip lie between those of the other: their contacts push in opposite directions."""
+    b = dyn.Builder("hand")
+    b.add_joint("root", "free_flyer").add_body("palm", "root", 0.73, (0, 0.0015, 0.0276), np.diag([2.8e-3, 4e-4, 2.6e-3]))
+    for y, z in ((-0.06, 0.015), (-0.06, 0.03), (0, 0.03), (0.06, 0.03)):
+        b.add_shape("palm", "sphere", 0.05, placement=(0, y, z))
+    for side, name in ((-1, "right"), (1, "left")):
+        lower, upper = sorted((0, 0.045 * side))
+        b.add_joint(name, "prismatic", "root", (0, 0, 0.0584), axis=(0, 1, 0), lower=[lower], upper=[upper])
+        finger = f"{name}_finger"
+        b.add_body(finger, name, 0.1, (0, 0.0146 * side, 0.0228), 3e-5 * np.eye(3))
+        b.add_shape(finger, "sphere", 0.009, placement=(0, 0.009 * side, 0.045))
+        b.add_shape(finger, "sphere", 0.012, placement=(0, 0.015 * side, 0.03))
+        for z in (0.05, 0.04):
+            for x in (0.005, -0.005):
+                b.add_shape(finger, "sphere", 0.001, placement=(x, 0.0005 * side, z))
+    return b.add_shape("universe", "half_space").finish()
+
+
+@pytest.mark.parametrize("seed", (0, 5, 12, 13, 16, 23))
+def test_wedged_contacts_make_no_energy(seed):
+    """Forces of a wedge have no bound: their rounding must not become a velocity. A step of the fall gains 2.5 mJ."""
+    m = hand_with_wedged_fingertips()
+    d = m.data()
+    random = np.random.default_rng(seed)
+    q = m.integrate(m.neutral(), 0.005 * random.standard_normal(m.nv))
+    d.set_state(q, 0.2 * random.standard_normal(m.nv))
+    for _ in range(1500):
+        before = d.energy().kinetic
+        try:
+            d.step()
+        except dyn.NumericError as error:
+            assert "gains kinetic energy" in str(error)
+            break
+        assert d.energy().kinetic - before < 0.01 and np.isfinite(d.step_report.residual)
+        assert all(np.linalg.norm(c.force_on_b) < 1e13 for c in d.step_contacts())
+
+
+def test_a_refused_step_leaves_no_contacts_that_are_not_finite():
+    """Its contacts have infinite forces. The state is as before, can be saved, and steps go on from it."""
+    b = dyn.Builder("ball")
+    b.add_joint("free", "free_flyer").add_body("ball", "free", mass=1.0, inertia=0.004 * np.eye(3))
+    b.add_shape("ball", "sphere", 0.1).add_shape("universe", "half_space")
+    d = b.finish().data()
+    d.q = [0, 0, 0.1, 0, 0, 0, 1]
+    d.step()
+    assert len(d.step_contacts()) == 1
+    q, v = d.q.copy(), d.v.copy()
+    d.apply_wrench("ball", [1e300, 0, -1e300, 1e300, 0, 0])
+    with pytest.raises(dyn.NumericError, match="as before the step"):
+        d.step()
+    assert np.array_equal(d.q, q) and np.array_equal(d.v, v) and d.step_contacts() == []
+    d.restore_state(d.save_state())
+    d.clear_wrenches()
+    d.step()
+    assert abs(d.q[2] - 0.1) < 1e-6
+
+
 def test_gains_within_the_rounding_of_a_potential_are_none():
     """The step gains 82 J more than it may. 1e-9 of a potential of 1e10 J at both ends is less, of 1e11 J is more."""
     for height, repeated in ((5e8, True), (5e9, False)):

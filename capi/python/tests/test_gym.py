@@ -137,6 +137,15 @@ def test_why_an_episode_ends():
     assert found[4]["ended"].tolist() == ["pole", None] and found[4]["_ended"].tolist() == [True, False]
 
 
+def test_an_action_that_no_step_takes_ends_the_episode_with_a_reason():
+    envs = gymnasium.make_vec("libdyn.gym:dyn/CartPole-v0", num_envs=2, vectorization_mode="vector_entry_point")
+    envs.reset(seed=1)
+    _, _, over, _, info = envs.step(np.array([[0.0], [np.nan]]))
+    assert over.tolist() == [False, True] and info["ended"].tolist() == [None, "failed"]
+    with pytest.raises(ValueError, match=r"shape \(1, 1\), but must have shape \(2, 1\)"):
+        envs.step(np.zeros((1, 1)))
+
+
 def test_a_cube_is_lifted():
     """By three targets in a row: down, closed, up."""
     env = dyn.gym.TaskEnv("lift")

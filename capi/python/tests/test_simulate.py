@@ -156,6 +156,31 @@ def test_sensors_by_name():
         sim.sensors["were"]
 
 
+def test_accelerations_of_steps_that_the_data_made_by_itself_are_stale():
+    sim = dyn.Simulation(dyn.load_string("""<mujoco><worldbody><geom type="plane" size="5 5 1"/><body pos="0 0 .5">
+      <freejoint/><geom type="sphere" size="0.1"/><site name="s"/></body></worldbody>
+      <sensor><accelerometer name="imu" site="s"/><framepos name="where" objtype="site" objname="s"/></sensor></mujoco>"""))
+    sim.step()
+    sim.data.advance(1.0)
+    with pytest.raises(dyn.StaleError, match="'imu'.*Simulation.step"):
+        sim.sensors["imu"]
+    np.testing.assert_allclose(sim.sensors["where"], sim.q[:3], atol=1e-12)
+    sim.step()
+    np.testing.assert_allclose(sim.sensors["imu"], [0, 0, 9.81], atol=1e-3)
+    sim.data.advance(0.1)
+    sim.reset()
+    assert sim.sensors["imu"].shape == (3,)
+
+
+def test_dt_is_that_of_the_data():
+    """Runs, accelerations and recordings follow a step that was changed in the data."""
+    sim = dyn.Simulation(dyn.load_string("""<mujoco><option timestep="0.002"/><worldbody><body><freejoint/><geom size="0.1"/>
+      <site name="s"/></body></worldbody><sensor><accelerometer name="imu" site="s"/></sensor></mujoco>"""))
+    sim.data.set_step_options(dt=5e-4)
+    assert sim.dt == 5e-4 and sim.run(0.1).t[-1] == pytest.approx(0.1, abs=1e-12)
+    np.testing.assert_allclose(sim.sensors["imu"], 0, atol=1e-9)
+
+
 def test_states_and_configurations():
     sim = dyn.Simulation(SCENE, "standing")
     assert "standing" in sim.configurations
@@ -181,6 +206,13 @@ def test_refusals(arm):
         dyn.Simulation(arm).run(0.0105)
     with pytest.raises(dyn.ArgumentError, match="dt"):
         dyn.Simulation(arm, dt=-1)
+    for duration in (np.nan, np.inf, -1.0):
+        with pytest.raises(dyn.ArgumentError, match=f"duration is {duration} s"):
+            dyn.Simulation(arm).run(duration)
+    with pytest.raises(dyn.ArgumentError, match="every is 0.5"):
+        dyn.Simulation(arm).run(0.01, every=0.5)
+    with pytest.raises(dyn.ArgumentError, match="steps is -1"):
+        dyn.Simulation(arm).step(-1)
 
 
 class Well(html.parser.HTMLParser):

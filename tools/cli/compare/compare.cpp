@@ -201,7 +201,7 @@ void add_compare(CLI::App& app) {
   command->add_option("B", options->other, "The other one")->required()->check(not_empty);
   command->add_option("--duration", options->duration, "Seconds to simulate two models")->check(decimal)->capture_default_str();
   add_dt_option(*command, *options, "Step, seconds");
-  command->add_option("--dt-b", options->dt_b, "Step of B, where it is another")->check(decimal);
+  command->add_option("--dt-b", options->dt_b, "Step of B, where it is another")->check(seconds);
   command->add_option("--integrator-b", options->integrator_b, "Integrator of B, where it is another");
   const auto list = [&](const char* name, std::vector<std::string>& words, const char* what) {
     command->add_option(name, words, what)->type_name("NUMBERS");
