@@ -1759,6 +1759,10 @@ class Builder {
     return ok(dyn_builder_add_shape(get(), &s));
   }
   // How the shape that was added last looks: red, green, blue, opacity, 0 to 1.
+  Builder& set_shape_fluid(Input coefficients = none, Input semiaxes = none, Input placement = none) {
+    return ok(dyn_builder_set_shape_fluid(get(), coefficients.of(5, "coefficients"), semiaxes.of(3, "semiaxes"),
+                                          placement.of(12, "placement")));
+  }
   Builder& set_shape_rgba(const std::array<double, 4>& rgba) { return ok(dyn_builder_set_shape_rgba(get(), rgba.data())); }
   // Two collision shapes that are tested whatever the filter says; material: nullptr, that of the shapes.
   Builder& add_pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {

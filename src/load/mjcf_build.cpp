@@ -80,7 +80,10 @@ void add_shapes(Builder& builder, MjcfBody& body, const MjcfRobot& robot, bool w
     g.shape.placement = placement(g.X), g.shape.filter = robot.filter;
     if (g.shape.role == DYN_SHAPE_ROLE_COLLISION && g.shape.type != DYN_SHAPE_TYPE_MESH) g.shape.radius = g.margin;
     if (!robot.contacts) g.shape.contype = g.shape.conaffinity = 0;
-    with_location(g.place, [&] { builder.shape(g.shape); });
+    with_location(g.place, [&] {
+      builder.shape(g.shape);
+      if (g.fluid) builder.fluid(*g.fluid, g.shape.type == DYN_SHAPE_TYPE_MESH ? std::optional(g.fluid->placement) : std::nullopt);
+    });
   }
 }
 

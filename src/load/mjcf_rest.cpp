@@ -8,7 +8,8 @@ namespace dyn::load {
 
 namespace {
 
-constexpr std::uint32_t passive = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION;
+constexpr std::uint32_t passive = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_FLUID | DYN_EFFECT_FLUID_ELLIPSOIDS |
+                                  DYN_EFFECT_GRAVITY_COMPENSATION;
 constexpr std::pair<std::string_view, std::uint32_t> effects_of_flags[] = {
     {"limit", DYN_EFFECT_LIMITS},
     {"frictionloss", DYN_EFFECT_FRICTION},

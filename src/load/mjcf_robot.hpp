@@ -65,6 +65,7 @@ struct MjcfGeom {
   std::shared_ptr<const meshes::Mesh> mesh;  // set if the mesh was read
   std::string rule;                          // how a mesh gets its mass: legacy (also ""), exact, convex, shell
   bool discarded = false;                    // <compiler discardvisual>: it is no shape
+  std::optional<FluidShape> fluid = {};      // semiaxes zero: those of its size; placement in the body's frame
   bool wrapped = false, has_site = false;    // by a tendon; at the frame of a site
   std::string frame;                         // of a wrapped geom
 };
@@ -114,7 +115,7 @@ struct MjcfTendon {
   dynTendon spec;
   std::vector<TendonElement> elements;
   std::optional<std::array<double, 2>> force;  // total of all its actuators
-  Compliance compliance = {};
+  Compliance compliance = {}, friction_compliance = {};
 };
 
 struct MjcfActuator {
@@ -342,6 +343,8 @@ std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot);
 MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g);  // at density 1
 // mjcf_fit.cpp: sizes and pose of a primitive that is fitted to a mesh; bounds: to its box, not to its inertia.
 void fit_mjcf_geom(const meshes::Mesh& mesh, bool bounds, double scale, MjcfGeom& geom);
+// Sets the ellipsoid on which a medium acts: as far along principal axes as the mesh is at most.
+void fit_mjcf_fluid(const meshes::Mesh& mesh, MjcfGeom& geom);
 // mjcf_builtin.cpp: the surface of a <mesh builtin>, or its corners alone.
 meshes::Mesh mjcf_builtin_mesh(const Reader& reader, const Element& e);
 // mjcf_rest.cpp: sections beside the bodies
