@@ -2324,9 +2324,9 @@ typedef enum dynQuantity {
   DYN_QUANTITY_GYRO = 26,              /* Frame, 3: angular velocity, its axes. */
   DYN_QUANTITY_MAGNETOMETER = 27,      /* Frame, 3: dynSensor.field, its axes. */
   /* Frame, 3: force that the parent exerts on the link of the frame, its axes. It follows from the motion of
-     all that the link carries, from the contacts of the last step, and from the wrenches of
-     dyn_data_apply_wrench: one on a link that is fixed to another counts as on that one. Connects and welds
-     are left out. */
+     all that the link carries, from the contacts, connects, welds and other constraints between frames of the
+     last step, and from the wrenches of dyn_data_apply_wrench: one on a link that is fixed to another counts
+     as on that one. */
   DYN_QUANTITY_FORCE = 28,
   DYN_QUANTITY_TORQUE = 29,            /* Frame, 3: moment of the same about the frame's origin. */
   /* Frame, 1: sum of the normal forces of contacts of its link whose line meets the zone, last step. */
@@ -2508,8 +2508,7 @@ typedef struct dynStepOptions {
   /* default RIGID. AS_FILE is for comparisons with MuJoCo: rows are springs and dampers of the file, and
      impulses those of MuJoCo's convex problem, in which sliding contacts rise. It needs a model from an MJCF
      file, without mimic joints; an Euler step (SEMI_IMPLICIT_EULER, IMPLICIT_FAST); no accuracy. Nothing
-     corrects positions. Restitution, stiffness and damping of materials have no effect. Dry friction of
-     joints and tendons stays rigid. */
+     corrects positions. Restitution, stiffness and damping of materials have no effect. */
   dynContactModel contact_model;
   int32_t reserved; /* 0 */
 } dynStepOptions;
