@@ -129,7 +129,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     add_mechanism(bodies_only, robot, masses);
     compute_mjcf_springs(*with_location(file, [&] { return bodies_only.finish(); }), robot);
   }
-  mark_mjcf_pairs(robot), set_mjcf_priorities(robot), limit_mjcf_actuators(robot);
+  override_mjcf_contacts(robot), mark_mjcf_pairs(robot), set_mjcf_priorities(robot), limit_mjcf_actuators(robot);
   if (has_measured_actuators(robot)) {
     Builder motors_only(robot.name);
     if (massless) motors_only.allow_massless_joints();

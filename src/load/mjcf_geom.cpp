@@ -77,8 +77,8 @@ std::optional<FluidShape> fluid_of(const Reader& reader, const Element& e) {
 
 // MuJoCo's contact is a damped spring. Two negative numbers are its stiffness and damping of a unit mass, from which the ratio of
 // velocities after half a period follows.
-double mjcf_rebound(const Reader& reader, const Element& e) {
-  const auto spring = reader.numbers(e, "solref");
+double mjcf_rebound(const Reader& reader, const Element& e, const char* solref) {
+  const auto spring = reader.numbers(e, solref);
   if (!spring || spring->size() < 2 || !((*spring)[0] < 0)) return 0;
   const double ratio = -(*spring)[1] / (2 * std::sqrt(-(*spring)[0]));
   return ratio >= 0 && ratio < 1 ? std::exp(-3.14159265358979324 * ratio / std::sqrt(1 - ratio * ratio)) : 0;
@@ -179,6 +179,21 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
       file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0;
   geom.body = context.body;
   body.geoms.push_back(std::move(geom)), file.robot.names.reset();
+}
+
+void override_mjcf_contacts(MjcfRobot& robot) {
+  if (!robot.override_) return;
+  const MjcfOverride& x = *robot.override_;
+  const auto set = [&](dynMaterial& material, Compliance& law, double& margin, double share) {
+    material.restitution = x.restitution;
+    material.friction = x.friction[0], material.torsion = x.friction[1], material.rolling = x.friction[2];
+    std::copy(x.compliance.reference, x.compliance.reference + 2, law.reference);
+    std::copy(x.compliance.impedance, x.compliance.impedance + 5, law.impedance);
+    margin = law.margin = share * x.margin;
+  };
+  for (MjcfBody& b : robot.bodies)
+    for (MjcfGeom& g : b.geoms) set(g.shape.material, g.shape.compliance, g.margin, 0.5);  // margins of two geoms add up
+  for (MjcfPair& p : robot.pairs) set(p.material, p.compliance, p.margin, 1);
 }
 
 void set_mjcf_priorities(MjcfRobot& robot) {

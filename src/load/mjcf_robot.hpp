@@ -173,6 +173,12 @@ struct MjcfKey {
 
 struct MjcfNames;
 
+// Numbers of all contacts, in place of those of geoms and pairs.
+struct MjcfOverride {
+  Compliance compliance;
+  double restitution, friction[3], margin;
+};
+
 struct MjcfRobot {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
@@ -195,6 +201,7 @@ struct MjcfRobot {
   std::uint32_t effects = SimulationRecord().effects;             // less those that flags switch off
   double impratio = 1;
   bool pyramidal = true;
+  std::optional<MjcfOverride> override_ = {};  // <flag override>
   bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
   bool lost_mass = false;            // something that is not supported would give a body mass
   std::set<std::string> lost_names;  // what bodies and joints that it would make begin with
@@ -335,7 +342,8 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_compliance.cpp. reference, impedance: the attributes' names.
 Compliance read_mjcf_compliance(const Reader& reader, const Element& e, const char* reference, const char* impedance);
 std::uint32_t mjcf_latent(const Reader& reader, const Element& e);  // ShapeMaterial::latent, of condim
-double mjcf_rebound(const Reader& reader, const Element& e);  // restitution, of solref
+double mjcf_rebound(const Reader& reader, const Element& e, const char* solref = "solref");  // restitution
+void override_mjcf_contacts(MjcfRobot& robot);
 void set_mjcf_priorities(MjcfRobot& robot);
 // mjcf_mass.cpp
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner);

@@ -135,7 +135,7 @@ inline constexpr dynParts complete_parts(dynParts p) {
 
 inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
-  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows > 0)
+  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows + m.n.friction_rows > 0)
     p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.contacts > 0 ? DYN_PART_COLLISION : 0));
   if ((p & DYN_PART_SIMULATION) && m.n.drag_boxes + m.n.fluid_ellipsoids > 0) p = complete_parts(p | DYN_PART_KINEMATICS);
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_CHOLESKY) : p;

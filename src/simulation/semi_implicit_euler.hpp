@@ -30,7 +30,8 @@ DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const
   if constexpr (std::is_same_v<T, double>) {
     simulation::Workspace& w = *d.step;
     w.constraint_count = 0;
-    if (!simulation::has_constraints(m, d) || simulation::cache_excludes_contact(m, d, h)) return ConstraintOutcome::Nothing;
+    if (!simulation::has_constraints(m, d)) return ConstraintOutcome::Nothing;
+    if (simulation::cache_excludes_contact(m, d, h) && !simulation::has_friction_rows(m, d)) return ConstraintOutcome::Nothing;
     w.constraint_count = simulation::find_constraints(m, d, d.v, h);
     if (w.sleep.touched || w.sleep.contacts_full) return ConstraintOutcome::Sleeper;
     if (w.constraint_count == 0) return ConstraintOutcome::Nothing;
@@ -123,12 +124,13 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   const T* tau = d.tau_applied;
   constexpr std::uint32_t always = implicit_effects(false);
   const std::uint32_t acting = d.acting;
+  if (simulation::has_file_rows(d)) [[unlikely]] d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);  // rows of the file
   Springs which = !(acting & DYN_EFFECT_SPRINGS) ? Springs::None : springs ? Springs::All : Springs::Stiff;
   bool some = which == Springs::All;
   if (which == Springs::Stiff && simulation::has_file_rows(d)) [[unlikely]] which = Springs::None;  // as MuJoCo's
   if (which == Springs::Stiff) implicit_springs(m, d, h, which, [&](Index, T stiffness) { some = some || stiffness > T(0); });
   if (!some) which = Springs::None;
-  if (some || (acting & always)) {
+  if (some || (d.acting & always)) {
     d.armature = d.net + m.n.nv;
     set_implicit_armature(m, d, armature, h, which, part);
     if (some) {

@@ -3,6 +3,7 @@
 
 #include "algorithm/constrained/delassus.hpp"
 #include "algorithm/constrained/redundant_rows.hpp"
+#include "simulation/frame_forces.hpp"
 #include "simulation/island.hpp"
 #include "simulation/ledger.hpp"
 
@@ -171,6 +172,7 @@ void Island::impulses(dynContactReport& report) {
     }
     store3(force, f.force_on_b), store3(moment, f.moment_on_b);
   }
+  if (w.frame_forces) [[unlikely]] note_frame_forces(*this);
 }
 
 // Returns whether a row's error is an angle.
