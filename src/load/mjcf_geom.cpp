@@ -193,7 +193,7 @@ void override_mjcf_contacts(MjcfRobot& robot) {
   };
   for (MjcfBody& b : robot.bodies)
     for (MjcfGeom& g : b.geoms) set(g.shape.material, g.shape.compliance, g.margin, 0.5);  // margins of two geoms add up
-  for (MjcfPair& p : robot.pairs) set(p.material, p.compliance, p.margin, 1);
+  for (MjcfPair& p : robot.pairs) set(p.material, p.compliance, p.margin, 1), p.material = shape::acting(p.material, p.latent);
 }
 
 void set_mjcf_priorities(MjcfRobot& robot) {

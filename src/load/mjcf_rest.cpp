@@ -35,8 +35,8 @@ void read_flags(const Reader& reader, MjcfRobot& robot, const Element& flags) {
     if (name == "filterparent") robot.filter = off ? PairFilter::SameBody : PairFilter::Mujoco;
     if (off && name == "clampctrl") robot.control_ranges = false;
     if (off && name == "gravity") robot.gravity = {0, 0, 0};
-    if (effect != std::end(effects_of_flags) || name == "contact" || name == "override" || name == "equality" || name == "clampctrl" ||
-        name == "gravity" || name == "filterparent")
+    if (effect != std::end(effects_of_flags) || name == "contact" || name == "override" || name == "equality" ||
+        name == "clampctrl" || name == "gravity" || name == "filterparent")
       continue;
     reader.report.info(a->GetLineNum(), "<flag " + name + ">: not used");
   }
@@ -122,21 +122,22 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
   if (const char* cone = e.Attribute("cone")) file.robot.pyramidal = std::string_view(cone) != "elliptic";
   if (const auto magnetic = reader.vector3(e, "magnetic")) file.robot.magnetic = *magnetic;
   read_integrator(reader, file.robot, e);
-  for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
-    const std::string_view name = a->Name();
-    if (name == "actuatorgroupdisable")
-      reader.report.physics(a->GetLineNum(),
-                            "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
-    else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" &&
-             name != "integrator" && name != "magnetic" && name != "impratio" && name != "cone" && !name.starts_with("o_"))
-      reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
-  }
   bool overrides = false;
   for (const Element* flag : file.source.children(e, "flag")) {
     read_flags(reader, file.robot, *flag);
     if (const char* on = flag->Attribute("override")) overrides = std::string_view(on) == "enable";
   }
   if (overrides) read_override(reader, file.robot, e);
+  for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
+    const std::string_view name = a->Name();
+    if (name == "actuatorgroupdisable")
+      reader.report.physics(a->GetLineNum(),
+                            "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
+    else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" &&
+             name != "integrator" && name != "magnetic" && name != "impratio" && name != "cone" &&
+             !(overrides && name.starts_with("o_")))
+      reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
+  }
 }
 
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {

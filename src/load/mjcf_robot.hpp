@@ -160,6 +160,7 @@ struct MjcfPair {
   MjcfPlace place;
   std::string geoms[2];
   dynMaterial material;
+  std::uint32_t latent = 0;  // kinds of friction that do not act, as ShapeMaterial has it
   double margin = 0;
   Compliance compliance = {};
 };

@@ -106,7 +106,8 @@ inline Force<double> transmitted(const Model& m, const Data<double>& d, Index li
   for (Index k = 0; d.step->frame_forces && k < m.n.slots; ++k) {
     if (d.slots[k].rows == 0 || between_joints(d.slots[k].c.type)) continue;
     const dynConstraint& c = d.constraint_specs[k];
-    for (const auto& [frame, f] : {std::pair{c.first, d.step->frame_forces + 12 * k}, {c.second, d.step->frame_forces + 12 * k + 6}}) {
+    const double* const forces = d.step->frame_forces + 12 * k;
+    for (const auto& [frame, f] : {std::pair{c.first, forces}, {c.second, forces + 6}}) {
       if (!hangs_on(m, frame, link)) continue;
       const Vector force = load3(f);
       sum.linear = sum.linear - force;

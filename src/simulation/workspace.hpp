@@ -278,7 +278,8 @@ inline bool matrix_is_shared(const Model& m) { return dense_capacity(m) <= tunin
 // Columns of rows that are kept, by supporting degrees of freedom; those of other constraints are made anew (PropagatedRows).
 inline std::ptrdiff_t columns(const Model& m) {
   using namespace tuning::capacity;
-  const std::ptrdiff_t own = m.n.contacts + m.n.limits + m.n.friction_rows, wide = std::max<Index>(0, m.n.carriers - short_support);
+  const std::ptrdiff_t own = m.n.contacts + m.n.limits + m.n.friction_rows,
+                       wide = std::max<Index>(0, m.n.carriers - short_support);
   return std::min(own * m.n.carriers, std::max<std::ptrdiff_t>(least_columns, own_columns * (own - few)) + wide_rows * wide);
 }
 
