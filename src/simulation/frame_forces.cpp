@@ -7,7 +7,7 @@ namespace dyn::simulation {
 namespace {
 
 // lambda: of the slot's rows. scale: a force for a unit of lambda.
-void note(const Model& m, Data<double>& d, const ConstraintInstance<double>& s, const double* lambda, double scale) {
+void note(Data<double>& d, const ConstraintInstance<double>& s, const double* lambda, double scale) {
   if (between_joints(s.c.type) || of_path(s.c)) return;
   const auto on = [&](Index body, const double* F) {
     Force<double> sum = Force<double>::zero();
@@ -37,11 +37,11 @@ std::ptrdiff_t frame_force_numbers(const Model& m) {
 void note_frame_forces(const Island& x) {
   for (Index k = 0; k < x.constraint_count; ++k)
     if (const ActiveConstraint& a = x.constraint(k); a.kind == RowKind::Equality && !of_path(a.s->c))
-      note(x.m, x.d, *a.s, x.lambda + a.first, 1 / x.h);
+      note(x.d, *a.s, x.lambda + a.first, 1 / x.h);
 }
 
 void note_frame_forces(const Model& m, Data<double>& d) {
-  for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) { note(m, d, s, d.lambda + s.first, 1); });
+  for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) { note(d, s, d.lambda + s.first, 1); });
 }
 
 }  // namespace dyn::simulation
