@@ -74,8 +74,8 @@ struct Data {
   simulation::Workspace* step;                       // in step_memory
   simulation::StepDerivatives* derivatives;          // in derivative_memory
   dynParts parts;
-  std::uint32_t acting;  // DYN_EFFECT_... that are switched on at a joint which has them, and acting_wrenches
-  std::uint32_t pushed;                              // acting_wrenches when there are any
+  std::uint32_t acting;  // DYN_EFFECT_... that are switched on at a joint which has them, and pushed
+  std::uint32_t pushed;  // acting_wrenches when there are any; acting_friction_rows where steps have them
   std::uint32_t rows_dropped;  // 1: some constraint may have redundant rows that are left out; else none has
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
   std::uint64_t

@@ -198,7 +198,7 @@ Index find_constraints(const Model& m, Data<double>& d, const double* v_free, do
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.any_asleep;  // the advancement cache does not know sleeping bodies
   if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h) && paths_inactive(m, d, h) &&
-      !has_friction_rows(m, d)) {
+      !has_friction_rows(d)) {
     if (d.step->limits > 0) std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
     return update_advancement_cache(m, d, v, h, shape::infinity), 0;
   }
@@ -207,9 +207,10 @@ Index find_constraints(const Model& m, Data<double>& d, const double* v_free, do
   d.step->stored = 0, d.invalidate(Stage::Distances);  // rows lie in the results of pairs (workspace.cpp)
   Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits();
-  if (has_friction_rows(m, d)) [[unlikely]] find.friction();
+  if (has_friction_rows(d)) [[unlikely]] find.friction();
   find.paths(), find.contacts();
-  update_advancement_cache(m, d, v, h, !some_sleep && find.count == 0 && active_rows(m, d) == 0 ? find.min_distance : 0);
+  const bool none = !some_sleep && find.count == 0 && active_rows(m, d) == 0 && !has_friction_rows(d);
+  update_advancement_cache(m, d, v, h, none ? find.min_distance : 0);
   order_by_islands(m, d, find.count);
   return find.count;
 }

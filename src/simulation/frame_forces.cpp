@@ -34,11 +34,7 @@ std::ptrdiff_t frame_force_numbers(const Model& m) {
   return 0;
 }
 
-void note_frame_forces(const Island& x) {
-  for (Index k = 0; k < x.constraint_count; ++k)
-    if (const ActiveConstraint& a = x.constraint(k); a.kind == RowKind::Equality && !of_path(a.s->c))
-      note(x.d, *a.s, x.lambda + a.first, 1 / x.h);
-}
+void note_frame_forces(const Island& x, const ActiveConstraint& a) { note(x.d, *a.s, x.lambda + a.first, 1 / x.h); }
 
 void note_frame_forces(const Model& m, Data<double>& d) {
   for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) { note(d, s, d.lambda + s.first, 1); });

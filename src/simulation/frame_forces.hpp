@@ -6,9 +6,10 @@
 namespace dyn::simulation {
 
 struct Island;
+struct ActiveConstraint;
 
-// After a solve of impulses.
-void note_frame_forces(const Island& x);
+// Of an equality, after a solve of impulses.
+void note_frame_forces(const Island& x, const ActiveConstraint& a);
 // After constrained dynamics.
 void note_frame_forces(const Model& m, Data<double>& d);
 

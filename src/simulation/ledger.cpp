@@ -51,7 +51,7 @@ bool has_free_roots(const Model& m) {
 LedgerState state_of(const Model& m, Data<double>& d) {
   LedgerState x{};
   const std::uint32_t acting = d.acting;
-  if (has_friction_rows(m, d)) d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);  // its work is that of rows
+  if (has_friction_rows(d)) d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);  // its work is that of rows
   x.energy = energies(m, d).sum();
   Vec3<double> force = Vec3<double>::zero();
   x.power.wrenches = power_on_bodies(m, d, acting_wrenches, force);

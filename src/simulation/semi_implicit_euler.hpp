@@ -30,8 +30,7 @@ DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const
   if constexpr (std::is_same_v<T, double>) {
     simulation::Workspace& w = *d.step;
     w.constraint_count = 0;
-    if (!simulation::has_constraints(m, d)) return ConstraintOutcome::Nothing;
-    if (simulation::cache_excludes_contact(m, d, h) && !simulation::has_friction_rows(m, d)) return ConstraintOutcome::Nothing;
+    if (!simulation::has_constraints(m, d) || simulation::cache_excludes_contact(m, d, h)) return ConstraintOutcome::Nothing;
     w.constraint_count = simulation::find_constraints(m, d, d.v, h);
     if (w.sleep.touched || w.sleep.contacts_full) return ConstraintOutcome::Sleeper;
     if (w.constraint_count == 0) return ConstraintOutcome::Nothing;
@@ -94,11 +93,23 @@ template <class T, class Part>
 
 // d.armature = armature plus the implicit terms of a step of h. The same bits in every call.
 template <class T, class Part>
-[[gnu::noinline]] void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
-                                             const Part& part) {
+void add_implicit_terms(const Model& m, Data<T>& d, const T* armature, T h, Springs springs, const Part& part) {
   implicit_armature(m, d, armature, h, part);
   implicit_springs(m, d, h, springs, [&](Index k, T stiffness) { d.armature[k] += h * h * stiffness; });
-  if (simulation::has_file_rows(d)) [[unlikely]] add_damping(m, d, -h, part);
+}
+// Rows as the file has them: damping acts later (damp_change), and dry friction is rows.
+template <class T, class Part>
+[[gnu::cold, gnu::noinline]] void set_file_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
+                                                    const Part& part) {
+  d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);
+  add_implicit_terms(m, d, armature, h, springs, part);
+  add_damping(m, d, -h, part);
+}
+template <class T, class Part>
+[[gnu::noinline]] void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
+                                             const Part& part) {
+  if (simulation::has_file_rows(d)) [[unlikely]] return set_file_armature(m, d, armature, h, springs, part);
+  add_implicit_terms(m, d, armature, h, springs, part);
 }
 
 // Forward dynamics under tau and the actuators at the end of a step of h.
@@ -124,13 +135,12 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   const T* tau = d.tau_applied;
   constexpr std::uint32_t always = implicit_effects(false);
   const std::uint32_t acting = d.acting;
-  if (simulation::has_file_rows(d)) [[unlikely]] d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);  // rows of the file
   Springs which = !(acting & DYN_EFFECT_SPRINGS) ? Springs::None : springs ? Springs::All : Springs::Stiff;
   bool some = which == Springs::All;
   if (which == Springs::Stiff && simulation::has_file_rows(d)) [[unlikely]] which = Springs::None;  // as MuJoCo's
   if (which == Springs::Stiff) implicit_springs(m, d, h, which, [&](Index, T stiffness) { some = some || stiffness > T(0); });
   if (!some) which = Springs::None;
-  if (some || (d.acting & always)) {
+  if (some || (acting & always)) {
     d.armature = d.net + m.n.nv;
     set_implicit_armature(m, d, armature, h, which, part);
     if (some) {

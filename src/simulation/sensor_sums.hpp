@@ -89,7 +89,7 @@ inline Force<double> transmitted(const Model& m, const Data<double>& d, Index li
     sum.angular += cross(X.p - x, f) + angular_momentum(l, X, d.alpha[body]) + cross(w, angular_momentum(l, X, w));
   });
   if (!d.step) return sum;
-  for (Index j = 1; d.pushed && j < m.n.joints; ++j) {
+  for (Index j = 1; (d.pushed & acting_wrenches) && j < m.n.joints; ++j) {
     const Index body = m.joints()[j].last_body;
     if (!carries_joint(m, link, j)) continue;
     const Force<double> f = d.wrenches[j].at(d.R[body], d.p[body]);

@@ -161,8 +161,11 @@ void Island::impulses(dynContactReport& report) {
   w.limit.leave();
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
-    if (x.kind == RowKind::Box && x.index >= 0) w.limit_forces[x.index] = x.s->g1 * lambda[x.first] / h;
-    if (x.kind != RowKind::Contact) continue;
+    if (x.kind != RowKind::Contact) {
+      if (x.kind == RowKind::Box && x.index >= 0) w.limit_forces[x.index] = x.s->g1 * lambda[x.first] / h;
+      if (x.kind == RowKind::Equality && w.frame_forces) [[unlikely]] note_frame_forces(*this, x);
+      continue;
+    }
     dynContactForce& f = w.contacts[x.index];
     const ContactLaw& law = w.laws[x.index];
     Vec3<double> force = Vec3<double>::zero(), moment = force;
@@ -172,7 +175,6 @@ void Island::impulses(dynContactReport& report) {
     }
     store3(force, f.force_on_b), store3(moment, f.moment_on_b);
   }
-  if (w.frame_forces) [[unlikely]] note_frame_forces(*this);
 }
 
 // Returns whether a row's error is an angle.

@@ -12,16 +12,13 @@
 
 namespace dyn::simulation {
 
-// Returns whether dry friction of joints is rows, as an MJCF file has it. Steps otherwise take the smooth law of src/effect.
-inline bool has_friction_rows(const Model& m, const Data<double>& d) {
-  return m.n.friction_rows > 0 && (d.acting & DYN_EFFECT_FRICTION) && d.step->options.contact_model == DYN_CONTACT_MODEL_AS_FILE;
-}
+inline bool has_friction_rows(const Data<double>& d) { return (d.acting & acting_friction_rows) != 0; }
 // Returns whether any contact, limit or constraint can act in steps of this data.
 inline bool has_constraints(const Model& m, const Data<double>& d) {
-  if ((m.n.contacts > 0 && d.step->pair_count != 0) || (d.acting & DYN_EFFECT_LIMITS)) return true;
+  if ((m.n.contacts > 0 && d.step->pair_count != 0) || (d.acting & (DYN_EFFECT_LIMITS | acting_friction_rows))) return true;
   for (Index k = 0; k < m.n.slots; ++k)
     if (d.slots[k].rows) return true;
-  return (m.n.path_rows > 0 && (d.acting & driving_effects)) || has_friction_rows(m, d);
+  return m.n.path_rows > 0 && (d.acting & driving_effects);
 }
 bool paths_may_jump(const Model& m, const Data<double>& d);  // path_rows.hpp
 // Whether rows are as an MJCF file has them (compliant_rows.cpp).
