@@ -189,6 +189,7 @@ void override_mjcf_contacts(MjcfRobot& robot) {
     material.friction = x.friction[0], material.torsion = x.friction[1], material.rolling = x.friction[2];
     std::copy(x.compliance.reference, x.compliance.reference + 2, law.reference);
     std::copy(x.compliance.impedance, x.compliance.impedance + 5, law.impedance);
+    law.across[0] = law.across[1] = 0;
     margin = law.margin = share * x.margin;
   };
   for (MjcfBody& b : robot.bodies)
