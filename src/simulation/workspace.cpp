@@ -140,7 +140,8 @@ void for_each_array(const Model& m, Workspace& w, Layout& f) {
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts);
   f(w.limit_forces, remembered_rows(m)), f(w.previous_limit_forces, remembered_rows(m)), f(w.saved_limit_forces,
       remembered_rows(m));
-  f(w.path_rows, m.n.path_rows), f(w.frame_forces, frame_force_numbers(m));
+  f(w.path_rows, m.n.path_rows);
+  if (const std::ptrdiff_t numbers = frame_force_numbers(m)) f(w.frame_forces, numbers);
   f(w.blocks, slots, Use::Rows), f(w.vectors, island_vectors * rows, Use::Rows);
   w.elimination.arrays(m, Index(slots), f);
   f(w.run_rows, segment_lanes * std::ptrdiff_t(w.elimination.max_row_lanes), Use::Rows), f(w.cones, cone_capacity(m), Use::Rows);

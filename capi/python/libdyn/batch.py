@@ -162,9 +162,9 @@ class Batch(Algorithms, Rollouts):
         status.fill(0)
         return address(status)
 
-    def _mocap_rows(self, mocap: Any, given: tuple) -> Numbers:
+    def _mocap_rows(self, mocap: Any, q: Any) -> Numbers:
         x = numbers(mocap, "mocap")
-        n, shape = len(np.atleast_2d(given[0])), (self.model.nmocaps, 12)
+        n, shape = len(q) if type(q) is np.ndarray and q.ndim else _count(q), (self.model.nmocaps, 12)
         if x.shape not in ((n, *shape), shape):
             raise SizeError(f"mocap has shape {x.shape}, but must have shape {(n, *shape)} or {shape} of model {self.model.name!r}.")
         return np.ascontiguousarray(np.broadcast_to(x, (n, *shape)))

@@ -23,6 +23,7 @@ def _method(algorithm: AlgorithmInfo) -> Callable[..., Any]:
     arguments = inspect.Signature(parameters)
     size, absent = len(parameters), (None,) * len(parameters)
     needed = sum(p.default is P.empty for p in parameters)
+    state = algorithm.inputs.index("q")
 
     def call(self, *given, only=None, out=None, status=None, exact=False, mocap=None, **named):
         if not named and needed <= len(given) <= size:
@@ -38,7 +39,7 @@ def _method(algorithm: AlgorithmInfo) -> Callable[..., Any]:
                 self._exact = self._arrays.exact = bool(exact)
             if mocap is None:
                 return self._compute(algorithm, given, only, out, status)
-            placements = self._mocap_rows(mocap, given)
+            placements = self._mocap_rows(mocap, given[state])
             self._arrays.mocap = address(placements)
             try:
                 return self._compute(algorithm, given, only, out, status)

@@ -188,7 +188,8 @@ def test_rollouts_move_mocap_bodies():
         d.set_step_options(dt=0.002)
         for r in range(50):
             d.set_mocap("plate", x[k, r, 0, 9:], np.eye(3))
-            d.step(4)
+            for _ in range(4):
+                d.step()
             np.testing.assert_array_equal(out.q[k, r], d.q)
     again = m.batch(1).rollout(n=2, mocap=x[1], every=4, dt=0.002)  # one row for all, on new data
     np.testing.assert_array_equal(again.q[0], out.q[1])
@@ -199,9 +200,9 @@ def test_batches_place_mocap_bodies():
     m = dyn.load_string(PLATE)
     batch, q, heights = m.batch(2), np.tile(m.data().q, (40, 1)), np.linspace(0, 3, 40)
     corner = m.frame_id("corner")
-    where = [p.translation for p in batch.frame_placement(corner, q, mocap=placements(m, heights))]
+    where = batch.frame_placement(corner, q, mocap=placements(m, heights)).translation
     np.testing.assert_allclose(where, np.c_[np.full((40, 2), 0.5), heights + 0.05], atol=1e-15)
-    first = [p.translation for p in batch.frame_placement(corner, q)]  # the initial one again
+    first = batch.frame_placement(corner, q).translation  # the initial one again
     np.testing.assert_allclose(first, np.tile([0.5, 0.5, 1.05], (40, 1)), atol=1e-15)
 
 
@@ -209,7 +210,7 @@ def test_placements_that_batches_and_rollouts_refuse():
     m = dyn.load_string(PLATE)
     bad = placements(m, [1, 1])
     bad[1, 0, 0] = 2
-    with pytest.raises(dyn.ArgumentError, match="state 1.*plate.*rotation|plate.*rotation"):
+    with pytest.raises(dyn.ArgumentError, match="plate.*rotation"):
         m.batch(1).frame_placement(m.frame_id("corner"), np.tile(m.data().q, (2, 1)), mocap=bad)
     with pytest.raises(dyn.ArgumentError, match="plate.*rotation"):
         m.batch(1).rollout(mocap=bad, every=1, dt=0.002)
