@@ -82,7 +82,7 @@ void add_shapes(Builder& builder, MjcfBody& body, const MjcfRobot& robot, bool w
     if (!robot.contacts) g.shape.contype = g.shape.conaffinity = 0;
     with_location(g.place, [&] {
       builder.shape(g.shape);
-      if (g.fluid) builder.fluid(*g.fluid, g.shape.type == DYN_SHAPE_TYPE_MESH ? std::optional(g.fluid->placement) : std::nullopt);
+      if (g.fluid) builder.fluid(*g.fluid, g.fluid->semiaxes[0] > 0 ? std::optional(g.fluid->placement) : std::nullopt);
     });
   }
 }
