@@ -186,7 +186,8 @@ dynStatus dyn_builder_set_shape_fluid(dynBuilder* builder, const double coeffici
   constexpr const char* function = "dyn_builder_set_shape_fluid";
   if (placement && !semiaxes) return fail(DYN_ERROR_ARGUMENT, "%s: semiaxes is NULL: placement needs it", function);
   for (int i = 0; semiaxes && i < 3; ++i)
-    if (!(semiaxes[i] > 0)) return fail(DYN_ERROR_ARGUMENT, "%s: semiaxes[%d] is %g: give metres above 0", function, i, semiaxes[i]);
+    if (!(semiaxes[i] > 0))
+      return fail(DYN_ERROR_ARGUMENT, "%s: semiaxes[%d] is %g: give metres above 0", function, i, semiaxes[i]);
   return with(builder, [&](Builder& b) {
     FluidShape x;
     if (coefficients) std::copy(coefficients, coefficients + 5, x.coefficients.begin());

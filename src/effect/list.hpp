@@ -16,8 +16,8 @@
 namespace dyn {
 
 #define DYN_EFFECTS(X) \
-  X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(FluidEllipsoids) X(Sleeping) \
-  X(Tendons)
+  X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(FluidEllipsoids) \
+  X(Sleeping) X(Tendons)
 
 // f.template operator()<E>() for every effect.
 template <class F>

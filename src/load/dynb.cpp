@@ -93,7 +93,8 @@ void check_by_building(const Model& m) {
     for (const FluidEllipsoid *e = m.fluid_ellipsoids(), *end = e + m.n.fluid_shapes; e != end; ++e) {
       if (e->shape != k) continue;
       FluidShape x;
-      std::copy(e->coefficients, e->coefficients + 5, x.coefficients.begin()), std::copy(e->half, e->half + 3, x.semiaxes.begin());
+      std::copy(e->coefficients, e->coefficients + 5, x.coefficients.begin());
+      std::copy(e->half, e->half + 3, x.semiaxes.begin());
       b.fluid(x, placement(e->placement));
     }
   }

@@ -21,7 +21,8 @@ struct Numbers {
 #include "effect/coefficients.def"
 };
 
-// What came with version 5: arrays of paths, of mocap bodies and of ellipsoids in a medium, and the ends of dynActuator and of ActuatorRecord.
+// What came with version 5: arrays of paths, of mocap bodies and of ellipsoids in a medium, and the ends of dynActuator and of
+// ActuatorRecord.
 constexpr bool is_path_field(Model::Field field) {
   using F = Model::Field;
   return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs ||

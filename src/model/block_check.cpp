@@ -148,7 +148,8 @@ bool BlockChecker::frames() {
   }) && each(n.drag_boxes, [&](Index k) {
     const DragBox& b = m.drag_boxes()[k];
     return on_a_body(b) && require(is_finite(b.X) && are_finite(b.half), "a box that a medium drags on");
-  }) && require(n.fluid_ellipsoids <= n.fluid_shapes, "the number of ellipsoids in a medium") && each(n.fluid_shapes, [&](Index k) {
+  }) && require(n.fluid_ellipsoids <= n.fluid_shapes, "the number of ellipsoids in a medium") &&
+         each(n.fluid_shapes, [&](Index k) {
     const FluidEllipsoid& e = m.fluid_ellipsoids()[k];
     return (k >= n.fluid_ellipsoids || on_a_body(e)) && index(e.shape, n.shapes, "shape of an ellipsoid in a medium") &&
            require(is_finite(e.X) && are_finite(e.half) && are_finite(e.coefficients) && are_finite(e.added_mass) &&
