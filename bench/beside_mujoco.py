@@ -74,7 +74,7 @@ def links_forces(m, d, q, v, h):
         return d.v.copy()
 
     def acceleration(h):
-        return (after_step(h, "fluid", "gravity_compensation") - after_step(h)) / h
+        return (after_step(h, "fluid", "fluid_ellipsoids", "gravity_compensation") - after_step(h)) / h
 
     a = sum(c * acceleration((k + 1) * h) for k, c in enumerate((5, -10, 10, -5, 1)))
     d.set_effects("armature")
@@ -165,7 +165,7 @@ def forces(beside, states=5):
         M, bias = d.crba(q), d.rnea(q, v, zero)
         d.set_effects(("armature", *(e.name.lower() for e in (dyn.Effect.DAMPING, dyn.Effect.SPRINGS) if e in stated)))
         passive = bias - d.rnea(q, v, zero)
-        if stated & (dyn.Effect.FLUID | dyn.Effect.GRAVITY_COMPENSATION):
+        if stated & (dyn.Effect.FLUID | dyn.Effect.FLUID_ELLIPSOIDS | dyn.Effect.GRAVITY_COMPENSATION):
             ways = [passive + links_forces(m, d, q, v, h) for h in (1e-5, 1e-4, 1e-3)]
             passive = min(ways, key=lambda way: np.abs(T.T @ way - md.qfrc_passive).max())
         if dyn.Effect.TENDONS in stated:

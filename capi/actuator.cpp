@@ -100,7 +100,7 @@ dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame,
   } else {
     held.world = held.world + w;
   }
-  d.pushed = acting_wrenches, d.acting |= d.pushed;
+  d.pushed |= acting_wrenches, d.acting |= acting_wrenches;
   simulation::invalidate_sleep(d);
   return DYN_OK;
 }
@@ -110,7 +110,7 @@ dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data) {
   if (!call) return call.status;
   Data<double>& d = call.d();
   for (Index j = 0; j < call.m().n.joints; ++j) d.wrenches[j] = AppliedWrench<double>::none();
-  d.acting &= ~d.pushed, d.pushed = 0;
+  d.acting &= ~acting_wrenches, d.pushed &= ~acting_wrenches;
   simulation::invalidate_sleep(d);
   return DYN_OK;
 }

@@ -38,6 +38,12 @@ bool of_one_state(dynStatus status) {
 
 }  // namespace
 
+dynStatus capi::place_mocaps_of(const dynModel* m, dynData* data, const double* placements) {
+  for (int k = 0; k < int(m->m->n.mocaps); ++k)
+    if (const dynStatus s = dyn_data_set_mocap(m, data, k, placements + 12 * k)) return s;
+  return DYN_OK;
+}
+
 void Batch::Worker::failed(std::int64_t k, dynStatus s) {
   if (failures++) return;
   first = k, status = s;
@@ -78,13 +84,19 @@ struct Batch::Job {
     read = first;
     for (const auto& [name, array] : {std::pair{"v", &read.v}, {"a", &read.a}, {"tau", &read.tau}, {"fext", &read.fext}})
       if (!algorithm.reads(name)) *array = nullptr;
-    in_lanes = !first.exact && batch.lanes_apply && frame_is_valid() &&
+    in_lanes = !first.exact && batch.lanes_apply && frame_is_valid() && !first.mocap &&
                Lanes::has(*batch.handle->m, number, batch.datas[0]->body->d.parts);
   }
   // So small that the last ones end together.
   static std::int64_t share_of(std::int64_t n, int threads) {
     const std::int64_t most = std::clamp<std::int64_t>(n / (32 * threads), 1, 64), width = Lanes::width();
     return (most + width - 1) / width * width;
+  }
+  // Lanes have them in their initial placements.
+  const double* mocap(std::int64_t k) const {
+    const Model& m = *batch.handle->m;
+    const std::ptrdiff_t size = 12 * std::ptrdiff_t(m.n.mocaps);
+    return first.mocap ? first.mocap + k * size : m.configuration_mocaps() + m.simulation()->initial * size;
   }
   // Errors that are no state's own are those of single calls.
   bool frame_is_valid() const {
@@ -106,7 +118,8 @@ struct Batch::Job {
     dynData* data = batch.datas[std::size_t(thread)].get();
     const auto compute = [&](std::int64_t k) {
       forget(data);
-      const dynStatus status = algorithm.call(batch.handle, data, row(k));
+      dynStatus status = place_mocaps_of(batch.handle, data, mocap(k));
+      if (status == DYN_OK) status = algorithm.call(batch.handle, data, row(k));
       if (first.status) first.status[k] = status;
       if (status != DYN_OK) worker.failed(k, status);
     };
@@ -263,6 +276,10 @@ dynStatus dyn_algorithm_run(const dynModel* model, dynData* data, dynAlgorithm a
   if (arrays->struct_size < sizeof(dynBatchArrays))
     return fail(DYN_ERROR_SIZE, "dyn_algorithm_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init",
                 arrays->struct_size, sizeof(dynBatchArrays));
+  if (arrays->mocap) {
+    if (const dynStatus s = check(model)) return s;
+    if (const dynStatus s = place_mocaps_of(model, data, arrays->mocap)) return s;
+  }
   return batch_algorithms[raw(algorithm)].call(model, data, *arrays);
 }
 

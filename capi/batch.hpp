@@ -56,6 +56,9 @@ struct BatchAlgorithm {
 constexpr int batch_algorithm_count = Members<dynAlgorithm>::count;
 extern const BatchAlgorithm batch_algorithms[batch_algorithm_count];
 
+// Places all mocap bodies, 12 numbers each.
+dynStatus place_mocaps_of(const dynModel* m, dynData* data, const double* placements);
+
 // A data for each thread.
 class Batch {
  public:

@@ -181,6 +181,21 @@ dynStatus dyn_builder_set_shape_rgba(dynBuilder* builder, const double rgba[4]) 
   return with(builder, [&](Builder& b) { b.colour(packed_colour(rgba)); });
 }
 
+dynStatus dyn_builder_set_shape_fluid(dynBuilder* builder, const double coefficients[5], const double semiaxes[3],
+                                      const double placement[12]) {
+  constexpr const char* function = "dyn_builder_set_shape_fluid";
+  if (placement && !semiaxes) return fail(DYN_ERROR_ARGUMENT, "%s: semiaxes is NULL: placement needs it", function);
+  for (int i = 0; semiaxes && i < 3; ++i)
+    if (!(semiaxes[i] > 0))
+      return fail(DYN_ERROR_ARGUMENT, "%s: semiaxes[%d] is %g: give metres above 0", function, i, semiaxes[i]);
+  return with(builder, [&](Builder& b) {
+    FluidShape x;
+    if (coefficients) std::copy(coefficients, coefficients + 5, x.coefficients.begin());
+    if (semiaxes) std::copy(semiaxes, semiaxes + 3, x.semiaxes.begin());
+    b.fluid(x, placement ? std::optional(read_placement(placement)) : std::nullopt);
+  });
+}
+
 dynStatus dyn_builder_add_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {
   if (const dynStatus s = check_array("dyn_builder_add_configuration", "q", q, nq)) return s;
   return with(builder, [&](Builder& b) { b.configuration(text(name), std::vector<double>(q, q + nq)); });

@@ -102,6 +102,7 @@ dynStatus dyn_data_reset(const dynModel* model, dynData* data, const char* name)
   if (!d.step) return DYN_OK;
   d.step->contact_count = 0, d.step->advancement_cache.square = d.step->growth = 0, d.step->ends_fast = true;
   std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
+  if (d.step->frame_forces) std::fill_n(d.step->frame_forces, 12 * std::ptrdiff_t(m.n.slots), 0.0);
   std::fill_n(d.step->sleep.slow_time, d.step->sleep.count, 0.0);
   return DYN_OK;
 }

@@ -97,6 +97,8 @@ constexpr Row others[] = {
      acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
     {DYN_EFFECT_FLUID, "", [](const Model& m) { return int(m.n.drag_boxes); }, acts<DYN_EFFECT_FLUID>,
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.drag_boxes = 0; }); }},
+    {DYN_EFFECT_FLUID_ELLIPSOIDS, "", [](const Model& m) { return int(m.n.fluid_ellipsoids); }, acts<DYN_EFFECT_FLUID_ELLIPSOIDS>,
+     [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.fluid_ellipsoids = 0; }); }},
     {DYN_EFFECT_SLEEPING, "", [](const Model& m) { return int(simulation::resting_trees(m)); },
      [](const Model& m, const Data<double>& d) { return d.acting & DYN_EFFECT_SLEEPING ? int(simulation::resting_trees(m)) : 0; },
      [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? simulation::sleep_bytes(m) : 0; }},

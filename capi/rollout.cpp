@@ -101,6 +101,8 @@ struct Batch::Rollout {
       if (const dynStatus s = sense(m, data, k, 0, acceleration, thread)) return s;
     }
     for (std::int64_t r = k * records; r < (k + 1) * records; ++r) {
+      if (x.mocap)
+        if (const dynStatus s = place_mocaps_of(m, data, row(x.mocap, 12 * std::ptrdiff_t(m->m->n.mocaps), r))) return s;
       if (x.control)
         if (const dynStatus s = dyn_data_set_control(m, data, row(x.control, m->m->n.nu, r))) return s;
       if (x.tau)

@@ -196,8 +196,13 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
       now.tolerance != options->tolerance || now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time ||
       now.time_budget != options->time_budget || now.contact_model != options->contact_model)
     simulation::invalidate_sleep(call.d());
-  call.d().step->options = *options;
-  call.d().step->options.struct_size = sizeof *options;
+  Data<double>& d = call.d();
+  if (now.contact_model != options->contact_model) d.step->advancement_cache.square = 0;
+  d.pushed &= ~acting_friction_rows, d.acting &= ~acting_friction_rows;
+  if (options->contact_model == DYN_CONTACT_MODEL_AS_FILE && call.m().n.friction_rows > 0)
+    d.pushed |= acting_friction_rows, d.acting |= acting_friction_rows;
+  d.step->options = *options;
+  d.step->options.struct_size = sizeof *options;
   return DYN_OK;
 }
 

@@ -18,20 +18,22 @@ struct Header {
 
 std::size_t numbers(const Model& m) {
   return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na) +
-         std::size_t(simulation::remembered_rows(m)) + 12 * std::size_t(m.n.mocaps);
+         std::size_t(simulation::remembered_rows(m)) + 12 * std::size_t(m.n.mocaps) +
+         std::size_t(simulation::frame_force_numbers(m));
 }
 std::size_t bytes(const Model& m) {
   return sizeof(Header) + (numbers(m) + std::size_t(simulation::resting_trees(m))) * sizeof(double) +
          std::size_t(m.n.contacts) * sizeof(dynContactForce);
 }
 
-// f(array of the data, numbers) for q, v, a, tau, controls and their filters, forces of limits, and how long trees have been slow,
-// and placements of mocap bodies
+// f(array of the data, numbers) for q, v, a, tau, controls and their filters, forces of limits, placements of mocap
+// bodies, forces between frames, and how long trees have been slow
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);
   f(d.step->limit_forces, simulation::remembered_rows(m));
   f(d.mocap, 12 * m.n.mocaps);
+  f(d.step->frame_forces, Index(simulation::frame_force_numbers(m)));
   f(d.step->sleep.slow_time, d.step->sleep.count);
 }
 

@@ -230,7 +230,7 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options, uint32_t struct_size
 
    MJCF, what is read:
      - bodies, frames, replicas, attached models, included files, classes of defaults;
-     - inertials, and masses of geoms by MuJoCo's rules; gravity, gravcomp, the medium;
+     - inertials, and masses of geoms by MuJoCo's rules; gravity, gravcomp, the medium, fluidshape, fluidcoef;
      - hinge, slide, ball and free joints, several on a body, with reference, limits, armature, damping, dry
        friction and springs;
      - geoms as shapes (visual when contype and conaffinity are 0), height fields, sites as frames;
@@ -544,7 +544,8 @@ DYN_API dynStatus dyn_builder_set_mocap(dynBuilder* builder, const char* body);
    in principal axes. b_i = 4 r_j r_k is the face across axis i, d the mean of the sides:
      force_i  = - density / 2 b_i |v_i| v_i - 3 pi d viscosity v_i
      moment_i = - density / 2 r_i (r_j^4 + r_k^4) |w_i| w_i - pi d^3 viscosity w_i
-   (MuJoCo's inertia-based fluid model; MuJoCo documentation, Computation: Passive forces.) */
+   (MuJoCo's inertia-based fluid model; MuJoCo documentation, Computation: Passive forces.) Links that have a
+   shape with dyn_builder_set_shape_fluid have the forces on its ellipsoid instead. */
 DYN_API dynStatus dyn_builder_set_medium(dynBuilder* builder, double density, double viscosity,
                                          const double wind[3]);
 /* A shape on a link. */
@@ -571,6 +572,14 @@ DYN_API dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec*
 /* Sets the colour of the last added shape, 0 to 1 each, for pictures alone. Returns DYN_ERROR_INVALID when
    there is no shape. */
 DYN_API dynStatus dyn_builder_set_shape_rgba(dynBuilder* builder, const double rgba[4]);
+/* Makes the medium act on the last added shape as on an ellipsoid: blunt drag, slender drag, angular drag,
+   Kutta lift and Magnus force with these coefficients (>= 0; NULL: MuJoCo's 0.5, 0.25, 1.5, 1, 1), viscous
+   drag, and the velocity-dependent forces of added mass. semiaxes (m): NULL for those of a sphere, box,
+   capsule, cylinder or ellipsoid. placement (12, NULL: the shape's) of the ellipsoid in the link's frame.
+   Returns DYN_ERROR_INVALID when there is no shape. (MuJoCo's ellipsoid-based fluid model; MuJoCo
+   documentation, Computation: Fluid forces. Links without mass have none.) */
+DYN_API dynStatus dyn_builder_set_shape_fluid(dynBuilder* builder, const double coefficients[5],
+                                              const double semiaxes[3], const double placement[12]);
 /* Makes a pair of collision shapes of different bodies tested, whatever the filters say. Shapes are named.
    material is that of their contacts in steps; NULL: it follows from the two shapes. */
 DYN_API dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const char* shape2,
@@ -718,7 +727,7 @@ DYN_API dynStatus dyn_data_reset(const dynModel* model, dynData* data, const cha
 /* Mocap bodies: links fixed to the world whose placement (12 numbers, world) the caller sets. Their shapes
    collide with all that moves. Constraints pull other bodies to them. They have no velocity: a constraint or
    a contact with one that moves is corrected by its error. dyn_data_reset sets them as in the configuration.
-   Algorithms in batches have them as in the initial one. Returns the number of mocap bodies. */
+   Batches and rollouts take them as an input (mocap). Returns the number of mocap bodies. */
 DYN_API int dyn_model_nmocaps(const dynModel* model);
 /* Returns the id of a mocap body by the name of its link, or -1. */
 DYN_API int dyn_model_mocap_id(const dynModel* model, const char* name);
@@ -733,7 +742,7 @@ DYN_API dynStatus dyn_data_mocap(const dynModel* model, dynData* data, int mocap
 #define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
 
 /* Effects, a bit each. Data has them switched on or off joint by joint. New data has DYN_EFFECT_DEFAULT.
-   LIMITS, ACTUATORS, FLUID, GRAVITY_COMPENSATION and SLEEPING act in steps alone.
+   LIMITS, ACTUATORS, FLUID, FLUID_ELLIPSOIDS, GRAVITY_COMPENSATION and SLEEPING act in steps alone.
      M = M of the rigid bodies + armature        M a + nle = tau + J' fext
      nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY)
            + stiffness (q (-) reference)
@@ -747,17 +756,20 @@ enum {
   DYN_EFFECT_FRICTION = 1u << 3,             /* Dry friction in the joints. */
   DYN_EFFECT_LIMITS = 1u << 4,               /* Position limits of the joint. */
   DYN_EFFECT_ACTUATORS = 1u << 5,            /* Actuators of the joint. */
-  DYN_EFFECT_FLUID = 1u << 6,                /* Drag of the medium on the links that the joint carries. */
+  /* Drag of the medium on the links that the joint carries, as on boxes of equal inertia. */
+  DYN_EFFECT_FLUID = 1u << 6,
   DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7, /* Gravity compensation of the links that the joint carries. */
   DYN_EFFECT_SLEEPING = 1u << 8,             /* Bodies at rest may sleep: see dynStepOptions. */
   /* Steps apply all effects that the model states, less those that flags of its file switch off. SLEEPING is
      by its own bit. The other bits are then those of algorithms called alone. */
   DYN_EFFECT_AS_STATED = 1u << 9,
   /* The effects of new data: AS_STATED, and for algorithms called alone ARMATURE, LIMITS, ACTUATORS, FLUID,
-     GRAVITY_COMPENSATION. */
-  DYN_EFFECT_DEFAULT = 0x2f1,
+     FLUID_ELLIPSOIDS, GRAVITY_COMPENSATION. */
+  DYN_EFFECT_DEFAULT = 0xaf1,
   DYN_EFFECT_TENDONS = 1u << 10,             /* Springs, damping, friction, limits, couplings of tendons. */
-  DYN_EFFECT_ALL = 0x5ff                     /* All effects, in steps and in algorithms. */
+  /* Forces of the medium on shapes with dyn_builder_set_shape_fluid of the links that the joint carries. */
+  DYN_EFFECT_FLUID_ELLIPSOIDS = 1u << 11,
+  DYN_EFFECT_ALL = 0xdff                     /* All effects, in steps and in algorithms. */
 };
 /* Sets the effects of a joint (joint 0: of all joints) to the mask. A follower's effects belong to its
    leader: set them there. All results are stale afterwards. */
@@ -2312,9 +2324,9 @@ typedef enum dynQuantity {
   DYN_QUANTITY_GYRO = 26,              /* Frame, 3: angular velocity, its axes. */
   DYN_QUANTITY_MAGNETOMETER = 27,      /* Frame, 3: dynSensor.field, its axes. */
   /* Frame, 3: force that the parent exerts on the link of the frame, its axes. It follows from the motion of
-     all that the link carries, from the contacts of the last step, and from the wrenches of
-     dyn_data_apply_wrench: one on a link that is fixed to another counts as on that one. Connects and welds
-     are left out. */
+     all that the link carries, from the contacts, connects, welds and other constraints between frames of the
+     last step, and from the wrenches of dyn_data_apply_wrench: one on a link that is fixed to another counts
+     as on that one. */
   DYN_QUANTITY_FORCE = 28,
   DYN_QUANTITY_TORQUE = 29,            /* Frame, 3: moment of the same about the frame's origin. */
   /* Frame, 1: sum of the normal forces of contacts of its link whose line meets the zone, last step. */
@@ -2496,8 +2508,7 @@ typedef struct dynStepOptions {
   /* default RIGID. AS_FILE is for comparisons with MuJoCo: rows are springs and dampers of the file, and
      impulses those of MuJoCo's convex problem, in which sliding contacts rise. It needs a model from an MJCF
      file, without mimic joints; an Euler step (SEMI_IMPLICIT_EULER, IMPLICIT_FAST); no accuracy. Nothing
-     corrects positions. Restitution, stiffness and damping of materials have no effect. Dry friction of
-     joints and tendons stays rigid. */
+     corrects positions. Restitution, stiffness and damping of materials have no effect. */
   dynContactModel contact_model;
   int32_t reserved; /* 0 */
 } dynStepOptions;
@@ -3087,6 +3098,7 @@ typedef struct dynBatchArrays {
   int32_t exact;                     /* 1: the bits of single calls; default 0 */
   double* out[4];                    /* n rows each; NULL: not wanted, but one at least must be */
   dynStatus* status;                 /* n, or NULL */
+  const double* mocap; /* n rows of 12 nmocaps, placements of mocap bodies; NULL: the initial ones */
 } dynBatchArrays;
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays, uint32_t struct_size);
 #define dyn_batch_arrays_init(x) dyn_batch_arrays_init(x, sizeof(dynBatchArrays))
@@ -3171,6 +3183,7 @@ typedef struct dynRollout {
   /* 1: noise, with the seed sensor_seed + simulation and the record as count; default 0 */
   int32_t sensor_noise;
   uint64_t sensor_seed;
+  const double* mocap; /* n x R x 12 nmocaps: placements of mocap bodies, set where controls are */
 } dynRollout;
 DYN_API void dyn_rollout_init(dynRollout* rollout, uint32_t struct_size);
 #define dyn_rollout_init(x) dyn_rollout_init(x, sizeof(dynRollout))

@@ -1255,6 +1255,7 @@ class BatchArrays {
   BatchArrays& b(Input x) { return b_ = x, *this; }
   BatchArrays& fext(Input x) { return fext_ = x, *this; }
   BatchArrays& q1(Input x) { return q1_ = x, *this; }
+  BatchArrays& mocap(Input x) { return mocap_ = x, *this; }
   BatchArrays& dt(double seconds) { return value_.dt = seconds, *this; }
   BatchArrays& integrator(dynIntegrator i) { return value_.integrator = i, *this; }
   BatchArrays& exact(bool x = true) { return value_.exact = x, *this; }
@@ -1273,6 +1274,7 @@ class BatchArrays {
     dynBatchArrays x = value_;
     x.q = q_.of(n * m.nq(), "q"), x.v = v_.of(n * m.nv(), "v"), x.a = a_.of(n * m.nv(), "a"), x.tau = tau_.of(n * m.nv(), "tau");
     x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext"), x.q1 = q1_.of(n * m.nq(), "q1");
+    x.mocap = mocap_.of(n * 12 * m.nmocaps(), "mocap");
     for (int k = 0; k < info.outputs; ++k)
       if (x.out[k])
         Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k] * info.pages[k], info.output[k]);
@@ -1283,7 +1285,7 @@ class BatchArrays {
 
  private:
   dynBatchArrays value_;
-  Input q_ = none, v_ = none, a_ = none, tau_ = none, b_ = none, fext_ = none, q1_ = none;
+  Input q_ = none, v_ = none, a_ = none, tau_ = none, b_ = none, fext_ = none, q1_ = none, mocap_ = none;
   std::array<std::size_t, 4> sizes_{};
   std::size_t status_size_ = 0;
 };
@@ -1759,6 +1761,10 @@ class Builder {
     return ok(dyn_builder_add_shape(get(), &s));
   }
   // How the shape that was added last looks: red, green, blue, opacity, 0 to 1.
+  Builder& set_shape_fluid(Input coefficients = none, Input semiaxes = none, Input placement = none) {
+    return ok(dyn_builder_set_shape_fluid(get(), coefficients.of(5, "coefficients"), semiaxes.of(3, "semiaxes"),
+                                          placement.of(12, "placement")));
+  }
   Builder& set_shape_rgba(const std::array<double, 4>& rgba) { return ok(dyn_builder_set_shape_rgba(get(), rgba.data())); }
   // Two collision shapes that are tested whatever the filter says; material: nullptr, that of the shapes.
   Builder& add_pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {

@@ -39,11 +39,11 @@ class InverseInertia {
     return out[0];
   }
   // Mean over the degrees of freedom of a joint.
-  double of_joint(Index joint) {
-    const JointRecord& j = m_.joints()[joint];
-    double sum = 0;
-    for (Index k = 0; k < j.nv; ++k) sum += of_dof(j.idx_v + k);
-    return j.nv > 0 ? sum / double(j.nv) : 0;
+  double of_joint(Index joint) { return mean(joint, 0, m_.joints()[joint].nv); }
+  // Of a joint's degree of freedom: the mean over the three translations or rotations that it is one of.
+  double of_dof_of(Index joint, Index k) {
+    const Index nv = m_.joints()[joint].nv;
+    return nv % 3 == 0 ? mean(joint, k / 3 * 3, 3) : mean(joint, k, 1);
   }
   double of_tendon(Index tendon) {
     if (m_.paths()[tendon].dofs == 0) return 0;
@@ -74,6 +74,11 @@ class InverseInertia {
   }
 
  private:
+  double mean(Index joint, Index first, Index count) {
+    double sum = 0;
+    for (Index k = first; k < first + count; ++k) sum += of_dof(m_.joints()[joint].idx_v + k);
+    return count > 0 ? sum / double(count) : 0;
+  }
   // What MuJoCo takes for a free mass: a link of its own that slides along its axes alone, with its centre of mass at the origin.
   bool slides_along_axes(const FrameRecord& f) const {
     if (f.link < 0 || m_.subtree_end()[f.body] != f.body + 1) return false;
@@ -135,6 +140,10 @@ void settle_compliances(Model& m) {
     const PathRecord& p = m.paths()[m.n.tendons + k];
     set({of.of_tendon(p.first) + (p.elements >= 0 ? of.of_tendon(p.elements) : 0), 0});
   }
+  x += m.n.materials;  // weights of contacts are those of their shapes
+  for (Index j = 1; j < m.n.joints; ++j)
+    for (Index k = 0; k < m.joints()[j].nv; ++k) set({of.of_dof_of(j, k), 0});
+  for (Index k = 0; k < m.n.tendons; ++k) set({of.of_tendon(k), 0});
 }
 
 }  // namespace dyn

@@ -6,8 +6,9 @@
 
 namespace dyn {
 
-// Bit of Data::acting beside DYN_EFFECT_...
-inline constexpr unsigned acting_wrenches = 1u << 31;
+// Bits of Data::acting beside DYN_EFFECT_... The second: dry friction of joints is rows, as an MJCF file has it
+// (simulation/compliant_rows.cpp), instead of the law of effect/friction.hpp.
+inline constexpr unsigned acting_wrenches = 1u << 31, acting_friction_rows = 1u << 30;
 
 template <class T>
 struct AppliedWrench {

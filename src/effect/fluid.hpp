@@ -1,4 +1,5 @@
-// Drag of a medium (dyn_builder_set_medium) on the box of equal inertia of each link. With v, w relative to the medium, in the
+// Drag of a medium (dyn_builder_set_medium) on the box of equal inertia of each link
+// whose shapes are not ellipsoids of their own (fluid_ellipsoids.hpp). With v, w relative to the medium, in the
 // box's axes, half sizes r, a, b about axis i, and their mean s:
 //   force_i  = -(2 density a b |v_i| + 6 pi viscosity s) v_i
 //   moment_i = -(density r (a^4 + b^4) |w_i| / 2 + 8 pi viscosity s^3) w_i
@@ -7,8 +8,7 @@
 #include <cmath>
 
 #include "effect/effect.hpp"
-#include "spatial/mat3.hpp"
-#include "spatial/motion.hpp"
+#include "effect/medium.hpp"
 
 namespace dyn::effect {
 
@@ -38,12 +38,7 @@ struct Fluid : Listed<Fluid> {
   }
   template <class T, class M, class D, class R>
   static Force<T> wrench(const M& m, const D& d, const R& x) {
-    const Mat3<T> R_WB = d.R[x.body] * cast<T>(x.X.R);
-    const Vec3<T> arm = d.R[x.body] * cast<T>(x.X.p), wind = Vec3<T>::make(T(m.wind[0]), T(m.wind[1]), T(m.wind[2]));
-    const Vec3<T> v = d.vel[x.body] + cross(d.omega[x.body], arm) - wind;
-    const Force<T> f = drag<T>(m, x, transpose_times(R_WB, v), transpose_times(R_WB, d.omega[x.body]));
-    const Vec3<T> force = R_WB * f.linear;
-    return {force, R_WB * f.angular + cross(arm, force)};
+    return wrench_of_medium<T>(m, d, x, [&](const Vec3<T>& v, const Vec3<T>& w) { return drag<T>(m, x, v, w); });
   }
 };
 

@@ -5,6 +5,7 @@
 #include "effect/armature.hpp"
 #include "effect/damping.hpp"
 #include "effect/fluid.hpp"
+#include "effect/fluid_ellipsoids.hpp"
 #include "effect/friction.hpp"
 #include "effect/gravity_compensation.hpp"
 #include "effect/limits.hpp"
@@ -15,7 +16,8 @@
 namespace dyn {
 
 #define DYN_EFFECTS(X) \
-  X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(Sleeping) X(Tendons)
+  X(Armature) X(Damping) X(Friction) X(Springs) X(Limits) X(Actuators) X(GravityCompensation) X(Fluid) X(FluidEllipsoids) \
+  X(Sleeping) X(Tendons)
 
 // f.template operator()<E>() for every effect.
 template <class F>

@@ -90,6 +90,13 @@ void check_by_building(const Model& m) {
     s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = material_of(m, r),
     s.surface = surface_of(m, k), s.colour = r.colour, s.filter = PairFilter(r.filter);
     b.shape(s);
+    for (const FluidEllipsoid *e = m.fluid_ellipsoids(), *end = e + m.n.fluid_shapes; e != end; ++e) {
+      if (e->shape != k) continue;
+      FluidShape x;
+      std::copy(e->coefficients, e->coefficients + 5, x.coefficients.begin());
+      std::copy(e->half, e->half + 3, x.semiaxes.begin());
+      b.fluid(x, placement(e->placement));
+    }
   }
   for (Index k = 0; k < m.n.constraints; ++k) {
     const ConstraintRecord& r = m.constraints()[k];

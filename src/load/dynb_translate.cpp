@@ -21,14 +21,15 @@ struct Numbers {
 #include "effect/coefficients.def"
 };
 
-// What came with version 5: arrays of paths and of mocap bodies, and the ends of dynActuator and of ActuatorRecord.
+// What came with version 5: arrays of paths, of mocap bodies and of ellipsoids in a medium, and the ends of dynActuator and of
+// ActuatorRecord.
 constexpr bool is_path_field(Model::Field field) {
   using F = Model::Field;
   return field == F::tendons || field == F::paths || field == F::path_elements || field == F::path_dofs ||
          field == F::path_parents || field == F::mocaps || field == F::configuration_mocaps || field == F::sensors || field == F::force_limits ||
-         field == F::compliances;
+         field == F::compliances || field == F::fluid_ellipsoids;
 }
-constexpr std::size_t path_fields = 10;
+constexpr std::size_t path_fields = 11;
 constexpr std::size_t old_actuator_spec_size = offsetof(dynActuator, transmission);
 constexpr std::size_t old_actuator_size =
     old_actuator_spec_size + offsetof(ActuatorRecord, path) - offsetof(ActuatorRecord, gain);
@@ -135,7 +136,7 @@ std::uint32_t known_effects(std::uint32_t effects, const Written& w) {
   for_each_coefficient([&]<class E>() {
     if (E::of(numbers) >= w.coefficients) effects |= E::bit;
   });
-  if (!w.has_paths()) effects |= DYN_EFFECT_TENDONS;
+  if (!w.has_paths()) effects |= DYN_EFFECT_TENDONS | DYN_EFFECT_FLUID_ELLIPSOIDS;
   return effects & DYN_EFFECT_ALL;
 }
 

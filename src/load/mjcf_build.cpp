@@ -80,7 +80,10 @@ void add_shapes(Builder& builder, MjcfBody& body, const MjcfRobot& robot, bool w
     g.shape.placement = placement(g.X), g.shape.filter = robot.filter;
     if (g.shape.role == DYN_SHAPE_ROLE_COLLISION && g.shape.type != DYN_SHAPE_TYPE_MESH) g.shape.radius = g.margin;
     if (!robot.contacts) g.shape.contype = g.shape.conaffinity = 0;
-    with_location(g.place, [&] { builder.shape(g.shape); });
+    with_location(g.place, [&] {
+      builder.shape(g.shape);
+      if (g.fluid) builder.fluid(*g.fluid, g.fluid->semiaxes[0] > 0 ? std::optional(g.fluid->placement) : std::nullopt);
+    });
   }
 }
 
@@ -126,7 +129,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     add_mechanism(bodies_only, robot, masses);
     compute_mjcf_springs(*with_location(file, [&] { return bodies_only.finish(); }), robot);
   }
-  mark_mjcf_pairs(robot), set_mjcf_priorities(robot), limit_mjcf_actuators(robot);
+  override_mjcf_contacts(robot), mark_mjcf_pairs(robot), set_mjcf_priorities(robot), limit_mjcf_actuators(robot);
   if (has_measured_actuators(robot)) {
     Builder motors_only(robot.name);
     if (massless) motors_only.allow_massless_joints();

@@ -171,7 +171,7 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (f[0] != f[1] || f[3] != f[4]) pair.place.physics("friction differs by direction: the first of each is used");
   pair.material.restitution = mjcf_rebound(reader, e);
   pair.material.friction = f[0], pair.material.torsion = f[2], pair.material.rolling = f[3];
-  pair.material = shape::acting(pair.material, mjcf_latent(reader, e));
+  pair.latent = mjcf_latent(reader, e), pair.material = shape::acting(pair.material, pair.latent);
   pair.compliance = read_mjcf_compliance(reader, e, "solref", "solimp");
   if (const auto across = reader.numbers(e, "solreffriction"))
     std::copy_n(across->begin(), std::min<size_t>(across->size(), 2), pair.compliance.across);

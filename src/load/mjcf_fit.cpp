@@ -66,4 +66,17 @@ void fit_mjcf_geom(const meshes::Mesh& mesh, bool bounds, double scale, MjcfGeom
   geom.X = geom.X * X;
 }
 
+void fit_mjcf_fluid(const meshes::Mesh& mesh, MjcfGeom& geom) {
+  const MjcfMass mass = mjcf_mesh_mass(mesh, geom);
+  if (!(mass.mass > 0)) geom.place.fail(DYN_ERROR_INVALID, "the mesh has no volume: its ellipsoid in a medium is not defined");
+  double moments[3];
+  const SE3<double> X = {descending_axes(mass.inertia, moments), mass.com};
+  geom.fluid->semiaxes = {0, 0, 0};
+  for (Index i = 0; i < mesh.vertex_count(); ++i) {
+    const Vec v = X.act_inverse(mesh.vertex(i));
+    for (int k = 0; k < 3; ++k) geom.fluid->semiaxes[size_t(k)] = std::max(geom.fluid->semiaxes[size_t(k)], std::abs(v[k]));
+  }
+  store_se3(geom.X * X, geom.fluid->placement.data());
+}
+
 }  // namespace dyn::load

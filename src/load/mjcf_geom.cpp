@@ -59,12 +59,26 @@ shape::ShapeMaterial material_of(const Reader& reader, const Element& e) {
   return x;
 }
 
+std::optional<FluidShape> fluid_of(const Reader& reader, const Element& e) {
+  const std::string shape = e.Attribute("fluidshape") ? e.Attribute("fluidshape") : "none";
+  if (shape != "none" && shape != "ellipsoid")
+    reader.fail(DYN_ERROR_PARSE, e, "<geom fluidshape> is " + load::in_quotes(shape) + ": none or ellipsoid is expected");
+  FluidShape out;
+  if (const auto given = reader.numbers(e, "fluidcoef")) {
+    if (given->size() > 5) reader.bad_numbers(e, "fluidcoef", "five numbers are expected");
+    std::copy(given->begin(), given->end(), out.coefficients.begin());
+    for (const double c : *given)
+      if (c < 0) reader.bad_numbers(e, "fluidcoef", "coefficients are not negative");
+  }
+  return shape == "ellipsoid" ? std::optional(out) : std::nullopt;
+}
+
 }  // namespace
 
 // MuJoCo's contact is a damped spring. Two negative numbers are its stiffness and damping of a unit mass, from which the ratio of
 // velocities after half a period follows.
-double mjcf_rebound(const Reader& reader, const Element& e) {
-  const auto spring = reader.numbers(e, "solref");
+double mjcf_rebound(const Reader& reader, const Element& e, const char* solref) {
+  const auto spring = reader.numbers(e, solref);
   if (!spring || spring->size() < 2 || !((*spring)[0] < 0)) return 0;
   const double ratio = -(*spring)[1] / (2 * std::sqrt(-(*spring)[0]));
   return ratio >= 0 && ratio < 1 ? std::exp(-3.14159265358979324 * ratio / std::sqrt(1 - ratio * ratio)) : 0;
@@ -89,7 +103,8 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   reader.unread(e, {"name",     "class",  "type",    "contype", "conaffinity", "group", "size",      "material",
                     "rgba",     "mass",   "density", "fromto",  "pos",         "quat",  "axisangle", "euler",
                     "xyaxes",   "zaxis",  "hfield",  "mesh",    "fitscale",    "user",  "friction",  "condim",
-                    "priority", "solmix", "solref",  "solimp",  "margin",      "gap",   "surfacevel"},
+                    "priority", "solmix", "solref",  "solimp",  "margin",      "gap",   "surfacevel",
+                    "fluidshape", "fluidcoef"},
                 {"plugin"});
   const std::optional<ShapeForm> type = type_of(reader, e);
   if (!type) {
@@ -116,7 +131,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.density = reader.optional_number(e, "density").value_or(1000);
   if (geom.mass.value_or(0) < 0) reader.bad_numbers(e, "mass", "it is negative");
   if (geom.density < 0) reader.bad_numbers(e, "density", "it is negative");
-  geom.X = read_pose(reader, e, file.compiler);
+  geom.X = read_pose(reader, e, file.compiler), geom.fluid = fluid_of(reader, e);
 
   std::array<double, 3> size = {0, 0, 0};
   size_t given = 0;
@@ -152,13 +167,34 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.shape.size = sizes_of(*type, size);
 
   const bool counts = geom.mass.value_or(geom.density) > 0 && context.body != 0 && mass_from_geoms(body);
-  if (type->type == DYN_SHAPE_TYPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts, geom);
+  if (type->type == DYN_SHAPE_TYPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts || geom.fluid, geom);
+  if (geom.fluid && (type->type == DYN_SHAPE_TYPE_HALF_SPACE || type->type == DYN_SHAPE_TYPE_HEIGHT_FIELD)) {
+    geom.place.physics("fluidshape: a " + std::string(type->name) + " is no ellipsoid: fluid forces on it are left out");
+    geom.fluid.reset();
+  }
   if (type->type == DYN_SHAPE_TYPE_HEIGHT_FIELD && !file.assets.height_field(e, reader.name(e, "hfield"), geom)) return;
   geom.X = context.X * geom.X;
+  if (geom.fluid && geom.mesh && type->type == DYN_SHAPE_TYPE_MESH) fit_mjcf_fluid(*geom.mesh, geom);
   geom.discarded =
       file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0;
   geom.body = context.body;
   body.geoms.push_back(std::move(geom)), file.robot.names.reset();
+}
+
+void override_mjcf_contacts(MjcfRobot& robot) {
+  if (!robot.override_) return;
+  const MjcfOverride& x = *robot.override_;
+  const auto set = [&](dynMaterial& material, Compliance& law, double& margin, double share) {
+    material.restitution = x.restitution;
+    material.friction = x.friction[0], material.torsion = x.friction[1], material.rolling = x.friction[2];
+    std::copy(x.compliance.reference, x.compliance.reference + 2, law.reference);
+    std::copy(x.compliance.impedance, x.compliance.impedance + 5, law.impedance);
+    law.across[0] = law.across[1] = 0;
+    margin = law.margin = share * x.margin;
+  };
+  for (MjcfBody& b : robot.bodies)
+    for (MjcfGeom& g : b.geoms) set(g.shape.material, g.shape.compliance, g.margin, 0.5);  // margins of two geoms add up
+  for (MjcfPair& p : robot.pairs) set(p.material, p.compliance, p.margin, 1), p.material = shape::acting(p.material, p.latent);
 }
 
 void set_mjcf_priorities(MjcfRobot& robot) {

@@ -70,9 +70,9 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
                  "solreffriction",
                  "solimpfriction"},
                 {});
-  count_unused(reader, e, "joint", {"solreffriction", "solimpfriction"});
   JointSpec& spec = joint.spec;
   spec.compliance = read_mjcf_compliance(reader, e, "solreflimit", "solimplimit");
+  spec.friction_compliance = read_mjcf_compliance(reader, e, "solreffriction", "solimpfriction");
   spec.type = joint_type_of(reader, e);
   const bool hinge = spec.type == DYN_JOINT_TYPE_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_TYPE_PRISMATIC;
   const double unit = hinge || spec.type == DYN_JOINT_TYPE_SPHERICAL ? file.compiler.angle : 1;

@@ -8,7 +8,8 @@ namespace dyn::load {
 
 namespace {
 
-constexpr std::uint32_t passive = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION;
+constexpr std::uint32_t passive = DYN_EFFECT_SPRINGS | DYN_EFFECT_DAMPING | DYN_EFFECT_FLUID | DYN_EFFECT_FLUID_ELLIPSOIDS |
+                                  DYN_EFFECT_GRAVITY_COMPENSATION;
 constexpr std::pair<std::string_view, std::uint32_t> effects_of_flags[] = {
     {"limit", DYN_EFFECT_LIMITS},
     {"frictionloss", DYN_EFFECT_FRICTION},
@@ -34,11 +35,26 @@ void read_flags(const Reader& reader, MjcfRobot& robot, const Element& flags) {
     if (name == "filterparent") robot.filter = off ? PairFilter::SameBody : PairFilter::Mujoco;
     if (off && name == "clampctrl") robot.control_ranges = false;
     if (off && name == "gravity") robot.gravity = {0, 0, 0};
-    if (effect != std::end(effects_of_flags) || name == "contact" || name == "equality" || name == "clampctrl" ||
-        name == "gravity" || name == "filterparent")
+    if (effect != std::end(effects_of_flags) || name == "contact" || name == "override" || name == "equality" ||
+        name == "clampctrl" || name == "gravity" || name == "filterparent")
       continue;
     reader.report.info(a->GetLineNum(), "<flag " + name + ">: not used");
   }
+}
+
+// <flag override>: numbers that all contacts have.
+void read_override(const Reader& reader, MjcfRobot& robot, const Element& e) {
+  MjcfOverride x{read_mjcf_compliance(reader, e, "o_solref", "o_solimp"), mjcf_rebound(reader, e, "o_solref"), {1, 0.005, 0.0001},
+                 reader.optional_number(e, "o_margin").value_or(0)};
+  if (const auto given = reader.numbers(e, "o_friction")) {
+    constexpr size_t places[] = {0, 2, 3};  // of sliding, torsion and rolling among five
+    for (size_t k = 0; k < 3; ++k)
+      if (places[k] < given->size()) x.friction[k] = (*given)[places[k]];
+  }
+  for (const double c : x.friction)
+    if (c < 0) reader.bad_numbers(e, "o_friction", "coefficients are not negative");
+  if (x.margin < 0) reader.bad_numbers(e, "o_margin", "it is negative");
+  robot.override_ = x;
 }
 
 void read_integrator(const Reader& reader, MjcfRobot& robot, const Element& e) {
@@ -106,16 +122,22 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
   if (const char* cone = e.Attribute("cone")) file.robot.pyramidal = std::string_view(cone) != "elliptic";
   if (const auto magnetic = reader.vector3(e, "magnetic")) file.robot.magnetic = *magnetic;
   read_integrator(reader, file.robot, e);
+  bool overrides = false;
+  for (const Element* flag : file.source.children(e, "flag")) {
+    read_flags(reader, file.robot, *flag);
+    if (const char* on = flag->Attribute("override")) overrides = std::string_view(on) == "enable";
+  }
+  if (overrides) read_override(reader, file.robot, e);
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     const std::string_view name = a->Name();
     if (name == "actuatorgroupdisable")
       reader.report.physics(a->GetLineNum(),
                             "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
     else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind" && name != "timestep" &&
-             name != "integrator" && name != "magnetic" && name != "impratio" && name != "cone")
+             name != "integrator" && name != "magnetic" && name != "impratio" && name != "cone" &&
+             !(overrides && name.starts_with("o_")))
       reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: the solver is the caller's choice");
   }
-  for (const Element* flag : file.source.children(e, "flag")) read_flags(reader, file.robot, *flag);
 }
 
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {

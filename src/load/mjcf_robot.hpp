@@ -65,6 +65,7 @@ struct MjcfGeom {
   std::shared_ptr<const meshes::Mesh> mesh;  // set if the mesh was read
   std::string rule;                          // how a mesh gets its mass: legacy (also ""), exact, convex, shell
   bool discarded = false;                    // <compiler discardvisual>: it is no shape
+  std::optional<FluidShape> fluid = {};      // semiaxes zero: those of its size; placement in the body's frame
   bool wrapped = false, has_site = false;    // by a tendon; at the frame of a site
   std::string frame;                         // of a wrapped geom
 };
@@ -114,7 +115,7 @@ struct MjcfTendon {
   dynTendon spec;
   std::vector<TendonElement> elements;
   std::optional<std::array<double, 2>> force;  // total of all its actuators
-  Compliance compliance = {};
+  Compliance compliance = {}, friction_compliance = {};
 };
 
 struct MjcfActuator {
@@ -159,6 +160,7 @@ struct MjcfPair {
   MjcfPlace place;
   std::string geoms[2];
   dynMaterial material;
+  std::uint32_t latent = 0;  // kinds of friction that do not act, as ShapeMaterial has it
   double margin = 0;
   Compliance compliance = {};
 };
@@ -171,6 +173,12 @@ struct MjcfKey {
 };
 
 struct MjcfNames;
+
+// Numbers of all contacts, in place of those of geoms and pairs.
+struct MjcfOverride {
+  Compliance compliance;
+  double restitution, friction[3], margin;
+};
 
 struct MjcfRobot {
   std::string name;
@@ -194,6 +202,7 @@ struct MjcfRobot {
   std::uint32_t effects = SimulationRecord().effects;             // less those that flags switch off
   double impratio = 1;
   bool pyramidal = true;
+  std::optional<MjcfOverride> override_ = {};  // <flag override>
   bool contacts = true, closed = true, control_ranges = true;  // flags; closed: equalities hold
   bool lost_mass = false;            // something that is not supported would give a body mass
   std::set<std::string> lost_names;  // what bodies and joints that it would make begin with
@@ -334,7 +343,8 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context);
 // mjcf_compliance.cpp. reference, impedance: the attributes' names.
 Compliance read_mjcf_compliance(const Reader& reader, const Element& e, const char* reference, const char* impedance);
 std::uint32_t mjcf_latent(const Reader& reader, const Element& e);  // ShapeMaterial::latent, of condim
-double mjcf_rebound(const Reader& reader, const Element& e);  // restitution, of solref
+double mjcf_rebound(const Reader& reader, const Element& e, const char* solref = "solref");  // restitution
+void override_mjcf_contacts(MjcfRobot& robot);
 void set_mjcf_priorities(MjcfRobot& robot);
 // mjcf_mass.cpp
 MjcfMass read_mjcf_inertial(const MjcfFile& file, const Element& e, const std::string& owner);
@@ -342,6 +352,8 @@ std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot);
 MjcfMass mjcf_mesh_mass(const meshes::Mesh& mesh, const MjcfGeom& g);  // at density 1
 // mjcf_fit.cpp: sizes and pose of a primitive that is fitted to a mesh; bounds: to its box, not to its inertia.
 void fit_mjcf_geom(const meshes::Mesh& mesh, bool bounds, double scale, MjcfGeom& geom);
+// Sets the ellipsoid on which a medium acts: as far along principal axes as the mesh is at most.
+void fit_mjcf_fluid(const meshes::Mesh& mesh, MjcfGeom& geom);
 // mjcf_builtin.cpp: the surface of a <mesh builtin>, or its corners alone.
 meshes::Mesh mjcf_builtin_mesh(const Reader& reader, const Element& e);
 // mjcf_rest.cpp: sections beside the bodies

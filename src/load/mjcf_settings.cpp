@@ -43,12 +43,6 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
               "<" + std::string(e.Name()) + " " + attribute + "> is " + load::in_quotes(text) + ": true or false is expected");
 }
 
-void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes) {
-  for (const char* name : attributes)
-    if (e.Attribute(name))
-      reader.report.count("<" + std::string(kind) + " " + name + ">: not used: contacts and limits are rigid", line(e));
-}
-
 std::optional<std::array<double, 2>> read_limits(const Reader& reader, const Element& e, const char* attribute,
                                                  const char* limited, bool autolimits) {
   const auto pair = reader.numbers(e, attribute, 2);

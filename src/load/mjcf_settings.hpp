@@ -52,9 +52,6 @@ double read_bound(double x);  // the largest double stands for no bound
 // One number for all degrees of freedom. Newer files may give a polynomial; only its linear term is used.
 double read_coefficient(const Reader& reader, const Element& e, const char* attribute);
 
-// Counts attributes that are not used, one report line each.
-void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes);
-
 // mjcf_law.cpp: is_actuator tells whether an actuator is supported. as_general rewrites a shortcut such as <position> as
 // <general>, after its class was applied, and keeps its kind in an attribute whose name no file can have.
 inline constexpr const char* converted_from = "converted from";

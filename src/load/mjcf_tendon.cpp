@@ -147,9 +147,9 @@ void read_mjcf_tendon(MjcfFile& file, Element& e, const MjcfContext& context) {
       "stiffness",   "damping",     "armature",       "user",           "width",        "material",           "rgba"};
   if (fixed) reader.unread(e, attributes, {"joint"});
   else reader.unread(e, attributes, {"site", "geom", "pulley"});
-  count_unused(reader, e, "tendon", {"solreffriction", "solimpfriction"});
   MjcfTendon tendon{place, name, plain_tendon(fixed ? DYN_TENDON_TYPE_FIXED : DYN_TENDON_TYPE_SPATIAL), {}, {}};
   tendon.compliance = read_mjcf_compliance(reader, e, "solreflimit", "solimplimit");
+  tendon.friction_compliance = read_mjcf_compliance(reader, e, "solreffriction", "solimpfriction");
   read_numbers(file, reader, e, tendon);
   PathReader path{file, reader, context};
   for (const Element* c : file.source.children(e))
@@ -212,7 +212,7 @@ void add_mjcf_tendons(Builder& builder, const MjcfRobot& robot) {
       if (e.type == DYN_TENDON_ELEMENT_TYPE_SPHERE || e.type == DYN_TENDON_ELEMENT_TYPE_CYLINDER) e.name = *geoms.at(e.name);
       if (!e.side.empty()) e.side = *sites.at(e.side);
     }
-    with_location(t.place, [&] { builder.tendon(t.name, spec, elements, t.compliance); });
+    with_location(t.place, [&] { builder.tendon(t.name, spec, elements, t.compliance, t.friction_compliance); });
   }
 }
 

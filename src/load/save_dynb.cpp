@@ -38,6 +38,7 @@ DYN_BEGINS(FrameRecord, 4, padding);
 DYN_BEGINS(PathElement, 5, dof);
 DYN_BEGINS(GravityCompensation, 1, link);
 DYN_BEGINS(DragBox, 4, body);
+DYN_BEGINS(FluidEllipsoid, 4, padding);
 DYN_BEGINS(shape::Hull, 1, extent);
 #undef DYN_BEGINS
 

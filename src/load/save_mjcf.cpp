@@ -95,13 +95,13 @@ void MjcfWriter::add_flags(XmlElement& option) {
     return s.role != DYN_SHAPE_ROLE_COLLISION || s.filter == std::uint32_t(PairFilter::SameBody);
   };
   if (m.n.geoms > 0 && std::all_of(m.shapes(), m.shapes() + m.n.shapes, pairs_parents)) disable("filterparent");
-  const std::uint32_t off = ~m.simulation()->effects, links = DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION;
+  const std::uint32_t off = ~m.simulation()->effects;
   if (off & DYN_EFFECT_LIMITS) disable("limit");
   if (off & DYN_EFFECT_FRICTION) disable("frictionloss");
   if (off & DYN_EFFECT_ACTUATORS) disable("actuation");
   if (off & DYN_EFFECT_SPRINGS) disable("spring");
   if (off & DYN_EFFECT_DAMPING) disable("damper");
-  if (off & links) disable("passive");
+  if (off & link_effects) disable("passive");
 }
 
 // The coordinate of a joint as the file draws it.

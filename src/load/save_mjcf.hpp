@@ -54,6 +54,7 @@ class MjcfWriter {
   void add_keys();
   // save_mjcf_geom.cpp
   void add_geom(XmlElement& body, const ShapeRecord& s, Index k);
+  void put_fluid(XmlElement& e, Index shape);  // of the geom of a shape
   double height_asset(const ShapeRecord& s, std::string& name);  // height of its lowest point over its origin
   std::set<std::pair<Index, Index>> untested_links();
   void add_contacts();

@@ -88,6 +88,7 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
     }
   }
   put_pose(e, X);
+  put_fluid(e, k);
   if (s.colour) put_rgba(e, s.colour);
   if (visual) {
     if (s.radius > 0) losses.loss("rounding of visual shapes", called);
@@ -111,6 +112,20 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p)
     wanted |= p->wanted() && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
   if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes with empty masks become visual", called);
+}
+
+void MjcfWriter::put_fluid(XmlElement& e, Index shape) {
+  const FluidEllipsoid *x = m.fluid_ellipsoids(), *const end = x + m.n.fluid_shapes;
+  while (x != end && x->shape != shape) ++x;
+  if (x == end) return;
+  put(e, "fluidshape", std::string("ellipsoid")), put(e, "fluidcoef", std::span(x->coefficients));
+  const ShapeRecord& s = m.shapes()[shape];
+  const bool own = !std::equal(x->placement, x->placement + 12, s.placement);
+  const auto semiaxes = fluid_semiaxes(s.type, s.size);
+  if (s.type == DYN_SHAPE_TYPE_MESH || s.type == DYN_SHAPE_TYPE_CONVEX || s.type == DYN_SHAPE_TYPE_TRIANGLES)
+    losses.note("ellipsoids of meshes in a medium become those that MuJoCo fits to the mesh", m.string(s.name));
+  else if (own || !std::equal(x->half, x->half + 3, semiaxes.begin()))
+    losses.loss("ellipsoids in a medium that are not of their shape's size and place", m.string(s.name));
 }
 
 double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {

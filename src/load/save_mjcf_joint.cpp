@@ -64,6 +64,8 @@ void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
       put_compliance(e, m.limit_compliances()[k].law, "solreflimit", "solimplimit");
       break;
     }
+  if (const JointRecord& r = m.joints()[p.joint]; m.n.compliances > 0 && r.nv > 0)
+    put_compliance(e, m.dof_compliances()[r.idx_v].law, "solreffriction", "solimpfriction");
   const JointSpec spec = spec_of(m, m.joints()[p.joint]);
   if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
     const int nv = joint_nv(s.type), nq = joint_nq(s.type);

@@ -50,7 +50,10 @@ void MjcfWriter::add_tendons() {
     const bool fixed = t.type == DYN_TENDON_TYPE_FIXED;
     XmlElement& tendon = *section("tendon").InsertNewChildElement(fixed ? "fixed" : "spatial");
     put(tendon, "name", std::string(m.string(m.tendons()[k].name)));
-    if (m.n.compliances > 0) put_compliance(tendon, m.tendon_compliances()[k].law, "solreflimit", "solimplimit");
+    if (m.n.compliances > 0) {
+      put_compliance(tendon, m.tendon_compliances()[k].law, "solreflimit", "solimplimit");
+      put_compliance(tendon, m.tendon_friction_compliances()[k].law, "solreffriction", "solimpfriction");
+    }
     if (t.range[0] < t.range[1]) put_range(tendon, "range", t.range);
     else losses.loss("ranges of a single point", m.string(m.tendons()[k].name));
     // two -1 would stand for the length that the file draws

@@ -65,6 +65,7 @@ void UrdfWriter::report_losses() {
   if (m.gravity[0] != 0 || m.gravity[1] != 0 || m.gravity[2] != -9.81)
     losses.loss("gravity (an option of loading): it is " + number_list(m.gravity) + " m/s^2");
   if (m.density != 0 || m.viscosity != 0) losses.loss("the medium: its density, viscosity and wind");
+  if (m.n.fluid_shapes > 0) losses.loss("fluid forces on ellipsoids of shapes");
   if (floating) losses.note("the base is an option of loading: load the file with a floating base");
   else if (main[0] >= 0) losses.note("the base is an option of loading: load the file with a fixed base");
   for (Index k = 0; floating && k < 6; ++k)

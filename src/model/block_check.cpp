@@ -148,6 +148,12 @@ bool BlockChecker::frames() {
   }) && each(n.drag_boxes, [&](Index k) {
     const DragBox& b = m.drag_boxes()[k];
     return on_a_body(b) && require(is_finite(b.X) && are_finite(b.half), "a box that a medium drags on");
+  }) && require(n.fluid_ellipsoids <= n.fluid_shapes, "the number of ellipsoids in a medium") &&
+         each(n.fluid_shapes, [&](Index k) {
+    const FluidEllipsoid& e = m.fluid_ellipsoids()[k];
+    return (k >= n.fluid_ellipsoids || on_a_body(e)) && index(e.shape, n.shapes, "shape of an ellipsoid in a medium") &&
+           require(is_finite(e.X) && are_finite(e.half) && are_finite(e.coefficients) && are_finite(e.added_mass) &&
+                       are_finite(e.added_inertia) && are_finite(e.placement), "an ellipsoid in a medium");
   });
 }
 
@@ -166,8 +172,12 @@ bool BlockChecker::constraints() {
 }
 
 bool BlockChecker::compliances() {
-  const std::int64_t all = std::int64_t(n.geoms) + n.limits + n.constraints + n.tendons + n.couplings + n.materials;
-  return require(n.compliances == 0 || n.compliances == all, "the number of compliances") && each(n.compliances, [&](Index k) {
+  const std::int64_t all = std::int64_t(n.geoms) + n.limits + n.constraints + 2 * std::int64_t(n.tendons) + n.couplings +
+                           n.materials + n.nv;
+  const auto rubs = [](double c) { return c > 0; };
+  const auto rows = n.compliances > 0 ? std::count_if(m.friction(), m.friction() + n.nv, rubs) : 0;
+  return require(n.compliances == 0 || n.compliances == all, "the number of compliances") &&
+         require(n.friction_rows == rows, "the number of rows of dry friction") && each(n.compliances, [&](Index k) {
            const ComplianceRecord& x = m.compliances()[k];
            return require(is_valid(x.law) && is_coefficient(x.weight[0]) && is_coefficient(x.weight[1]) && x.ratio > 0 &&
                               std::isfinite(x.ratio) && (x.pyramidal == 0 || x.pyramidal == 1),

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -55,7 +56,14 @@ struct JointSpec {
   std::string mimic;  // leader's name; "" for none
   double mimic_ratio = 1, mimic_offset = 0;
   std::vector<JointSpec> parts;  // composite
-  Compliance compliance = {};    // of its limits
+  Compliance compliance = {}, friction_compliance = {};  // of its limits, of its dry friction
+};
+
+// How a medium acts on a shape, as dyn_builder_set_shape_fluid.
+struct FluidShape {
+  std::array<double, 5> coefficients = {0.5, 0.25, 1.5, 1, 1};  // MuJoCo's
+  std::array<double, 3> semiaxes = {0, 0, 0};
+  Placement placement = identity_placement;  // in the link's frame
 };
 
 struct Shape {
@@ -73,6 +81,7 @@ struct Shape {
   std::uint32_t colour = 0;                              // colour.hpp
   PairFilter filter = PairFilter::Guess;
   Compliance compliance = {};
+  std::optional<FluidShape> fluid = std::nullopt;
 };
 
 // An element of a tendon, as dynTendonElement.
@@ -137,6 +146,8 @@ class Builder {
   void frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type);
   void shape(const Shape& shape);
   void colour(std::uint32_t of_last_shape);
+  // Of the last shape, too; semiaxes zero: those of its size; no placement: the shape's. (builder_fluid.cpp)
+  void fluid(FluidShape of_last_shape, const std::optional<Placement>& placement = std::nullopt);
   void configuration(const std::string& name, const std::vector<double>& q);
   // The same by joints, each with its own coordinates; the others are neutral.
   void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints,
@@ -156,7 +167,7 @@ class Builder {
   void contact_capacity(int contacts);  // of a step; 0: by its shapes
   // (builder_tendon.cpp)
   void tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements,
-              const Compliance& compliance = {});
+              const Compliance& compliance = {}, const Compliance& friction = {});
   void couple_tendons(const std::string& name, const std::string& tendon1, const std::string& tendon2,
                       const std::array<double, 5>& coefficients, const Compliance& compliance = {});
   // target: the name of a joint, tendon or frame; reference: of a frame, or "". (builder_actuator.cpp)
@@ -200,6 +211,9 @@ class Builder {
   std::unique_ptr<Impl> impl;
   std::vector<Parameter> parameters_;  // empty: not listed
 };
+
+// Semiaxes in a medium of a shape of this size; zeros where its type gives none.
+std::array<double, 3> fluid_semiaxes(dynShapeType type, const double* size);
 
 // Throws where no body has these principal moments; who begins the message. (Files say so in their report, or under strict.)
 void check_moments(const std::string& who, double mass, const std::array<double, 9>& inertia);

@@ -40,6 +40,7 @@ struct Compiler {
   std::vector<Compliance> material_compliances = {};
   Index name = 0;               // of the model, in text
   bool mimic = false;
+  bool has_medium() const { return in.density > 0 || in.viscosity > 0; }
   ModelPtr model = {};
 
   Compiler(const Builder::Impl& impl, const Findings& findings);
@@ -59,6 +60,7 @@ struct Compiler {
   std::uint16_t number_of(const dynMaterial& x, const Compliance* own = nullptr);
   void add_wanted_pairs();      // before shapes: their materials come first
   void add_shapes();
+  void add_ellipsoids();        // after shapes
   void add_pairs();
   void add_reports();
   void add_constraints();

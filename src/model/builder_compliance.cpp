@@ -1,4 +1,6 @@
 // Compliances of a model, by what they are of.
+#include <algorithm>
+
 #include "builder_compile.hpp"
 
 namespace dyn {
@@ -15,6 +17,10 @@ void Compiler::add_compliances() {
   for (const TendonEntry& t : in.tendons) add(t.compliance);
   for (const TendonCoupling& c : in.couplings) add(c.compliance);
   for (const Compliance& c : material_compliances) add(c);
+  for (std::size_t j = 1; j < a.joints.size(); ++j)
+    for (Index k = 0; k < a.joints[j].nv; ++k) add(in.joints[std::size_t(order[j - 1])].spec.friction_compliance);
+  for (const TendonEntry& t : in.tendons) add(t.friction_compliance);
+  n.friction_rows = Index(std::count_if(a.friction.begin(), a.friction.end(), [](double x) { return x > 0; }));
   n.compliances = Index(a.compliances.size());
 }
 

@@ -27,7 +27,13 @@ void copy_compliances(const Model& m, Impl& to) {
   for (Index k = 0; k < m.n.limits; ++k)
     to.joints[std::size_t(m.bodies()[m.limits()[k].body].joint) - 1].spec.compliance = m.limit_compliances()[k].law;
   for (Index k = 0; k < m.n.constraints; ++k) to.constraints[std::size_t(k)].compliance = m.constraint_compliances()[k].law;
-  for (Index k = 0; k < m.n.tendons; ++k) to.tendons[std::size_t(k)].compliance = m.tendon_compliances()[k].law;
+  for (Index k = 0; k < m.n.tendons; ++k) {
+    TendonEntry& t = to.tendons[std::size_t(k)];
+    t.compliance = m.tendon_compliances()[k].law, t.friction_compliance = m.tendon_friction_compliances()[k].law;
+  }
+  for (Index j = 1; j < m.n.joints; ++j)
+    if (const JointRecord& r = m.joints()[j]; r.nv > 0)
+      to.joints[std::size_t(j) - 1].spec.friction_compliance = m.dof_compliances()[r.idx_v].law;
   for (Index k = 0; k < m.n.couplings; ++k) to.couplings[std::size_t(k)].compliance = m.coupling_compliances()[k].law;
   std::size_t pair = 0;
   for (Index k = 0; k < m.n.pairs; ++k) {
@@ -115,6 +121,12 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
       s.surface = surface;
     }
     impl->shapes.push_back({std::move(s), r.frame});
+  }
+  for (Index k = 0; k < m.n.fluid_shapes; ++k) {
+    const FluidEllipsoid& e = m.fluid_ellipsoids()[k];
+    FluidShape& x = impl->shapes[std::size_t(e.shape)].shape.fluid.emplace();
+    std::copy(e.coefficients, e.coefficients + 5, x.coefficients.begin()), std::copy(e.half, e.half + 3, x.semiaxes.begin());
+    x.placement = placement_of(e.placement);
   }
   for (Index k = 0; k < m.n.reports; ++k) {
     const ReportRecord& r = m.reports()[k];

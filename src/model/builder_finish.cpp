@@ -21,6 +21,7 @@ ModelPtr Compiler::compile() {
   add_frames();
   add_wanted_pairs();
   add_shapes();
+  add_ellipsoids();
   add_pairs();
   add_reports();
   add_constraints();

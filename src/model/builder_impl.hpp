@@ -97,7 +97,7 @@ struct TendonEntry {
   std::string name;
   dynTendon spec;
   std::vector<TendonElementEntry> elements;
-  Compliance compliance = {};
+  Compliance compliance = {}, friction_compliance = {};
 };
 // Of two tendons, by their indices; tendon2 -1: of one.
 struct TendonCoupling {
@@ -301,6 +301,8 @@ void settle_tendons(Model& m);
 void settle_compliances(Model& m);
 // On which a medium drags; X: the link's frame in its body's internal one. None of a link without mass.
 std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);
+// The ellipsoid of a shape with fluid forces, likewise. (builder_fluid.cpp)
+FluidEllipsoid fluid_ellipsoid(const FluidShape& shape, const SE3<double>& X);
 
 std::string number(double x);          // six digits, independent of the locale
 Mat3<double> z_to(const Axis& a);      // smallest rotation that takes z to the unit vector a

@@ -1,6 +1,7 @@
 // Links of a model: frames with what they carry, shapes and their pairs, the load report, constraints, named configurations.
 #include <cstring>
 #include <limits>
+#include <set>
 
 #include "builder_compile.hpp"
 #include "builder_surface.hpp"
@@ -58,6 +59,9 @@ void Compiler::place_on_mocap(const FrameEntry& f, FrameRecord& r) {
 }
 
 void Compiler::add_frames() {
+  std::set<int> fluid;  // frames whose links have ellipsoids of their own
+  for (const ShapeEntry& s : in.shapes)
+    if (s.shape.fluid) fluid.insert(s.frame);
   for (const FrameEntry& f : in.frames) {
     const JointRecord& joint = a.joints[f.joint < 0 ? 0 : std::size_t(id[std::size_t(f.joint)])];
     FrameRecord r{};
@@ -78,7 +82,7 @@ void Compiler::add_frames() {
     }
     if (f.mass > 0 && f.compensation != 0 && r.joint > 0)
       a.gravity_compensations.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body, r.link});
-    if ((in.density > 0 || in.viscosity > 0) && r.joint > 0)
+    if (has_medium() && r.joint > 0 && !fluid.count(int(a.frames.size())))
       if (std::optional<DragBox> box = drag_box(f, r.X)) box->joint = r.joint, box->body = r.body, a.drag_boxes.push_back(*box);
     a.frames.push_back(r);
     Body& b = a.bodies[std::size_t(r.body)];
@@ -105,6 +109,21 @@ void Compiler::add_wanted_pairs() {
     wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(*p.material, &p.compliance) : 0;
   if (a.materials.size() > std::size_t(PairRecord::max_own))
     throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
+}
+
+// Those that the medium acts on come first.
+void Compiler::add_ellipsoids() {
+  for (const bool acting : {true, false})
+    for (std::size_t k = 0; k < in.shapes.size(); ++k) {
+      const ShapeEntry& s = in.shapes[k];
+      const FrameRecord& frame = a.frames[std::size_t(s.frame)];
+      if (!s.shape.fluid || acting != (has_medium() && frame.joint > 0 && in.frames[std::size_t(s.frame)].mass > 0)) continue;
+      FluidEllipsoid x = fluid_ellipsoid(*s.shape.fluid, frame.X);
+      x.joint = frame.joint, x.body = frame.body, x.shape = Index(k);
+      a.fluid_ellipsoids.push_back(x);
+      n.fluid_ellipsoids += acting;
+    }
+  n.fluid_shapes = Index(a.fluid_ellipsoids.size());
 }
 
 void Compiler::add_shapes() {

@@ -83,12 +83,12 @@ int Builder::Impl::find_tendon(const std::string& name, const std::string& who) 
 }
 
 void Builder::tendon(const std::string& name, const dynTendon& spec, const std::vector<TendonElement>& elements,
-                     const Compliance& compliance) {
+                     const Compliance& compliance, const Compliance& friction) {
   impl->check_tendon_name(name);
   const std::string who = "tendon '" + name + "'";
   check_tendon_numbers(who, spec);
   if (elements.empty()) refuse(DYN_ERROR_INVALID, who + ": it has no element");
-  TendonEntry entry{name, spec, {}, compliance};
+  TendonEntry entry{name, spec, {}, compliance, friction};
   for (std::size_t k = 0; k < elements.size(); ++k) {
     const TendonElement& e = elements[k];
     const std::string at = who + ": element " + std::to_string(k);

@@ -74,8 +74,8 @@ struct Data {
   simulation::Workspace* step;                       // in step_memory
   simulation::StepDerivatives* derivatives;          // in derivative_memory
   dynParts parts;
-  std::uint32_t acting;  // DYN_EFFECT_... that are switched on at a joint which has them, and acting_wrenches
-  std::uint32_t pushed;                              // acting_wrenches when there are any
+  std::uint32_t acting;  // DYN_EFFECT_... that are switched on at a joint which has them, and pushed
+  std::uint32_t pushed;  // acting_wrenches when there are any; acting_friction_rows where steps have them
   std::uint32_t rows_dropped;  // 1: some constraint may have redundant rows that are left out; else none has
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
   std::uint64_t
@@ -135,9 +135,9 @@ inline constexpr dynParts complete_parts(dynParts p) {
 
 inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
-  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows > 0)
+  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows + m.n.friction_rows > 0)
     p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.contacts > 0 ? DYN_PART_COLLISION : 0));
-  if ((p & DYN_PART_SIMULATION) && m.n.drag_boxes > 0) p = complete_parts(p | DYN_PART_KINEMATICS);
+  if ((p & DYN_PART_SIMULATION) && m.n.drag_boxes + m.n.fluid_ellipsoids > 0) p = complete_parts(p | DYN_PART_KINEMATICS);
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_CHOLESKY) : p;
 }
 

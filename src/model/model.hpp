@@ -101,6 +101,16 @@ struct DragBox {
   Index joint, body;
 };
 
+// A shape on which a medium acts as on an ellipsoid.
+struct FluidEllipsoid {
+  SE3<double> X;  // centre and axes in the body's internal frame
+  double half[3];
+  double coefficients[5];  // blunt, slender and angular drag, Kutta lift, Magnus force
+  double added_mass[3], added_inertia[3];  // of a medium of density 1, along and about the axes
+  double placement[12];                    // in the link's frame
+  Index joint, body, shape, padding;
+};
+
 // Of an actuator: force = gain . controls + bias . (1, length, its rate).
 struct ActuatorRecord {
   dynActuator spec;
@@ -231,7 +241,9 @@ struct ModelSizes {
   Index mocaps;
   Index sensors, sensor_values;
   Index force_limits, adhesions;  // adhesions: paths of this kind
-  Index compliances, padding;  // compliances 0: the model states none. padding: an even number of sizes, as before them
+  Index compliances;  // 0: the model states none
+  Index fluid_shapes, fluid_ellipsoids;  // fluid_ellipsoids: the first, that move
+  Index friction_rows;  // degrees of freedom with dry friction, of models with compliances. The number of sizes is even
 };
 
 struct Model {
@@ -280,6 +292,9 @@ struct Model {
   const ComplianceRecord* tendon_compliances() const { return constraint_compliances() + n.constraints; }
   const ComplianceRecord* coupling_compliances() const { return tendon_compliances() + n.tendons; }
   const ComplianceRecord* material_compliances() const { return coupling_compliances() + n.couplings; }
+  // of dry friction
+  const ComplianceRecord* dof_compliances() const { return material_compliances() + n.materials; }
+  const ComplianceRecord* tendon_friction_compliances() const { return dof_compliances() + n.nv; }
   // Share of a link's weight that is held from outside.
   double compensation(Index link) const {
     for (const GravityCompensation *w = gravity_compensations(), *end = w + n.gravity_compensations; w != end; ++w)

@@ -9,6 +9,7 @@
 #include "integrator/step_control.hpp"
 #include "simulation/energy_guard.hpp"
 #include "simulation/extrapolated.hpp"
+#include "simulation/frame_forces.hpp"
 #include "simulation/semi_implicit_euler.hpp"
 
 namespace dyn::integrator {
@@ -28,6 +29,14 @@ Index project_step(const Model& m, Data<T>& d) {
       return simulation::record_projection(m, d, before), failed;
     }
   return project_to_constraints(m, d);
+}
+
+// At the end of smooth motion: forces of constraints there.
+template <class T>
+void note_smooth_forces(const Model& m, Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step && d.step->frame_forces && active_rows(m, d) > 0 && !constrained_forward_dynamics(m, d)) [[unlikely]]
+      simulation::note_frame_forces(m, d);
 }
 
 // Advances d by duration. accuracy 0: to rounding. A step may use up to three times its share of the error if earlier steps left
@@ -81,6 +90,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       h *= controller.reject(error / allowed);
     }
   }
+  note_smooth_forces(m, d);
   return 0;
 }
 
@@ -171,6 +181,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       record_ledger_step(m, d, h);
+      if (!rows && !sunk) note_smooth_forces(m, d);
       if (cut) {  // the step was cut at an event: continue with the length before
         h = whole;
         continue;
@@ -271,7 +282,7 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
     }
   }
   if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
-    failed = project_step(m, d);
+    failed = project_step(m, d), note_smooth_forces(m, d);
   keep_all_rows(m, d);
   return failed;
 }

@@ -118,6 +118,8 @@ struct AsFile {
   };
   Law law_of(const ActiveConstraint& a) const {
     const ConstraintInstance<double>& s = *a.s;
+    const bool friction = s.c.type == DYN_CONSTRAINT_TYPE_FRICTION;
+    if (friction) return {of_path(s.c) ? m.tendon_friction_compliances()[s.c.path - 1] : m.dof_compliances()[s.c.v1]};
     if (of_path(s.c)) {
       const Index path = s.c.path - 1;
       return {path < m.n.tendons ? m.tendon_compliances()[path] : m.coupling_compliances()[path - m.n.tendons]};
@@ -159,10 +161,17 @@ struct AsFile {
       x.bias[s.first + r] += x.h * drift[r];
     }
   }
+  // Dry friction of a joint or a tendon: what the caller made a constraint stays rigid.
+  bool is_friction_of_file(const ActiveConstraint& a) const {
+    const Index row = a.index - m.n.limits, path = a.s->c.path - 1;
+    if (of_path(a.s->c)) return path < m.n.tendons && row == path_rows_of_tendon * path + 2;
+    return a.s->c.type == DYN_CONSTRAINT_TYPE_FRICTION && a.s >= w.instances && a.s < w.instances + step_instances(m);
+  }
+  // A limit, or dry friction: it has no error.
   void limit(const ActiveConstraint& a, Index k) const {
     const ConstraintInstance<double>& s = *a.s;
-    if (s.c.type != DYN_CONSTRAINT_TYPE_LIMIT) return;
-    if (s.error[0] >= 0) {
+    if (s.c.type != DYN_CONSTRAINT_TYPE_LIMIT && !is_friction_of_file(a)) return;
+    if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT && s.error[0] >= 0) {
       x.lower[k] = x.upper[k] = x.lambda[a.first] = x.bias[a.first] = 0;
       return;
     }

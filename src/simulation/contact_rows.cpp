@@ -85,7 +85,7 @@ void fit_contact_rows(const Model& m, Data<double>& d) {
 const ConstraintInstance<double>& contact_wrenches(const Model& m, Data<double>& d, const ActiveConstraint& x) {
   Workspace& w = *d.step;
   const ContactLaw& law = w.laws[x.index];
-  ConstraintInstance<double>& s = w.instances[m.n.limits + m.n.path_rows];
+  ConstraintInstance<double>& s = w.instances[step_instances(m)];
   s.c.type = DYN_CONSTRAINT_TYPE_POINT, s.rows = law.rows;
   s.c.body1 = d.geoms[law.geom_b].body, s.c.body2 = d.geoms[law.geom_a].body;
   const Vec3<double> at = load3(w.contacts[x.index].contact.position);
@@ -108,7 +108,7 @@ PropagatedRows propagate_anew(const Model& m, Data<double>& d, const ActiveConst
   Index* const support = w.support + at;
   double* const Y = w.Y + row_lanes * at;
   if (!x.s) contact_wrenches(m, d, x);
-  propagate_rows(m, d, x.s ? *x.s : w.instances[m.n.limits + m.n.path_rows], support, Y);
+  propagate_rows(m, d, x.s ? *x.s : w.instances[step_instances(m)], support, Y);
   return {support, Y};
 }
 
@@ -122,7 +122,7 @@ void assemble_contact(const Model& m, Data<double>& d, ActiveConstraint& x) {
   for (int k = 0; k < 2; ++k) law.slip[k] = dot(law.axes[k], slip);
 
   contact_wrenches(m, d, x);
-  ConstraintInstance<double>& s = w.instances[m.n.limits + m.n.path_rows];
+  ConstraintInstance<double>& s = w.instances[step_instances(m)];
   using Six = SixEights<double>;
   (Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2])).store(law.rate);
   ensure_columns(m, d, s.c.body1), ensure_columns(m, d, s.c.body2);

@@ -40,7 +40,7 @@ void Island::solve_without_guess(dynContactReport& report) {
     for (Index k = 0; k < first_sweeps; ++k) sweeps.sweep(), ++report.iterations;
     report.residual = sweeps.finish();
     if (report.residual < HUGE_VAL) return;
-    sweeps.frictionless(correction_sweeps, tolerance);
+    sweeps.frictionless(correction_sweeps, tolerance, 0);
     report.residual = sweeps.finish();
   });
 }

@@ -92,6 +92,19 @@ struct Finder {
       append_limit(k);
     }
   }
+  void friction() {
+    for (Index k = 0; k < m.n.nv; ++k) {
+      if (!(d.friction[k] > 0)) continue;
+      const Index body = body_of_dof(m, k);
+      if (w.sleep.sleeps(body)) continue;
+      ConstraintInstance<double>& s = next();
+      s.c = Constraint{};
+      s.c.type = DYN_CONSTRAINT_TYPE_FRICTION, s.c.body1 = body, s.c.v1 = k;
+      s.rows = 1, s.g1 = 1, s.g2 = 0, s.error[0] = 0, s.rate[0] = v[k];
+      s.lower[0] = -h * d.friction[k], s.upper[0] = h * d.friction[k];
+      append_limit(-1);
+    }
+  }
   void ball(const LimitRecord& r, Index k, double near) {
     const BallGap x = ball_gap(m, d, r, v);
     if (x.gap > tuning::speed_growth * h * ball_speed(r, v) + near) return;
@@ -184,7 +197,8 @@ void record_overshoot(const Model& m, Data<double>& d, const double* dq, double 
 Index find_constraints(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.any_asleep;  // the advancement cache does not know sleeping bodies
-  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h) && paths_inactive(m, d, h)) {
+  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h) && paths_inactive(m, d, h) &&
+      !has_friction_rows(d)) {
     if (d.step->limits > 0) std::fill_n(d.step->limit_forces, d.step->limits, 0.0);
     return update_advancement_cache(m, d, v, h, shape::infinity), 0;
   }
@@ -192,8 +206,11 @@ Index find_constraints(const Model& m, Data<double>& d, const double* v_free, do
   root_velocities(m, d, v);
   d.step->stored = 0, d.invalidate(Stage::Distances);  // rows lie in the results of pairs (workspace.cpp)
   Finder find{m, d, *d.step, v, h};
-  find.constraints(), find.limits(), find.paths(), find.contacts();
-  update_advancement_cache(m, d, v, h, !some_sleep && find.count == 0 && active_rows(m, d) == 0 ? find.min_distance : 0);
+  find.constraints(), find.limits();
+  if (has_friction_rows(d)) [[unlikely]] find.friction();
+  find.paths(), find.contacts();
+  const bool none = !some_sleep && find.count == 0 && active_rows(m, d) == 0 && !has_friction_rows(d);
+  update_advancement_cache(m, d, v, h, none ? find.min_distance : 0);
   order_by_islands(m, d, find.count);
   return find.count;
 }

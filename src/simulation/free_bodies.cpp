@@ -37,8 +37,8 @@ bool is_identity(const SE3<double>& X) {
 }
 
 static_assert(effect_bits([]<class E>() { return !effect::HasCoefficient<E>; }) ==
-                  (DYN_EFFECT_LIMITS | DYN_EFFECT_ACTUATORS | DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION |
-                   DYN_EFFECT_SLEEPING | DYN_EFFECT_TENDONS),
+                  (DYN_EFFECT_LIMITS | DYN_EFFECT_ACTUATORS | DYN_EFFECT_FLUID | DYN_EFFECT_FLUID_ELLIPSOIDS |
+                   DYN_EFFECT_GRAVITY_COMPENSATION | DYN_EFFECT_SLEEPING | DYN_EFFECT_TENDONS),
               "an effect that acts at a joint or on its link keeps a body from being a free body: list it below");
 bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
@@ -237,7 +237,7 @@ void list_free_bodies(const Model& m, Workspace& w) {
 
 void begin_free_body_step(Data<double>& d) {
   FreeBodies& l = d.step->free_bodies;
-  l.batched = l.count > 0 && !(d.acting & (std::uint32_t(DYN_EFFECT_FLUID) | acting_wrenches));
+  l.batched = l.count > 0 && !(d.acting & (std::uint32_t(DYN_EFFECT_FLUID | DYN_EFFECT_FLUID_ELLIPSOIDS) | acting_wrenches));
   ++l.step, l.touched_count = 0;
 }
 

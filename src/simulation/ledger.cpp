@@ -50,6 +50,8 @@ bool has_free_roots(const Model& m) {
 
 LedgerState state_of(const Model& m, Data<double>& d) {
   LedgerState x{};
+  const std::uint32_t acting = d.acting;
+  if (has_friction_rows(d)) d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);  // its work is that of rows
   x.energy = energies(m, d).sum();
   Vec3<double> force = Vec3<double>::zero();
   x.power.wrenches = power_on_bodies(m, d, acting_wrenches, force);
@@ -89,6 +91,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
     momentum = momentum + d.vel[i] * b.m + cross(d.omega[i], d.R[i] * b.h);
     if (b.parent == 0 && b.type == BodyType::FreeFlyer) force = force + d.R[i] * load3(t + b.user_v);
   }
+  d.acting = acting;
   store3(momentum, x.momentum), store3(force + load3(d.world_gravity) * mass, x.force);
   return x;
 }

@@ -93,11 +93,23 @@ template <class T, class Part>
 
 // d.armature = armature plus the implicit terms of a step of h. The same bits in every call.
 template <class T, class Part>
-[[gnu::noinline]] void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
-                                             const Part& part) {
+void add_implicit_terms(const Model& m, Data<T>& d, const T* armature, T h, Springs springs, const Part& part) {
   implicit_armature(m, d, armature, h, part);
   implicit_springs(m, d, h, springs, [&](Index k, T stiffness) { d.armature[k] += h * h * stiffness; });
-  if (simulation::has_file_rows(d)) [[unlikely]] add_damping(m, d, -h, part);
+}
+// Rows as the file has them: damping acts later (damp_change), and dry friction is rows.
+template <class T, class Part>
+[[gnu::cold, gnu::noinline]] void set_file_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
+                                                    const Part& part) {
+  d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);
+  add_implicit_terms(m, d, armature, h, springs, part);
+  add_damping(m, d, -h, part);
+}
+template <class T, class Part>
+[[gnu::noinline]] void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, Springs springs,
+                                             const Part& part) {
+  if (simulation::has_file_rows(d)) [[unlikely]] return set_file_armature(m, d, armature, h, springs, part);
+  add_implicit_terms(m, d, armature, h, springs, part);
 }
 
 // Forward dynamics under tau and the actuators at the end of a step of h.

@@ -79,7 +79,8 @@ inline bool carries_joint(const Model& m, Index link, Index joint) {
   return false;
 }
 
-// [force; moment about x] that the parent exerts on a link: what the motion of all that it carries takes, less contacts.
+// [force; moment about x] that the parent exerts on a link: what the motion of all that it carries takes, less contacts and
+// constraints between frames.
 inline Force<double> transmitted(const Model& m, const Data<double>& d, Index link, const Vector& x) {
   Force<double> sum{Vector::zero(), Vector::zero()};
   for_each_carried(m, d, link, [&](const LinkRecord& l, const SE3<double>& X, Index body) {
@@ -88,7 +89,7 @@ inline Force<double> transmitted(const Model& m, const Data<double>& d, Index li
     sum.angular += cross(X.p - x, f) + angular_momentum(l, X, d.alpha[body]) + cross(w, angular_momentum(l, X, w));
   });
   if (!d.step) return sum;
-  for (Index j = 1; d.pushed && j < m.n.joints; ++j) {
+  for (Index j = 1; (d.pushed & acting_wrenches) && j < m.n.joints; ++j) {
     const Index body = m.joints()[j].last_body;
     if (!carries_joint(m, link, j)) continue;
     const Force<double> f = d.wrenches[j].at(d.R[body], d.p[body]);
@@ -102,6 +103,17 @@ inline Force<double> transmitted(const Model& m, const Data<double>& d, Index li
     sum.linear = sum.linear - on_b * sign;
     sum.angular = sum.angular - (load3(f.moment_on_b) + cross(load3(f.contact.position) - x, on_b)) * sign;
   });
+  for (Index k = 0; d.step->frame_forces && k < m.n.slots; ++k) {
+    if (d.slots[k].rows == 0 || between_joints(d.slots[k].c.type)) continue;
+    const dynConstraint& c = d.constraint_specs[k];
+    const double* const forces = d.step->frame_forces + 12 * k;
+    for (const auto& [frame, f] : {std::pair{c.first, forces}, {c.second, forces + 6}}) {
+      if (!hangs_on(m, frame, link)) continue;
+      const Vector force = load3(f);
+      sum.linear = sum.linear - force;
+      sum.angular = sum.angular - (load3(f + 3) - cross(x, force));
+    }
+  }
   return sum;
 }
 

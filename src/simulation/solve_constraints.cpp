@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "algorithm/constrained/delassus.hpp"
+#include "simulation/frame_forces.hpp"
 #include "simulation/island.hpp"
 #include "simulation/ledger.hpp"
 
@@ -162,8 +163,11 @@ void Island::impulses(dynContactReport& report) {
   w.limit.leave();
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
-    if (x.kind == RowKind::Box && x.index >= 0) w.limit_forces[x.index] = x.s->g1 * lambda[x.first] / h;
-    if (x.kind != RowKind::Contact) continue;
+    if (x.kind != RowKind::Contact) {
+      if (x.kind == RowKind::Box && x.index >= 0) w.limit_forces[x.index] = x.s->g1 * lambda[x.first] / h;
+      if (x.kind == RowKind::Equality && w.frame_forces) [[unlikely]] note_frame_forces(*this, x);
+      continue;
+    }
     dynContactForce& f = w.contacts[x.index];
     const ContactLaw& law = w.laws[x.index];
     Vec3<double> force = Vec3<double>::zero(), moment = force;

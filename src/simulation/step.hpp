@@ -12,9 +12,10 @@
 
 namespace dyn::simulation {
 
+inline bool has_friction_rows(const Data<double>& d) { return (d.acting & acting_friction_rows) != 0; }
 // Returns whether any contact, limit or constraint can act in steps of this data.
 inline bool has_constraints(const Model& m, const Data<double>& d) {
-  if ((m.n.contacts > 0 && d.step->pair_count != 0) || (d.acting & DYN_EFFECT_LIMITS)) return true;
+  if ((m.n.contacts > 0 && d.step->pair_count != 0) || (d.acting & (DYN_EFFECT_LIMITS | acting_friction_rows))) return true;
   for (Index k = 0; k < m.n.slots; ++k)
     if (d.slots[k].rows) return true;
   return m.n.path_rows > 0 && (d.acting & driving_effects);

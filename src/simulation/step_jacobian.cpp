@@ -13,7 +13,7 @@ const char* find_reason(const Model& m, const Data<double>& d) {
   if (w.options.contact_model != DYN_CONTACT_MODEL_RIGID) return "contact_model is AS_FILE";
   if (m.n.paths > 0 && (d.acting & driving_effects)) return "a tendon or an actuator on a path acts";
   if (m.n.force_limits > 0) return "the sum of several actuators is limited";
-  if (d.acting & DYN_EFFECT_FLUID) return "a medium acts on a link";
+  if (d.acting & (DYN_EFFECT_FLUID | DYN_EFFECT_FLUID_ELLIPSOIDS)) return "a medium acts on a link";
   if (w.report.rejected > 0 || w.report.steps != 1) return "the step was made in parts";
   if (w.report.residual > tuning::island::fine) return "the contact solver did not reach a residual of 1e-9";
   for (Index k = 0; k < m.n.limits; ++k)

@@ -135,12 +135,13 @@ void for_each_array(const Model& m, Workspace& w, Layout& f) {
   f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)),
       f(w.awake_geoms, m.n.geoms);
   f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
-  f(w.instances, m.n.limits + m.n.path_rows + 1), f(w.active, slots), f(w.order, slots);
+  f(w.instances, step_instances(m) + 1), f(w.active, slots), f(w.order, slots);
   f(w.Y, row_lanes * kept, Use::Step), f(w.support, kept, Use::Step), f(w.laws, m.n.contacts, Use::Step);
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts);
   f(w.limit_forces, remembered_rows(m)), f(w.previous_limit_forces, remembered_rows(m)), f(w.saved_limit_forces,
       remembered_rows(m));
   f(w.path_rows, m.n.path_rows);
+  if (const std::ptrdiff_t numbers = frame_force_numbers(m)) f(w.frame_forces, numbers);
   f(w.blocks, slots, Use::Rows), f(w.vectors, island_vectors * rows, Use::Rows);
   w.elimination.arrays(m, Index(slots), f);
   f(w.run_rows, segment_lanes * std::ptrdiff_t(w.elimination.max_row_lanes), Use::Rows), f(w.cones, cone_capacity(m), Use::Rows);

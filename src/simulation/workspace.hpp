@@ -158,7 +158,7 @@ struct Workspace {
   // tree_of: first body of a body's tree, -1 the world; trees coupled by mimic joints share it. tree_links: union-find
   Index *tree_of, *tree_links;
   Motion<double>* root_velocity;  // free twist of each body at its tree's root
-  ConstraintInstance<double>* instances;          // of limits and rows on paths; one more: a contact, while its rows are made
+  ConstraintInstance<double>* instances;  // step_instances; one more: a contact, while its rows are made
   // PropagatedRows: `stored` of columns() in use, room for two constraints whose rows are not kept, and for the rows on paths
   Index* support;
   double* Y;
@@ -171,6 +171,8 @@ struct Workspace {
   double *limit_forces, *previous_limit_forces, *saved_limit_forces;  // of remembered_rows
   Index limits;
   PathRow* path_rows;  // that act
+  // of constraints between frames, by slots: force and moment about the world's origin on the first body, then on the second
+  double* frame_forces;  // nullptr: no sensor reads them
   ContactLaw* laws;
   // of one island: by rows, by bounded rows, by contacts; its matrix
   double *vectors, *bounds, *coefficients, *matrix;
@@ -198,6 +200,7 @@ inline std::ptrdiff_t pair_capacity(const Model& m) {
   return single ? listed : std::min(listed, some);
 }
 
+std::ptrdiff_t frame_force_numbers(const Model& m);  // frame_forces.cpp
 // Trees of bodies that can rest, and the bytes they take in the workspace.
 Index resting_trees(const Model& m);
 std::size_t sleep_bytes(const Model& m);
@@ -248,9 +251,11 @@ inline void invalidate_sleep(Data<double>& d) {
 // Arrays over shapes are read four at a time.
 inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Double4::lanes; }
 
-inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits + m.n.path_rows; }
+// Instances of limits, of rows on paths and of dry friction as the file has it (compliant_rows.cpp).
+inline Index step_instances(const Model& m) { return m.n.limits + m.n.path_rows + m.n.friction_rows; }
+inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + step_instances(m); }
 // Bounded rows.
-inline Index step_bounds(const Model& m) { return m.n.slots + m.n.limits + m.n.path_rows; }
+inline Index step_bounds(const Model& m) { return m.n.slots + step_instances(m); }
 // Rows of contacts: three each. Contacts with torsion or rolling have up to six.
 inline Index contact_row_capacity(const Model& m) {
   return std::min(6 * m.n.contacts, 3 * m.n.contacts + tuning::capacity::more_contact_rows);
@@ -259,7 +264,7 @@ inline Index contact_row_capacity(const Model& m) {
 inline Index cone_capacity(const Model& m) {
   return std::min(step_constraints(m), tuning::capacity::cones + std::max<Index>(0, step_constraints(m) - 3 * tuning::capacity::few));
 }
-inline Index step_rows(const Model& m) { return m.n.constraint_rows + contact_row_capacity(m) + m.n.limits + m.n.path_rows; }
+inline Index step_rows(const Model& m) { return m.n.constraint_rows + contact_row_capacity(m) + step_instances(m); }
 // Whose forces are remembered: limits, then rows on paths.
 inline Index remembered_rows(const Model& m) { return m.n.limits + m.n.path_rows; }
 // Rows of the largest island for which there is a dense Delassus matrix. More than two a degree of freedom are redundant: other
@@ -273,7 +278,8 @@ inline bool matrix_is_shared(const Model& m) { return dense_capacity(m) <= tunin
 // Columns of rows that are kept, by supporting degrees of freedom; those of other constraints are made anew (PropagatedRows).
 inline std::ptrdiff_t columns(const Model& m) {
   using namespace tuning::capacity;
-  const std::ptrdiff_t own = m.n.contacts + m.n.limits, wide = std::max<Index>(0, m.n.carriers - short_support);
+  const std::ptrdiff_t own = m.n.contacts + m.n.limits + m.n.friction_rows,
+                       wide = std::max<Index>(0, m.n.carriers - short_support);
   return std::min(own * m.n.carriers, std::max<std::ptrdiff_t>(least_columns, own_columns * (own - few)) + wide_rows * wide);
 }
 

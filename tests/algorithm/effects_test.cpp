@@ -22,7 +22,7 @@ void slow_down(Case& c) {
 }
 
 // r(q, v) by its definition: the part that dissipates, and all of it.
-static_assert(DYN_EFFECT_ALL == 0x5ff,
+static_assert(DYN_EFFECT_ALL == 0xdff,
               "an effect that joints have beside their rotors is defined here");
 VectorXd dissipative(const Case& c) {
   VectorXd r(c.nv);

@@ -136,6 +136,7 @@ TEST(Handles, EveryFunctionOfABuilder) {
     refused(dyn_builder_add_pair(b, "x", "y", nullptr));
     const double red[4] = {1, 0, 0, 1};
     refused(dyn_builder_set_shape_rgba(b, red));
+    refused(dyn_builder_set_shape_fluid(b, nullptr, nullptr, nullptr));
     dynModel* none = nullptr;
     refused(dyn_builder_finish(b, &none));
     EXPECT_EQ(nullptr, none);
@@ -201,7 +202,8 @@ TEST(Handles, TablesAreComplete) {
           "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_set_gravity", "dyn_builder_add_joint",
           "dyn_builder_parameter_count", "dyn_builder_parameter", "dyn_builder_set_parameter",
           "dyn_builder_add_body", "dyn_builder_add_frame", "dyn_builder_add_configuration", "dyn_builder_finish", "dyn_data_free",
-          "dyn_builder_set_shape_rgba", "dyn_builder_lock", "dyn_builder_keep_subtree", "dyn_builder_remove_subtree",
+          "dyn_builder_set_shape_rgba", "dyn_builder_set_shape_fluid", "dyn_builder_lock", "dyn_builder_keep_subtree",
+          "dyn_builder_remove_subtree",
           "dyn_effect_count", "dyn_data_effect_info", "dyn_field_count", "dyn_field_info", "dyn_field_id",
           "dyn_state_layout_init",
           // structs_test.cpp

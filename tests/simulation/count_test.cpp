@@ -86,6 +86,11 @@ TEST(StepInstructions, DisabledSceneEffectsAddNothing) {
       DYN_EFFECT_ACTUATORS);
   expect_alone("<mujoco><option density='1.2' viscosity='1e-5'/><worldbody>" + unnamed(plain) + "</worldbody></mujoco>",
                DYN_EFFECT_FLUID);
+  std::string ellipsoids = unnamed(plain);
+  for (std::size_t at = 0; (at = ellipsoids.find("<geom ", at)) != std::string::npos; at += 6)
+    ellipsoids.insert(at + 6, "fluidshape='ellipsoid' ");
+  expect_alone("<mujoco><option density='1.2' viscosity='1e-5'/><worldbody>" + ellipsoids + "</worldbody></mujoco>",
+               DYN_EFFECT_FLUID_ELLIPSOIDS);
 }
 
 // A box within reach whose pairs are switched off.

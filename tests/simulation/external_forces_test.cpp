@@ -110,6 +110,47 @@ TEST(Medium, SpinOfABallDecays) {
   }
 }
 
+// A sphere's blunt drag and Stokes drag: 6 pi r eta v, rho C pi r^2 v^2. Without them its link has no drag of the box.
+TEST(FluidEllipsoids, BallsReachTheirTerminalVelocity) {
+  const double m = 0.5, r = 0.1, I = 0.4 * m * r * r, pi = 3.14159265358979323846;
+  const struct {
+    double density, viscosity, blunt, v;
+  } cases[] = {{0, 2, 0.5, m * 9.81 / (6 * pi * r * 2)}, {3, 0, 0.4, std::sqrt(m * 9.81 / (3 * 0.4 * pi * r * r))}};
+  for (const auto& c : cases) {
+    Scene scene;
+    scene.free("ball", m, {I, I, I});
+    const double still[3] = {0, 0, 0}, coefficients[5] = {c.blunt, 0, 0, 0, 0};
+    ASSERT_EQ(DYN_OK, dyn_builder_set_medium(scene.builder(), c.density, c.viscosity, still));
+    dynShapeSpec ball;
+    dyn_shape_spec_init(&ball);
+    ball.type = DYN_SHAPE_TYPE_SPHERE, ball.role = DYN_SHAPE_ROLE_VISUAL, ball.body = "ball", ball.size[0] = r;
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &ball)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_set_shape_fluid(scene.builder(), coefficients, nullptr, nullptr)) << dyn_last_error();
+    Simulation run(scene.finish());
+    integrate_by(run, DYN_INTEGRATOR_RK4);
+    run.steps(20000);
+    EXPECT_NEAR(-c.v, run.velocity()[2], 1e-9 * c.v);
+  }
+}
+
+TEST(FluidEllipsoids, RefuseBadNumbers) {
+  Scene scene;
+  scene.free("ball", 1, {1, 1, 1});
+  dynBuilder* const b = scene.builder();
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_set_shape_fluid(b, nullptr, nullptr, nullptr));  // no shape yet
+  dynShapeSpec spec;
+  dyn_shape_spec_init(&spec);
+  spec.type = DYN_SHAPE_TYPE_CONE, spec.body = "ball", spec.size[0] = spec.size[1] = 0.1;
+  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &spec)) << dyn_last_error();
+  const double negative[5] = {0, 0, 0, -1, 0}, flat[3] = {1, 0, 1}, good[3] = {1, 2, 3}, turned[12] = {2, 0, 0, 0, 1, 0, 0, 0, 1};
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_set_shape_fluid(b, nullptr, nullptr, nullptr));  // a cone has no semiaxes
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_set_shape_fluid(b, negative, good, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_set_shape_fluid(b, nullptr, flat, nullptr));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_set_shape_fluid(b, nullptr, good, turned));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_set_shape_fluid(b, nullptr, nullptr, turned));
+  EXPECT_EQ(DYN_OK, dyn_builder_set_shape_fluid(b, nullptr, good, nullptr)) << dyn_last_error();
+}
+
 TEST(Gravity, IsSetPerData) {
   Simulation run(Scene().free("stone", 2, {0.1, 0.2, 0.25}).finish());
   const double g[3] = {1, 2, 3};

@@ -191,8 +191,9 @@ json effects(const Robot& robot, std::uint32_t on) {
   effect(DYN_EFFECT_TENDONS, own + couplings,
          std::to_string(own) + " of " + several(tendons, " tendon has", " tendons have") + " forces of their own" +
              (couplings ? ", " + several(couplings, " coupling joins", " couplings join") + " lengths" : ""));
-  const int drag = present("fluid"), held = present("gravity_compensation");
+  const int drag = present("fluid"), ellipsoids = present("fluid_ellipsoids"), held = present("gravity_compensation");
   effect(DYN_EFFECT_FLUID, drag, "a medium drags on " + several(drag, " link", " links"));
+  effect(DYN_EFFECT_FLUID_ELLIPSOIDS, ellipsoids, "a medium acts on " + several(ellipsoids, " ellipsoid", " ellipsoids"));
   effect(DYN_EFFECT_GRAVITY_COMPENSATION, held, "the weight of " + several(held, " link is", " links is") + " held");
   int followers = 0;
   for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;

@@ -96,6 +96,7 @@ class Batch(Algorithms, Rollouts):
                 results costs more than they do
         status  an int32 array (N,), filled with the dyn.Status of every state: those that fail raise nothing, and their rows are
                 NaN. Without it the first state that fails raises, named in the message.
+        mocap   (N, nmocaps, 12), or (nmocaps, 12) for all: placements of mocap bodies; None: the initial ones
         exact   True: the bits of Data. By default small models take several states side by side, which rounds otherwise (1e-14)
 
     Arrays that are float64 and contiguous are read in place. A batch belongs to one thread at a time.
@@ -160,6 +161,13 @@ class Batch(Algorithms, Rollouts):
             raise SizeError(f"status must be a contiguous array of int32, of shape ({n},).")
         status.fill(0)
         return address(status)
+
+    def _mocap_rows(self, mocap: Any, q: Any) -> Numbers:
+        x = numbers(mocap, "mocap")
+        n, shape = len(q) if type(q) is np.ndarray and q.ndim else _count(q), (self.model.nmocaps, 12)
+        if x.shape not in ((n, *shape), shape):
+            raise SizeError(f"mocap has shape {x.shape}, but must have shape {(n, *shape)} or {shape} of model {self.model.name!r}.")
+        return np.ascontiguousarray(np.broadcast_to(x, (n, *shape)))
 
     def _quick(self, plan: _Plan, given: tuple[Any, ...], out: Any) -> Numbers | None:
         """Sets the addresses of arrays that all lie in memory as the library reads them, with one output: what most calls are.

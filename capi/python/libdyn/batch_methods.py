@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from .arrays import address
 from .errors import BusyError
 from .messages import in_python
 from .tables import ALGORITHMS, OPTIONAL, AlgorithmInfo
@@ -22,8 +23,9 @@ def _method(algorithm: AlgorithmInfo) -> Callable[..., Any]:
     arguments = inspect.Signature(parameters)
     size, absent = len(parameters), (None,) * len(parameters)
     needed = sum(p.default is P.empty for p in parameters)
+    state = algorithm.inputs.index("q")
 
-    def call(self, *given, only=None, out=None, status=None, exact=False, **named):
+    def call(self, *given, only=None, out=None, status=None, exact=False, mocap=None, **named):
         if not named and needed <= len(given) <= size:
             given += absent[len(given) :]
         else:
@@ -35,12 +37,19 @@ def _method(algorithm: AlgorithmInfo) -> Callable[..., Any]:
         try:
             if exact is not self._exact:
                 self._exact = self._arrays.exact = bool(exact)
-            return self._compute(algorithm, given, only, out, status)
+            if mocap is None:
+                return self._compute(algorithm, given, only, out, status)
+            placements = self._mocap_rows(mocap, given[state])
+            self._arrays.mocap = address(placements)
+            try:
+                return self._compute(algorithm, given, only, out, status)
+            finally:
+                self._arrays.mocap = None
         finally:
             self._lock.release()
 
     keywords = [P(name, P.KEYWORD_ONLY, default=None) for name in ("only", "out", "status")]
-    keywords.append(P("exact", P.KEYWORD_ONLY, default=False))
+    keywords += [P("exact", P.KEYWORD_ONLY, default=False), P("mocap", P.KEYWORD_ONLY, default=None)]
     call.__name__, call.__qualname__ = algorithm.name, f"Batch.{algorithm.name}"
     call.__signature__ = inspect.Signature([P("self", P.POSITIONAL_ONLY), *parameters, *keywords])
     call.__doc__ = description(algorithm)

@@ -154,12 +154,18 @@ class Builder:
         surface: Mesh | None = None,
         material: Material | None = None,
         rgba: ArrayLike | None = None,
+        fluid: bool | ArrayLike = False,
+        semiaxes: ArrayLike | None = None,
     ) -> Builder:
         """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo. radius: of rounding (m); contype,
         conaffinity:
         groups it is in, groups it collides with, a bit each; surface: of "convex" a hull, of "triangles" a mesh, of
         "height_field" one of Mesh.height_field; material: what happens where it touches; rgba: how it looks, red, green, blue,
-        opacity, 0 to 1."""
+        opacity, 0 to 1; fluid: the medium acts on it as on an ellipsoid (set_medium), with MuJoCo's coefficients (True) or with
+        these: blunt, slender and angular drag, Kutta lift, Magnus force; semiaxes (m): of that ellipsoid, at placement, of
+        shapes whose size gives none."""
+        coefficients = None if fluid is True or fluid is False else checked(fluid, (5,), "fluid")
+        axes = None if semiaxes is None else checked(semiaxes, (3,), "semiaxes")
         colour = None if rgba is None else checked(rgba, (4,), "rgba")
         if colour is not None and not ((colour >= 0) & (colour <= 1)).all():
             raise ArgumentError(f"rgba is {rgba}: give four numbers from 0 to 1.")
@@ -178,6 +184,8 @@ class Builder:
         check(lib.dyn_builder_add_shape(self._b, byref(spec)))
         if colour is not None:
             check(lib.dyn_builder_set_shape_rgba(self._b, address(colour)))
+        if fluid is not False:
+            check(lib.dyn_builder_set_shape_fluid(self._b, address(coefficients), address(axes), None))
         return self
 
     def add_configuration(self, name: str, q: ArrayLike) -> Builder:

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any, Callable
 import numpy as np
 
 from . import errors
-from .arrays import numbers
 from .library import last_error
-from .rollout import Plan, Rollout
+from .rollout import DIMENSIONS, Plan, Rollout, given_arrays
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from .model import Model
 
 STEPS_OF_A_TASK = 20_000  # a task costs a worker about 5 ms beside its steps: see capi/pages/measured_cluster.md
-_PER_SIMULATION = {"q0": 2, "v0": 2, "control": 3, "tau": 3}  # dimensions with a row for each
 
 _made: tuple[Any, Any, Batch] | None = None  # in a worker: the last model's bytes, effects and batch
 
@@ -79,6 +77,7 @@ def rollout(
     *,
     control: ArrayLike | None = None,
     tau: ArrayLike | None = None,
+    mocap: ArrayLike | None = None,
     steps: int | None = None,
     every: int = 1,
     n: int | None = None,
@@ -105,8 +104,8 @@ def rollout(
     for name in ("states", "keep_states"):
         if options.pop(name, None) not in (None, False):
             raise errors.ArgumentError(f"{name} is not for engine='ray': a saved state belongs to the process that made it.")
-    given = {name: numbers(x, name) for name, x in (("q0", q0), ("v0", v0), ("control", control), ("tau", tau)) if x is not None}
-    plan = Plan(model, *(given.get(name) for name in ("q0", "v0", "tau", "control")), None, n, steps, every)
+    given = given_arrays(model, q0=q0, v0=v0, control=control, tau=tau, mocap=mocap)
+    plan = Plan(model, given, None, n, steps, every)
     for name, x in given.items():
         plan.shaped(name, x)
     if not ray.is_initialized():
@@ -117,7 +116,10 @@ def rollout(
         chunk = max(1, min(-(-STEPS_OF_A_TASK // plan.steps), -(-plan.n // (4 * processors))))
     if chunk < 1:
         raise errors.ArgumentError(f"chunk is {chunk}, but must be a number of simulations, at least 1.")
-    own = {name: x for name, x in given.items() if x.ndim == _PER_SIMULATION[name]}
+    apart = [name for name, x in given.items() if x.ndim == DIMENSIONS[name]]
+    if "mocap" in given:
+        given["mocap"] = given["mocap"].reshape(*given["mocap"].shape[:-1], model.nmocaps, 12)
+    own = {name: given[name] for name in apart}
     shared = {name: x for name, x in given.items() if name not in own} | options | {"steps": plan.steps, "every": every}
     image, common = ray.put(np.frombuffer(model.image(), np.uint8)), ray.put(shared)
     task = ray.remote(num_cpus=1, max_retries=retries)(simulate)

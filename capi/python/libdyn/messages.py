@@ -23,6 +23,7 @@ DIFFERENT = {
     "dyn_data_array": "Data.field", "dyn_data_pair": "Data.pair_reason", "dyn_data_effect_info": "Data.plan",
     "dyn_effect_count": "Data.plan", "dyn_field_id": "Data.field", "dyn_batch_new": "Model.batch", "dyn_batch_run": "dyn.Batch",
     "dyn_builder_new": "dyn.Builder", "dyn_builder_set_shape_rgba": "Builder.add_shape",
+    "dyn_builder_set_shape_fluid": "Builder.add_shape",
     "dyn_contact_stiffness_hertz": "dyn.contact_compliance_hertz", "dyn_contact_solver_new": "dyn.ContactSolver",
     "dyn_contact_solver_init": "dyn.ContactSolver", "dyn_contact_solver_size": "ContactSolver.bytes",
     "dyn_broad_phase_new": "dyn.BroadPhase", "dyn_mesh_load": "dyn.load_mesh", "dyn_mesh_rgb": "Mesh.colours",

@@ -59,23 +59,38 @@ class Rollout(NamedTuple):
     """(N,), a dyn.Status each: records of one that failed are NaN from then on."""
 
 
+DRIVEN = ("control", "tau", "mocap")
+DIMENSIONS = {"q0": 2, "v0": 2, **dict.fromkeys(DRIVEN, 3)}
+"""With a row for each simulation."""
+
+
+def given_arrays(model: Model, **arrays: Any) -> dict[str, Numbers]:
+    """Those that are not None, as numbers; placements of mocap bodies one behind another."""
+    given = {name: numbers(x, name) for name, x in arrays.items() if x is not None}
+    if "mocap" in given:
+        x, shape = given["mocap"], (model.nmocaps, 12)
+        if x.ndim not in (3, 4) or x.shape[-2:] != shape:
+            raise SizeError(f"mocap has shape {x.shape}, but must have shape (N, R, {shape[0]}, 12), or (R, ...) for all simulations.")
+        given["mocap"] = x.reshape(*x.shape[:-2], 12 * shape[0])
+    return given
+
+
 class Plan:
     """Sizes of a rollout: what is not said follows from the arrays that are given."""
 
-    def __init__(self, model: Model, q0: Any, v0: Any, tau: Any, control: Any, states: Any, n: int | None, steps: int | None,
-                 every: int):
+    def __init__(self, model: Model, given: dict[str, Numbers], states: Any, n: int | None, steps: int | None, every: int):
         self.model, self.steps, self.every, self.n = model, steps, every, n
         if not isinstance(every, (int, np.integer)) or not 1 <= every < 2**31:
             raise ArgumentError(f"every is {every!r}, but must be a number of steps, from 1 to 2^31 - 1.")
         self.steps, self.n = None if steps is None else whole(steps, "steps", 1), None if n is None else whole(n, "n", 0)
-        driven = [(name, x) for name, x in (("control", control), ("tau", tau)) if x is not None]
+        driven = [(name, x) for name, x in given.items() if name in DRIVEN]
         for name, x in driven:
             if x.ndim not in (2, 3):
                 raise SizeError(f"{name} has shape {x.shape}, but must have shape (N, R, {self.width(name)}), or (R, ...) for "
                                 "all simulations.")
             self.agree("steps", x.shape[-2] * every, f"the {x.shape[-2]} records of {name}")
-        for name, x in [("q0", q0), ("v0", v0), *driven, ("states", states)]:
-            if x is not None and x.ndim == (3 if name in ("control", "tau") else 2):
+        for name, x in [*given.items(), ("states", states)]:
+            if x is not None and x.ndim == DIMENSIONS.get(name, 2):
                 self.agree("n", len(x), f"the shape of {name}")
         if self.steps is None:
             raise ArgumentError("steps is needed: nothing that is given says how many records there are.")
@@ -92,19 +107,19 @@ class Plan:
         setattr(self, name, value)
 
     def width(self, name: str) -> int:
-        return {"q0": self.model.nq, "control": self.model.nu}.get(name, self.model.nv)
+        return {"q0": self.model.nq, "control": self.model.nu, "mocap": 12 * self.model.nmocaps}.get(name, self.model.nv)
 
     def shaped(self, name: str, x: Any) -> tuple[int, ...]:
         """The shape of x with a row for each simulation; x may have one row for all."""
-        shape = (self.n, self.records, self.width(name)) if name in ("control", "tau") else (self.n, self.width(name))
+        shape = (self.n, self.records, self.width(name)) if name in DRIVEN else (self.n, self.width(name))
         if x.shape not in (shape, shape[1:]):
             raise SizeError(f"{name} has shape {x.shape}, but must have shape {shape} or {shape[1:]} of model "
                             f"{self.model.name!r}.")
         return shape
 
-    def rows(self, name: str, x: Any) -> Numbers | None:
+    def rows(self, name: str, x: Any) -> Numbers:
         """x for all simulations, contiguous."""
-        return None if x is None else np.ascontiguousarray(np.broadcast_to(x, self.shaped(name, x)))
+        return np.ascontiguousarray(np.broadcast_to(x, self.shaped(name, x)))
 
 
 def _sensors(model: Model, sensors: Sensors | None) -> tuple[Integers, Integers, dict[str, int]]:
@@ -152,6 +167,7 @@ class Rollouts:
         *,
         control: ArrayLike | None = None,
         tau: ArrayLike | None = None,
+        mocap: ArrayLike | None = None,
         steps: int | None = None,
         every: int = 1,
         n: int | None = None,
@@ -178,6 +194,7 @@ class Rollouts:
         states      (N, bytes), Rollout.states of an earlier call: they go on from there
         control     (N, R, nu), or (R, nu) for all: for actuators, each row held for `every` steps; R = steps / every
         tau         (N, R, nv), or (R, nv): generalised forces, N m or N, in the same way
+        mocap       (N, R, nmocaps, 12), or (R, nmocaps, 12): placements of mocap bodies, set in the same way
         every       steps between records
         n, steps    where no array says them
         integrator, solver, tolerance, max_iterations, contact_model  as in Data.set_step_options
@@ -192,14 +209,13 @@ class Rollouts:
                     Ctrl-C ends all: dyn.CancelledError, or that exception
         """
         model = self.model
-        given = {name: None if x is None else numbers(x, name) for name, x in (("q0", q0), ("v0", v0), ("control", control),
-                                                                               ("tau", tau))}
+        given = given_arrays(model, q0=q0, v0=v0, control=control, tau=tau, mocap=mocap)
         size = lib.dyn_model_state_size(model._m)
         if states is not None and (
             not isinstance(states, np.ndarray) or states.dtype != np.uint8 or states.ndim != 2 or states.shape[1] != size
         ):
             raise SizeError(f"states must be what a rollout of this model left: uint8, of shape (N, {size}).")
-        plan = Plan(model, given["q0"], given["v0"], given["tau"], given["control"], states, n, steps, every)
+        plan = Plan(model, given, states, n, steps, every)
         N, R = plan.n, plan.records
         types, frames, sizes = _sensors(model, sensors)
         if not isinstance(contacts, (int, np.integer)) or contacts < 0:

@@ -140,7 +140,7 @@ def batch() -> Iterator[str]:
             kind = INPUTS.get(name, "ArrayLike").replace("StateLike | None", "ArrayLike")
             inputs += [f"{name}: {kind}" + (" | None = None" if name in OPTIONAL else "")]
         doc = _doc(batch_methods.description(algorithm), "        ")
-        method = f"    def {algorithm.name}({', '.join(inputs)}, *, only: {{}}, out: Any = None, status: Integers | None = None, exact: bool = False) -> {{}}:"
+        method = f"    def {algorithm.name}({', '.join(inputs)}, *, only: {{}}, out: Any = None, status: Integers | None = None, exact: bool = False, mocap: ArrayLike | None = None) -> {{}}:"
         if len(algorithm.outputs) == 1:
             kind = "Placement" if algorithm.of_placements else "Numbers"
             yield _block(method.format("str | None = None", kind), doc)

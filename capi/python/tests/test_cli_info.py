@@ -38,8 +38,8 @@ def test_info(go2):
         (f.name, f.type.name, f.joint) for f in go2.frames
     ][1:]
     assert [e["name"] for e in info["effects"]] == ["gravity", *effects_with_numbers(), "limits", "contact", "constraints",
-                                                    "actuators", "tendons", "fluid", "gravity_compensation", "mimic",
-                                                    "sleeping"]  # fmt: skip
+                                                    "actuators", "tendons", "fluid", "fluid_ellipsoids",
+                                                    "gravity_compensation", "mimic", "sleeping"]  # fmt: skip
     assert all(isinstance(e["active"], bool) and e["reason"] and e["bytes"] >= 0 for e in info["effects"])
     assert all(set(e) == {"level", "message", "line"} for e in info["report"])
     assert ([e["level"] for e in info["report"] if "not applied" in e["message"] and "12 x effort limit" in e["message"]]

@@ -120,6 +120,7 @@ def pair(attributes, geom=""):
 
 SOFT = 'solref=".1 .4" solimp=".6 .9 .1"'
 SLIDES = [1.0, 0, 0, 0, 0, 0]
+OVERRIDE = '><flag override="enable"/></option><worldbody>'
 SCENES = {
     "a ball falls": (scene(ball()), None),
     "a soft ball falls": (scene(ball('solref=".1 .3" solimp=".5 .9 .05 .4 3"')), None),
@@ -155,6 +156,17 @@ SCENES = {
     "an equality of tendons": (scene(TWO, rest='<tendon><spatial name="t"><site site="s1"/><site site="s2"/></spatial><fixed name="u">'
                                                '<joint joint="j" coef="1"/><joint joint="k" coef="-.5"/></fixed></tendon><equality>'
                                                '<tendon tendon1="t" tendon2="u" polycoef="0 .1" solref=".1 .7"/></equality>'), None),
+    "dry friction": (scene(TWO.replace("<joint ", '<joint frictionloss=".3" ', 1)), None),
+    "soft dry friction": (scene(TWO.replace("<joint ", '<joint frictionloss=".3" solreffriction=".2 1" solimpfriction=".5 .9" ')),
+                          [2, -1]),
+    "dry friction of a ball joint": (scene('<body pos="0 0 1"><joint type="ball" frictionloss=".05"/><geom type="capsule" '
+                                           'fromto="0 0 0 .3 .1 0" size=".03" contype="0" conaffinity="0"/></body>'), [1, 2, 3]),
+    "dry friction of a tendon": (scene(TWO, rest='<tendon><spatial frictionloss=".5" solreffriction=".1 .7"><site site="s1"/>'
+                                                 '<site site="s2"/></spatial></tendon>'), [1, -2]),
+    "overridden contacts": (scene(ball('solref=".1 .3" friction=".1"'), option='o_solref=".05 .8" o_solimp=".5 .9 .02" '
+                                  'o_friction=".4 .4 .01 .001 .001"').replace("/><worldbody>", OVERRIDE, 1), SLIDES),
+    "overridden pairs": (pair('condim="1"').replace('margin=".01"', "").replace(
+        "/><worldbody>", ' o_solref="-900 -9"' + OVERRIDE, 1), SLIDES),
     "a box falls askew": (scene(box(z=0.15, pose='euler="20 30 10"')), [0.5, 0, 0, 3, 2, 1]),
     "a ball slides on rails": (scene('<body pos="0 0 .099"><joint type="slide" axis="1 0 0" damping=".3"/><joint type="slide" '
                                      'axis="0 0 1" stiffness="50" armature=".1"/><geom size=".1"/></body>'), [1, -0.3]),
@@ -293,7 +305,8 @@ def test_models_keep_it(tmp_path):
 
 @pytest.mark.filterwarnings("ignore::libdyn.LoadWarning")
 @pytest.mark.parametrize("name", ["mixed laws and margins", "a pair's friction law", "impratio", "a soft limit with a margin",
-                                  "a soft weld", "a tendon's limit", "an equality of tendons"])
+                                  "a soft weld", "a tendon's limit", "an equality of tendons", "soft dry friction",
+                                  "dry friction of a tendon", "overridden contacts"])
 def test_saved_files_keep_it(tmp_path, name):
     m = dyn.load_string(SCENES[name][0])
     m.save(tmp_path / "m.xml")

@@ -169,3 +169,53 @@ def test_a_weld_far_beyond_reach_does_not_end_a_simulation():
         for _ in range(500):
             d.step()
         assert np.abs(d.v).max() < 1
+
+
+def placements(m, heights):
+    """Of the plate, one for each height."""
+    x = np.tile(np.r_[np.eye(3).ravel(), 0, 0, 0.0], (len(heights), m.nmocaps, 1))
+    x[:, 0, 11] = heights
+    return x
+
+
+def test_rollouts_move_mocap_bodies():
+    m = dyn.load_string(PLATE)
+    heights = np.stack([1 - 0.002 * np.arange(50), np.full(50, 1.0)])
+    x = np.stack([placements(m, row) for row in heights])
+    out = m.batch(2).rollout(mocap=x, every=4, dt=0.002)
+    for k in range(2):
+        d = m.data()
+        d.set_step_options(dt=0.002)
+        for r in range(50):
+            d.set_mocap("plate", x[k, r, 0, 9:], np.eye(3))
+            for _ in range(4):
+                d.step()
+            np.testing.assert_array_equal(out.q[k, r], d.q)
+    again = m.batch(1).rollout(n=2, mocap=x[1], every=4, dt=0.002)  # one row for all, on new data
+    np.testing.assert_array_equal(again.q[0], out.q[1])
+    np.testing.assert_array_equal(again.q[1], out.q[1])
+
+
+def test_batches_place_mocap_bodies():
+    m = dyn.load_string(PLATE)
+    batch, q, heights = m.batch(2), np.tile(m.data().q, (40, 1)), np.linspace(0, 3, 40)
+    corner = m.frame_id("corner")
+    where = batch.frame_placement(corner, q, mocap=placements(m, heights)).translation
+    np.testing.assert_allclose(where, np.c_[np.full((40, 2), 0.5), heights + 0.05], atol=1e-15)
+    first = batch.frame_placement(corner, q).translation  # the initial one again
+    np.testing.assert_allclose(first, np.tile([0.5, 0.5, 1.05], (40, 1)), atol=1e-15)
+
+
+def test_placements_that_batches_and_rollouts_refuse():
+    m = dyn.load_string(PLATE)
+    bad = placements(m, [1, 1])
+    bad[1, 0, 0] = 2
+    with pytest.raises(dyn.ArgumentError, match="plate.*rotation"):
+        m.batch(1).frame_placement(m.frame_id("corner"), np.tile(m.data().q, (2, 1)), mocap=bad)
+    with pytest.raises(dyn.ArgumentError, match="plate.*rotation"):
+        m.batch(1).rollout(mocap=bad, every=1, dt=0.002)
+    for shape in ((2, 1, 11), (2, 2, 12), (12,)):
+        with pytest.raises(dyn.SizeError, match="mocap"):
+            m.batch(1).rollout(mocap=np.zeros(shape), steps=2)
+        with pytest.raises(dyn.SizeError, match="mocap"):
+            m.batch(1).frame_placement(m.frame_id("corner"), np.tile(m.data().q, (2, 1)), mocap=np.zeros(shape))

@@ -205,3 +205,60 @@ def test_what_is_left_out_is_named_once_a_kind():
     assert m.nsensors == 1
     messages = sorted(r.message for r in m.report if "<sensor>" in r.message)
     assert len(messages) == 2 and "<tactile>" in messages[0] and "<rangefinder>" in messages[1]
+
+
+# ------------------------------------------------------------------------------------------------ equalities
+
+LINKAGE = """<mujoco><option timestep=".001" cone="elliptic"/><worldbody>
+<body name="a" pos="0 0 1"><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" contype="0" conaffinity="0"/>
+ <site name="s0" pos=".1 .02 0" euler="10 20 30"/>
+ <body name="b" pos=".3 0 0"><joint axis="0 1 .2"/><geom type="capsule" fromto="0 0 0 .3 0 .1" size=".03" contype="0" conaffinity="0"/>
+  <site name="s1" pos=".1 0 .02" euler="40 0 10"/>
+  <body name="c" pos=".3 0 .1"><geom size=".05" contype="0" conaffinity="0"/><site name="s2" pos="0 .03 0"/></body></body></body>
+<body name="w" pos=".6 0 1.3"><joint type="slide" axis="1 0 1"/><joint axis="0 0 1"/><geom size=".06" contype="0" conaffinity="0"/>
+ <site name="s3" pos=".02 0 0"/></body></worldbody>
+<equality>{}</equality>
+<sensor>""" + "".join(f'<{k} name="{k}{i}" site="s{i}"/>' for i in range(4) for k in ("force", "torque")) + "</sensor></mujoco>"
+EQUALITIES = {
+    "a connect to the world": '<connect body1="c" anchor=".05 0 .02"/>',
+    "a connect of bodies": '<connect body1="b" body2="w" anchor=".3 0 .1" solref=".05 .7"/>',
+    "a weld to the world": '<weld body1="c"/>',
+    "a soft weld": '<weld body1="c" body2="w" solref=".05 .7" torquescale="2"/>',
+}
+
+
+@pytest.mark.parametrize("name", EQUALITIES)
+def test_forces_of_equalities_are_mujocos(name):
+    """Where both have the same rows, at the state and with the acceleration of MuJoCo's step."""
+    mujoco = pytest.importorskip("mujoco", reason="package mujoco is not installed")
+    text = LINKAGE.format(EQUALITIES[name])
+    theirs, m = mujoco.MjModel.from_xml_string(text), dyn.load_string(text)
+    theirs.opt.tolerance, theirs.opt.iterations, theirs.opt.ls_iterations = 1e-14, 200, 100
+    data, d, pulled = mujoco.MjData(theirs), m.data(), 0
+    d.set_step_options("semi_implicit_euler", dt=1e-3, contact_model="as_file", tolerance=1e-12)
+    for _ in range(100):
+        q, v = data.qpos.copy(), data.qvel.copy()
+        d.set_state(q, v)
+        d.step()
+        mujoco.mj_step(theirs, data)
+        ours = d.sensors(q, v, (d.v - v) / 1e-3)
+        np.testing.assert_allclose(ours, data.sensordata, rtol=0, atol=1e-6 * np.abs(data.sensordata).max())
+        pulled = max(pulled, np.abs(data.efc_force).max())
+    assert pulled > 1
+
+
+@pytest.mark.parametrize("integrator", ["semi_implicit_euler", "rk4", "rk45"])
+def test_a_weld_carries_what_hangs_on_it(integrator):
+    """A body at rest hangs on a weld of the link that it carries: the site between them reads its weight."""
+    text = """<mujoco><worldbody><body name="a" pos="0 0 1"><freejoint/><geom size=".1" mass="2" pos=".1 .2 .3"/>
+    <body name="b" pos=".5 0 0"><geom size=".05" mass="1" pos="0 .1 0"/><site name="s" pos=".1 .2 0"/></body></body></worldbody>
+    <equality><weld body1="b"/></equality><sensor><force name="f" site="s"/><torque name="t" site="s"/></sensor></mujoco>"""
+    d = dyn.load_string(text).data()
+    d.set_step_options(integrator, dt=1e-3)
+    for _ in range(10):
+        d.step()
+    at_rest = np.zeros(6)
+    np.testing.assert_allclose(d.v, at_rest, atol=1e-9)
+    values = d.sensors(a=at_rest)
+    np.testing.assert_allclose(values[:3], [0, 0, -2 * 9.81], atol=1e-6)
+    np.testing.assert_allclose(values[3:], np.cross([-0.5, 0, 0.3], [0, 0, -2 * 9.81]), atol=1e-6)
