@@ -55,6 +55,7 @@ void expect_at_most(std::initializer_list<QueryBound> bounds) {
 TEST(QueryCost, SeparatedShapesEndEarly) {
   expect_at_most({{Type::HalfSpace, Type::Convex, Apart, 230}, {Type::HalfSpace, Type::Convex, Near, 1000},
                   {Type::Sphere, Type::Box, Apart, 320}, {Type::Sphere, Type::Box, Near, 320},
+                  {Type::Sphere, Type::Ellipsoid, Apart, 420}, {Type::Sphere, Type::Ellipsoid, Near, 420},
                   {Type::Capsule, Type::Capsule, Apart, 460}, {Type::Capsule, Type::Capsule, Near, 460},
                   {Type::Box, Type::Box, Apart, 400}, {Type::Box, Type::Box, Near, 1200},
                   {Type::Cylinder, Type::Cylinder, Apart, 1100}, {Type::Cylinder, Type::Cylinder, Near, 11000},
@@ -65,9 +66,9 @@ TEST(QueryCost, SimpleContactsNeedNoSearch) {
   expect_at_most({{Type::HalfSpace, Type::Sphere, Penetrating, 210}, {Type::HalfSpace, Type::Sphere, AtRest, 210},
                   {Type::HalfSpace, Type::Box, Penetrating, 480}, {Type::HalfSpace, Type::Box, AtRest, 600},
                   {Type::HalfSpace, Type::Cylinder, Penetrating, 420}, {Type::HalfSpace, Type::Cylinder, AtRest, 570},
-                  {Type::HalfSpace, Type::Convex, Penetrating, 2800}, {Type::HalfSpace, Type::Convex, AtRest, 2700},
+                  {Type::HalfSpace, Type::Convex, Penetrating, 2800}, {Type::HalfSpace, Type::Convex, AtRest, 1250},
                   {Type::Sphere, Type::Box, Penetrating, 600}, {Type::Sphere, Type::Box, AtRest, 600},
-                  {Type::Capsule, Type::Capsule, Penetrating, 1450}, {Type::Capsule, Type::Capsule, AtRest, 1300},
+                  {Type::Capsule, Type::Capsule, Penetrating, 1250}, {Type::Capsule, Type::Capsule, AtRest, 1250},
                   {Type::Box, Type::Box, Penetrating, 4550}, {Type::Box, Type::Box, AtRest, 4600},
                   {Type::Cylinder, Type::Cylinder, AtRest, 7600}});
 }
