@@ -303,7 +303,7 @@ def test_live(viewer):
 
 def test_sliders_and_single_steps(viewer):
     """A control that the page holds stays over the controller's; a step of a pause is one."""
-    sim = viewer.simulation
+    sim, dt = viewer.simulation, viewer.simulation.dt  # before another thread has the data
     viewer.controller = lambda s: {"ctrl": np.full(s.model.nu, 0.1)}
     t = threading.Thread(target=viewer.run)
     t.start()
@@ -317,8 +317,8 @@ def test_sliders_and_single_steps(viewer):
     before = float(page_.state(lambda x: x[1] == 1)[0])
     for k in range(1, 4):
         page_.say({"do": "step"})
-        page_.state(lambda x: x[0] > before + (k - 0.5) * sim.dt)
-    assert sim.time == pytest.approx(before + 3 * sim.dt, abs=1e-6)
+        page_.state(lambda x: x[0] > before + (k - 0.5) * dt)
+    assert sim.time == pytest.approx(before + 3 * dt, abs=1e-6)
     page_.say({"do": "release"})
     while not (isinstance(said := page_.hear(), dict) and said.get("held") == []):
         pass
