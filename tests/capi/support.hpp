@@ -247,9 +247,10 @@ inline dynStatus compute_derivatives(const dynModel* m, dynData* d, const double
 }
 
 // Runs the algorithms whose fields nothing has computed.
-inline void compute_stale(const dynModel* m, dynData* d) {
+inline void compute_stale(const dynModel* m, dynData* d, const double* fext = nullptr) {
   dynBatchArrays held;  // inputs that are NULL
   dyn_batch_arrays_init(&held);
+  held.fext = fext;
   for (const dynAlgorithm algorithm : every<dynAlgorithm>("dynAlgorithm")) {
     dynAlgorithmInfo info{};
     info.struct_size = sizeof info;
@@ -282,7 +283,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_tendons(m, d, nullptr, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_sensors(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
-  compute_stale(m, d);
+  compute_stale(m, d, s.fext.data());
 }
 
 inline dynArray view() {
