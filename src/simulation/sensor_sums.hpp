@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithm/actuators.hpp"
+#include "constraint/list.hpp"
 #include "simulation/workspace.hpp"
 #include "spatial/quaternion.hpp"
 #include "table/sensors.hpp"
