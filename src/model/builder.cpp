@@ -52,14 +52,6 @@ Mat3<double> z_to(const Axis& a) {
   return Mat3<double>::identity() * c + ww + skew(w);
 }
 
-namespace {
-
-void check_name(const std::string& what, const std::string& name) {
-  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, what + " has no name: give one");
-  if (name.find('\0') != std::string::npos)
-    refuse(DYN_ERROR_ARGUMENT, what + " '" + name.c_str() + "': the name holds a zero byte");
-}
-
 void check_finite(const std::string& where, const double* x, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i)
     if (!std::isfinite(x[i]))
@@ -78,6 +70,14 @@ SE3<double> check_placement(const std::string& where, const Placement& x) {
                                   "): give an orthonormal right-handed matrix by columns");
   if (worst <= 4e-16) return X;  // turned by quarters, and whatever else is orthonormal to the last bit
   return {rotation(quaternion(X.R)), X.p};
+}
+
+namespace {
+
+void check_name(const std::string& what, const std::string& name) {
+  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, what + " has no name: give one");
+  if (name.find('\0') != std::string::npos)
+    refuse(DYN_ERROR_ARGUMENT, what + " '" + name.c_str() + "': the name holds a zero byte");
 }
 
 Axis check_axis(const std::string& where, const Axis& a) {

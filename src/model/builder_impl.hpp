@@ -304,6 +304,9 @@ std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);
 // The ellipsoid of a shape with fluid forces, likewise. (builder_fluid.cpp)
 FluidEllipsoid fluid_ellipsoid(const FluidShape& shape, const SE3<double>& X);
 
+// Throw unless the n numbers are finite, and x is a placement; `where` begins the message.
+void check_finite(const std::string& where, const double* x, std::size_t n);
+SE3<double> check_placement(const std::string& where, const Placement& x);
 std::string number(double x);          // six digits, independent of the locale
 Mat3<double> z_to(const Axis& a);      // smallest rotation that takes z to the unit vector a
 
