@@ -1,6 +1,5 @@
-// Drag of a medium (dyn_builder_set_medium) on the box of equal inertia of each link
-// whose shapes are not ellipsoids of their own (fluid_ellipsoids.hpp). With v, w relative to the medium, in the
-// box's axes, half sizes r, a, b about axis i, and their mean s:
+// Drag of a medium (dyn_builder_set_medium) on the box of equal inertia of each link without ellipsoids (fluid_ellipsoids.hpp).
+// With v, w relative to the medium, in the box's axes, half sizes r, a, b about axis i, and their mean s:
 //   force_i  = -(2 density a b |v_i| + 6 pi viscosity s) v_i
 //   moment_i = -(density r (a^4 + b^4) |w_i| / 2 + 8 pi viscosity s^3) w_i
 #pragma once
