@@ -45,7 +45,7 @@ template <class T>
   const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
   Vec3<T> w = guess, r = left(w);
   const T enough = T(tuning::rotation_tolerance) * dot(L, L);
-  for (int k = 0; k < tuning::rotation_newton_steps && dot(r, r) > enough; ++k) {
+  for (int k = 0; k < std::numeric_limits<T>::digits && dot(r, r) > enough; ++k) {
     const Vec3<T> dw = solve3(I - skew(r + I * w) * Jexp3(w * h) * h, r);
     T part = T(1);
     Vec3<T> next = w + dw, r_next = left(next);
@@ -54,18 +54,19 @@ template <class T>
     if (!(dot(r_next, r_next) < dot(r, r))) break;
     w = next, r = r_next;
   }
-  using std::sqrt;
-  return w * (sqrt(dot(L, L)) / sqrt(dot(I * w, I * w)));
+  return solve3(I, exp3(w * -h) * L);
 }
 
-// Solves I w' = exp(-h w') L.
+// Solves I w' = exp(-h w') L: by a fixed point, and Newton's method where that is slow.
 template <class T>
 Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   Vec3<T> w = guess;
-  bool changes = true;
-  for (int k = 0; k < tuning::rotation_steps && changes; ++k) {
+  bool changes = true, halves = true;
+  for (T last = std::numeric_limits<T>::infinity(); changes && halves;) {  // fixed point, while each change is half the last
     const Vec3<T> next = solve3(I, exp3(w * -h) * L), change = next - w;
-    w = next, changes = dot(change, change) > T(tuning::rotation_tolerance) * dot(w, w);
+    const T square = dot(change, change);
+    w = next, changes = square > T(tuning::rotation_tolerance) * dot(w, w);
+    halves = 4 * square < last, last = square;
   }
   if (changes) w = implicit_angular_velocity_newton(I, L, h, guess);
   return dot(w, w) < std::numeric_limits<T>::infinity() ? w : guess;

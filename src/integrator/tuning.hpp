@@ -56,7 +56,6 @@ inline constexpr int midpoint_iterations = 200, midpoint_stalls = 3;  // bound; 
 inline constexpr int midpoint_rounding = 64;          // of the rounding: a stalled residual below it is accepted
 
 // Large rotations of free bodies (free_flight.hpp).
-inline constexpr int rotation_steps = 20, rotation_newton_steps = 50;  // fixed-point iterations, then Newton steps
 inline constexpr double rotation_tolerance = 1e-30;   // squared relative change or residual: rounding
 inline constexpr double rotation_min_step = 1e-3;     // of the line search
 

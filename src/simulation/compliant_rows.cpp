@@ -10,14 +10,14 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double least_impedance = 1e-4, largest_impedance = 0.9999, least_R = 1e-15;  // MuJoCo's
+constexpr double least_impedance = 1e-4, largest_impedance = 0.9999, least = 1e-15;  // MuJoCo's mjMINIMP, mjMAXIMP, mjMINVAL
 
 // d(r): dmin at r = 0, dmax from |r| = width on.
 double impedance(const Compliance& law, double r) {
   const auto within = [](double x) { return std::clamp(x, least_impedance, largest_impedance); };
   const double low = within(law.impedance[0]), high = within(law.impedance[1]), width = law.impedance[2],
                middle = within(law.impedance[3]), power = std::max(1.0, law.impedance[4]);
-  if (low == high || !(width > least_R)) return (low + high) / 2;
+  if (low == high || !(width > least)) return (low + high) / 2;
   const double x = std::min(1.0, std::abs(r) / width);
   const auto curve = [&](double part, double of) { return part > 0 ? part * math::pow(part / of, power - 1) : 0; };
   const double y = x <= middle ? curve(x, middle) : 1 - curve(1 - x, 1 - middle);
@@ -32,17 +32,16 @@ struct Soft {
     const double high = std::clamp(law.impedance[1], least_impedance, largest_impedance);
     const bool times = reference[0] > 0;  // a time constant: two steps at least
     const double time = times ? std::max(reference[0], 2 * h) : 0;
-    k = times ? 1 / std::max(least_R, high * high * time * time * reference[1] * reference[1]) : -reference[0] / (high * high);
-    b = reference[1] > 0 ? 2 / std::max(least_R, high * time) : -reference[1] / high;
-    d = impedance(law, r), R = std::max(least_R, (1 - d) / d * weight);
+    k = times ? 1 / std::max(least, high * high * time * time * reference[1] * reference[1]) : -reference[0] / (high * high);
+    b = reference[1] > 0 ? 2 / std::max(least, high * time) : -reference[1] / high;
+    d = impedance(law, r), R = std::max(least, (1 - d) / d * weight);
   }
   double bias(double h, double error, double rate) const { return h * k * d * error - (1 - h * b) * rate; }
 };
 
 // Numbers of two shapes: those of higher priority, or a mean by their weights (solmix).
 Compliance mixed(const Compliance& x, const Compliance& y) {
-  constexpr double none = 1e-15;
-  const double share = x.mix > none && y.mix > none ? x.mix / (x.mix + y.mix) : x.mix > none ? 1 : y.mix > none ? 0 : 0.5;
+  const double share = x.mix > least && y.mix > least ? x.mix / (x.mix + y.mix) : x.mix > least ? 1 : y.mix > least ? 0 : 0.5;
   Compliance out = x;
   const bool times = x.reference[0] > 0 && y.reference[0] > 0;
   for (int k = 0; k < 2; ++k)

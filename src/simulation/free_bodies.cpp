@@ -147,7 +147,7 @@ struct RotationExp {
   }
 };
 
-// Solves the lanes in which the fixed-point iteration does not converge.
+// Solves the lanes in which the fixed-point iteration is slow.
 [[gnu::cold, gnu::noinline]] void solve_lanes_by_newton(const FreeBodySet& e, const Vec3<Double4>& L, double h,
                                                         const Vec3<Double4>& guess, const Double4::Mask& far, Vec3<Double4>& w) {
   const auto lane = [](const Vec3<Double4>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
@@ -158,20 +158,22 @@ struct RotationExp {
                                                        h, lane(guess, k)));
 }
 
-// Solves I w' = exp(-h w') L by fixed-point iteration; converged lanes stay as they are.
+// Solves I w' = exp(-h w') L by fixed-point iteration, in each lane while its change is half the last; converged lanes stay as they are.
 DYN_INLINE Vec3<Double4> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Double4>& L, double step,
                                                    const Vec3<Double4>& guess) {
   const Double4 h(step);
   Vec3<Double4> w = guess;
-  Double4::Mask going = ~Double4::Mask{};
-  for (int k = 0; k < integrator::tuning::rotation_steps; ++k) {
+  Double4::Mask going = ~Double4::Mask{}, slow{};
+  for (Double4 last(std::numeric_limits<double>::infinity()); any(going);) {
     const Vec3<Double4> next = e.inverse * RotationExp(w * h).inverse(L), change = next - w;
     for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
-    going &= dot(change, change) > Double4(integrator::tuning::rotation_tolerance) * dot(w, w);
-    if (!any(going)) break;
+    const Double4 square = dot(change, change);
+    going &= square > Double4(integrator::tuning::rotation_tolerance) * dot(w, w);
+    slow |= going & (Double4(4.0) * square >= last), going &= ~slow;
+    last = square;
   }
-  if (any(going)) [[unlikely]]
-    solve_lanes_by_newton(e, L, step, guess, going, w);
+  if (any(slow)) [[unlikely]]
+    solve_lanes_by_newton(e, L, step, guess, slow, w);
   const Double4::Mask finite = dot(w, w) < std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) w.v[i] = select(finite, w.v[i], guess.v[i]);
   return w;

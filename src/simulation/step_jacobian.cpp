@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "simulation/step_linearisation.hpp"
 
 namespace dyn::simulation {
@@ -76,9 +78,8 @@ void StepJacobian::apply_transposed(const double* gradient) {
 // Whether redundant equations are consistent, along a direction that no symmetry of the step has.
 void StepJacobian::probe_rows() {
   if (system.rank == rows) return;
-  constexpr double golden = 0.6180339887498949;
   for (std::ptrdiff_t k = 0; k < mixed + nv; ++k) {
-    const double at = golden * double(k + 1);
+    const double at = std::numbers::phi * double(k + 1);
     y.direction[k] = 0.5 + at - std::floor(at);
   }
   clear_given();

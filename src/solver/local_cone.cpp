@@ -19,7 +19,7 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
     double off = 0, on = 0;
     for (Index i = 0; i < m; ++i)
       for (Index j = 0; j < m; ++j) (i == j ? on : off) += a[i][j] * a[i][j];
-    if (off <= jacobi_tolerance * on || !(off < before)) break;  // each sweep squares what is left, down to rounding
+    if (!(off < before)) break;
     before = off;
     for (Index i = 0; i < m; ++i)
       for (Index j = i + 1; j < m; ++j) {
@@ -40,6 +40,7 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
           q[k][i] = c * x - s * y, q[k][j] = s * x + c * y;
         }
       }
+    if (on + off == on) break;  // a sweep squares what is left: of 1e-8 it has left the rounding
   }
   for (Index i = 0; i < m; ++i) e[i] = a[i][i];
 }

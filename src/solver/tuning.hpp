@@ -35,7 +35,6 @@ inline constexpr double rows_a_sweep = 12;      // or by exp(-this / rows): a sw
 namespace pgs {
 inline constexpr double relaxation = 1.1;          // over-relaxation after the first sweep
 inline constexpr double tiny = 1e-14;              // of the diagonal: stiffness that counts as none
-inline constexpr double jacobi_tolerance = 1e-32;  // squared off-diagonal over squared diagonal: rounding
 inline constexpr int warm_steps = 4;               // Newton steps from the last resistance
 inline constexpr double warm_enough = 1e-3;        // of the resistance: a smaller change ends; Newton then has twice the digits
 inline constexpr double root_growth = 4;           // of the resistance while no upper bound is known

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import zipfile
 
+import numpy as np
 import pytest
 from conftest import CAPI
 from libdyn import stubs
@@ -165,6 +166,7 @@ def test_pyright(programs, site, pyright):
     judged(done.stdout, RIGHT.count("\n") + 1)
 
 
+@pytest.mark.skipif(int(np.__version__.split(".")[0]) < 2, reason="stubs of numpy before 2 leave types unknown to strict mode")
 def test_pyright_of_examples(site, tmp_path, pyright):
     for name in EXAMPLES:
         shutil.copy(CAPI / "python" / "examples" / f"{name}.py", tmp_path)
