@@ -2,7 +2,9 @@
 //   lambda = argmin over the cones of 1/2 lambda' (G + S) lambda + lambda' g,   S > 0 the compliance
 // Sliding contacts then open at mu times their slip, which Coulomb's law does not ask for (Anitescu 2006). In u = G y + g it is
 //   y = lambda(u),   lambda(u) = argmax over the cones of -lambda' u - 1/2 lambda' S lambda
-// solved by Newton's method with the laws H = -d lambda / du and an exact line search (MuJoCo's primal solver, in impulses).
+// solved by Newton's method with the laws H = -d lambda / du and a line search (MuJoCo's primal solver, in impulses).
+#include <limits>
+
 #include "simulation/newton.hpp"
 
 namespace dyn::simulation {
@@ -16,14 +18,11 @@ class Convex : public Newton {
   void run(dynContactReport& report);
 
  private:
-  static constexpr double least_softness = 1e-12;  // of the unit diagonal, of rows that are rigid
-  static constexpr Index max_steps = 100, max_trials = 30;
-  static constexpr double line_accuracy = 1e-3;    // of the slope at the beginning
-
   double *u = before + 5 * room, *lambda = u + room, *du = lambda + room, *there = du + room, *known = there + room,
          *G_known = known + room;
 
-  static double softness(const Block& s, Index i) { return std::max(least_softness, s.soft[i]); }
+  // Rows that are rigid have the least.
+  static double softness(const Block& s, Index i) { return std::max(solver::tuning::proximal, s.soft[i]); }
   void impulses(const Block& s, const double* at, double* out, State* state) const;
   void find_impulses(const double* at, double* out, bool laws) const;
   double slope(double t);
@@ -83,20 +82,21 @@ double Convex::slope(double t) {
   return sum;
 }
 
-// Where the slope is zero, which grows along the step.
+// Where the slope, which grows along the step, is at most half of that at the beginning: the next step finds the rest.
 double Convex::line_search() {
   const double first = slope(0);
   double low = 0, at_low = first, high = 1, at_high = slope(1);
   if (!(first < 0)) return 1;
-  for (Index k = 0; k < max_trials && at_high < 0 && -at_high > line_accuracy * -first; ++k)
-    low = high, at_low = at_high, high *= 2, at_high = slope(high);
-  if (std::abs(at_high) <= line_accuracy * -first) return high;
+  const auto is_low = [&](double slope) { return 2 * std::abs(slope) <= -first; };
+  constexpr int most = std::numeric_limits<double>::digits;  // doublings, or halvings
+  for (int k = 0; k < most && at_high < 0 && !is_low(at_high); ++k) low = high, at_low = at_high, high *= 2, at_high = slope(high);
+  if (is_low(at_high)) return high;
   double t = high;
-  for (Index k = 0; k < max_trials; ++k) {
+  for (int k = 0; k < most; ++k) {
     const double secant = low - at_low * (high - low) / (at_high - at_low), middle = 0.5 * (low + high);
     t = k % 3 == 2 || !(secant > low && secant < high) ? middle : secant;
     const double now = slope(t);
-    if (std::abs(now) <= line_accuracy * -first) break;
+    if (is_low(now)) break;
     (now < 0 ? (low = t, at_low = now) : (high = t, at_high = now));
   }
   return t;
@@ -110,7 +110,7 @@ void Convex::run(dynContactReport& report) {
     });
   };
   report.residual = HUGE_VAL;
-  for (Index k = 0; k < max_steps && x.within_budget(report); ++k) {
+  while (x.within_budget(report)) {
     times(y, u), without_softness(y, u);
     for (Index i = 0; i < x.rows; ++i) u[i] += g[i];
     std::fill_n(w.newton_acts, e.size, false);
