@@ -163,7 +163,7 @@ bool Sweeps<Operator>::frictionless(int most, double share, double softness) {
     });
     if (n == 0) first = changed;
     else if (changed <= share * first) break;
-    else if (softness == 0 && n == most - 1 && changed > std::max(first, contradictory_progress * last)) return false;
+    else if (softness == 0 && n == most - 1 && changed >= contradictory_progress * std::max(first, last)) return false;
     last = changed;
   }
   write();

@@ -91,8 +91,8 @@ inline constexpr int guess_sweeps = 4;          // over a nearly good guess: che
 inline constexpr Index first_sweeps = 5, max_small = 10;  // before Newton; small islands have a matrix after max_small
 inline constexpr int correction_sweeps = 20;    // bound for position corrections
 inline constexpr double correction_change = 0.02;  // of the first sweep's change: the next steps correct the rest
-// Rows that contradict each other push ever further: the change of the last sweep exceeds the first one, and falls by less than
-// this from sweep to sweep. They then give way by a share of their own G.
+// Rows that contradict each other push ever further: the change of the last sweep is at least this share of the first one, and of
+// the one before. They then give way by a share of their own G.
 inline constexpr double contradictory_progress = 0.99;
 inline constexpr double contradictory_softness = 0.1;
 }  // namespace sweeps

@@ -70,6 +70,35 @@ TEST(Correction, TwentySweepsStraightenATower) {
   EXPECT_NEAR(0.2, (run.q[last] - at[last]) / (count * 1e-4), 0.02);  // ten sweeps: 0.14, forty: 0.29
 }
 
+// A slider overlaps two walls, the one by 1.2 mm, the other by 0.8 mm; a step corrects halves. Rows that contradict each other give way
+// by a tenth of what they push: with the pushes A and B, A - B = 0.6 mm - 0.1 A = 0.1 B - 0.4 mm, so the slider moves by 0.2 mm / 2.1.
+// Twenty sweeps leave an eighth.
+TEST(Correction, ErrorsThatContradictGiveWay) {
+  const double none[3] = {0, 0, 0};
+  Builder b;
+  EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+  // pairs are tested of links that are no neighbours, and that are apart at first
+  Spec lift("lift", DYN_JOINT_TYPE_PRISMATIC), rail("rail", DYN_JOINT_TYPE_PRISMATIC, "lift");
+  lift.about(0, 0, 1), rail.about(1, 0, 0);
+  b.joint(lift).body("platform", "lift", 1).joint(rail).body("cart", "rail", 2);
+  dynShapeSpec ball, wall;
+  dyn_shape_spec_init(&ball), dyn_shape_spec_init(&wall);
+  ball.body = "cart", ball.type = DYN_SHAPE_TYPE_SPHERE, ball.size[0] = 0.1, ball.material = wall.material = material(0);
+  wall.body = "universe", wall.type = DYN_SHAPE_TYPE_BOX, wall.size[0] = wall.size[1] = wall.size[2] = 1;
+  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &ball)) << dyn_last_error();
+  for (const double side : {-1.0, 1.0}) {
+    wall.placement[9] = 6 + side * 0.599;
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &wall)) << dyn_last_error();
+  }
+  Simulation run(b.finish());
+  run.set({0, 6 + 2e-4});
+  run.steps(1);
+  EXPECT_EQ(2u, run.contacts().size());
+  EXPECT_NEAR(1, (6 + 2e-4 - run.q[1]) / (2e-4 / 2.1), 0.15);
+  run.steps(100);
+  EXPECT_NEAR(6, run.q[1], 5e-5);
+}
+
 // An arm of two links of 0.5 m, its tip tied to a point of its plane.
 Model tied_arm(double x, double z) {
   const double none[3] = {0, 0, 0};
