@@ -12,9 +12,8 @@ namespace dyn::solver {
 // f(a) returns the value at a and sets `slope`, which ends as that of the last call. Returns the root, from the guess a > 0.
 template <class F>
 DYN_INLINE double bracketed_newton(F&& f, const double& slope, double a, double tolerance) {
-  constexpr int most = 2 * std::numeric_limits<double>::digits;  // halvings that leave no number within a bracket
-  double low = 0, high = 0;                                      // high: 0 while none is known
-  for (int k = 0; k < most; ++k) {
+  double low = 0, high = 0;  // high: 0 while none is known
+  for (int k = 0; k < 2 * std::numeric_limits<double>::digits; ++k) {  // halvings that leave no number within a bracket
     const double value = f(a);
     if (!(std::fabs(value) > tolerance)) break;
     (value < 0 ? low : high) = a;

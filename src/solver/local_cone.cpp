@@ -14,12 +14,13 @@ using namespace tuning::pgs;
 void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < m; ++j) q[i][j] = i == j;
+  const double rounding = tuning::epsilon / 2;  // of one operation
   double before = HUGE_VAL;
   for (int sweep = 0; sweep < std::numeric_limits<double>::digits; ++sweep) {  // of numbers near overflow they may not converge
     double off = 0, on = 0;
     for (Index i = 0; i < m; ++i)
       for (Index j = 0; j < m; ++j) (i == j ? on : off) += a[i][j] * a[i][j];
-    if (!(off < before)) break;
+    if (off <= rounding * rounding * on || !(off < before)) break;  // each sweep squares what is left
     before = off;
     for (Index i = 0; i < m; ++i)
       for (Index j = i + 1; j < m; ++j) {
@@ -40,7 +41,6 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
           q[k][i] = c * x - s * y, q[k][j] = s * x + c * y;
         }
       }
-    if (on + off == on) break;  // a sweep squares what is left: of 1e-8 it has left the rounding
   }
   for (Index i = 0; i < m; ++i) e[i] = a[i][i];
 }
