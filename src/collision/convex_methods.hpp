@@ -27,7 +27,7 @@ Result convex_result(const Shape& shape_a, const Pose& XA, const Shape& shape_b,
   const A a(shape_a);
   const B b(shape_b);
   Difference<A, B> d(a, b, relative(XA, XB));
-  d.limit(o.max_distance, o.bound_share);
+  d.limit(o.max_distance);
   Cores c;
   if (!apart_along_centers(d, c)) c = method(d);
   c.unique = o.says_unique && c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));

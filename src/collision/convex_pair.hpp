@@ -18,7 +18,7 @@ DYN_INLINE bool apart_along_centers(const D& d, Cores& c) {
   const Vec& p = d.X.p;
   if (!(d.reach < shape::infinity) || !(dot(p, p) > d.reach * d.reach)) return false;
   const double square = dot(p, p), gap = -dot(p, d.support(p).w);
-  if (!(gap > 0 && gap * gap > std::max(d.reach * d.reach, d.bound_share * d.bound_share * square) * square)) return false;
+  if (!(gap > 0 && gap * gap > d.reach * d.reach * square)) return false;
   const double length = std::sqrt(square);
   c = beyond(p * (1 / length), gap / length);
   return true;
@@ -46,7 +46,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
       if (overlap) return false;
       const bool found = on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p);
       const double between = shape::norm(p.b - p.a);
-      if (found && d.is_beyond(p.distance, between)) return is_beyond = true;
+      if (found && d.is_beyond(p.distance)) return is_beyond = true;
       refined = found && p.distance > -enough && between - p.distance <= enough;
       overlap = found && p.distance <= -enough;
       if (overlap) return is_deepest = deepest_point_pair(d, p.normal, deepest);

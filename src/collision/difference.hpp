@@ -18,7 +18,6 @@ struct Difference {
   Mat Rt;   // axes of A in B
   double small, large;  // size of the smaller and of the larger shape
   double reach = shape::infinity;  // m: no more is asked of cores farther apart
-  double bound_share = 0;          // than a lower bound of this part of their distance
 
   DYN_INLINE Difference(const A& a, const B& b, const Pose& X) : A_(a), B_(b), X(X), Rt(transpose(X.R)) {
     const double sa = a.extent() + a.radius, sb = b.extent() + b.radius;
@@ -26,14 +25,13 @@ struct Difference {
   }
 
   // Sets the reach for the limit of the rounded shapes' distance, by more than rounding.
-  void limit(double distance, double share = 0) {
+  void limit(double distance) {
     if (!(distance < shape::infinity)) return;
     reach = std::max(0.0, distance + A_.radius + B_.radius) + 1e-12 * (large + shape::norm(X.p));
-    bound_share = share;
   }
 
-  // Whether a lower bound of the cores' distance is all that is asked; distance: an upper bound.
-  bool is_beyond(double bound, double distance) const { return bound > std::max(reach, bound_share * distance); }
+  // Whether a lower bound of the cores' distance is all that is asked.
+  bool is_beyond(double bound) const { return bound > reach; }
 
   static constexpr bool curved = A::curved || B::curved;
 

@@ -38,7 +38,7 @@ inline GjkResult gjk(const D& difference, Vec guess, const Options& options, Fin
     if (!r.apart) return r;
     const Vertex p = difference.support(-r.v);
     r.gap = r.norm - dot(r.v, p.w) / r.norm;
-    if (difference.is_beyond(r.norm - r.gap, r.norm)) return r.beyond = true, r;
+    if (difference.is_beyond(r.norm - r.gap)) return r.beyond = true, r;
     if (r.gap <= wanted) return r;
     if (r.iterations >= options.max_iterations || stalled > 3) return r.gap < best.gap ? r : best;
     if (r.gap <= close) {

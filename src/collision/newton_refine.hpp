@@ -112,7 +112,7 @@ struct Pieces {
   // Whether the plane across n separates the shapes by more than their reach.
   bool is_beyond() const {
     const D& d = *difference;
-    return f > d.reach && d.is_beyond(-dot(n, d.support(n).w), shape::norm(y));
+    return f > d.reach && d.is_beyond(-dot(n, d.support(n).w));
   }
 
  private:
@@ -228,7 +228,7 @@ template <class D>
   // a clamped weight moves the points off the normal, which is then not unique
   const Vec between = out.b - out.a;
   if (shape::norm(between + p.n * h) > 1e-7 * std::abs(h) + 8 * d.rounding()) out.unique = false;
-  return h + p.f <= std::max(wanted, p.residual) || d.is_beyond(-h, shape::norm(between));
+  return h + p.f <= std::max(wanted, p.residual) || d.is_beyond(-h);
 }
 
 }  // namespace dyn::collision

@@ -37,7 +37,6 @@ struct Options {
   Index max_iterations = 128;
   bool says_unique = true;  // false: Result::unique is not wanted, and is false
   double max_distance = shape::infinity;  // m: a query may end beyond it, with a lower bound as its distance and other points
-  double bound_share = 0;  // least part of the distance that such a lower bound is, as far as the method can tell
   FallbackMethod fallback = nullptr;  // used when the primary method fails, or
   bool fallback_first = false;      // first, for overlapping pairs without a closed form
 };

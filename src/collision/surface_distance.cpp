@@ -71,8 +71,6 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
   constexpr bool flat = B::type == Type::HalfSpace;
   const double size = std::min(size_of(a), size_of(b));
   NearestPair nearest(size);
-  // pieces beyond it are not searched. A bound of half the size or so lasts for many steps.
-  const double most = o.max_distance + o.bound_share * size;
   double least_skipped = infinity;  // lower bound of the distances of the pieces that are skipped
   // no point of B lies below `level` along n
   Bounds box{};
@@ -87,8 +85,8 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
     guess(a, b, X, nearest, first);
     look_along(first);
   }
-  const bool limited = most < nearest.limit;
-  if (limited) nearest.limit = most;
+  const bool limited = o.max_distance < nearest.limit;  // pieces beyond it are not searched
+  if (limited) nearest.limit = o.max_distance;
   const auto skips = [&](double least) {
     if (least > nearest.limit) least_skipped = std::min(least_skipped, least);
     return least;

@@ -212,7 +212,7 @@ struct Search {
     const bool near_enough = bound <= margin && is_tested(pair);
     if (near_enough) {
       collision::Options limited = options;
-      limited.max_distance = margin, limited.bound_share = search::bound_share;
+      limited.max_distance = margin;
       const collision::Result nearest = collision::distance(a.shape, A, b.shape, B, *d.collision_workspace, limited);
       collision::contacts(a.shape, A, b.shape, B, nearest, margin, found);
       if (nearest.distance > margin) {

@@ -21,7 +21,6 @@ inline constexpr double free_closing = 10;     // of the island's largest rate: 
 // Contact search (contact_points.cpp).
 namespace search {
 inline constexpr double near = 0.02;            // of the radius: nearer shapes are always tested
-inline constexpr double bound_share = 0.5;      // of the distance: a query of shapes apart may end with this lower bound
 inline constexpr double speed_margin = 1.5;     // of the motion in the step: impulses may speed shapes up
 inline constexpr double same_normal = 0.9;      // cosine: below it the contact turned within the step
 inline constexpr double graze = 0.05;           // of the relative motion in the step: deeper overlap at its end is a hit

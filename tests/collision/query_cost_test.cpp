@@ -121,9 +121,9 @@ TEST(QueryCost, LimitedDistanceIsALowerBound) {
       for (std::uint64_t i = 0; i < 60; ++i) {
         const Scene s = scene(Type(a), Type(b), Case(i % std::uint64_t(Case::count)), i);
         const double size = std::min(size_of(s.a), size_of(s.b));
-        for (const auto& [k, share] : {std::pair{0.0, 0.0}, {0.01, 0.0}, {0.3, 0.0}, {0.0, 0.5}, {0.01, 0.9}}) {
+        for (const double k : {0.0, 0.01, 0.3}) {
           collision::Options limited;
-          limited.max_distance = k * size, limited.bound_share = share;
+          limited.max_distance = k * size;
           const Result exact = query(s), r = query(s, limited);
           if (r.distance <= limited.max_distance)
             EXPECT_EQ(exact.distance, r.distance);

@@ -148,7 +148,7 @@ TEST(Surfaces, ContactsInsideOfAClosedMeshAreDeep) {
   Faceted m;
   box_mesh(m, 2, 2, 2);
   collision::Options limited;
-  limited.max_distance = 0.01, limited.bound_share = 0.5;
+  limited.max_distance = 0.01;
   const Pose B = {Mat3<double>::identity(), Vec::make(0.5, 0.1, -0.2)};
   const Result r = query(m.shape, Pose::identity(), box(0.2, 0.2, 0.2).shape, B, limited);
   EXPECT_NEAR(-0.6, r.distance, 1e-9);
@@ -166,20 +166,19 @@ TEST(Surfaces, LimitedDistanceIsALowerBound) {
     const Solid s = g.shape(Type(g.pick(shape::type_count)), 0.6);
     const Pose A = {g.rotation(), g.direction()}, B = {g.rotation(), g.direction() * g.uniform(0, 3)};
     for (const Faceted* surface : {&field, &ring})
-      for (const double share : {0.0, 0.5})
-        for (const double most : {0.0, 0.02, 0.3}) {
-          collision::Options limited;
-          limited.max_distance = most, limited.bound_share = share;
-          const Result exact = query(surface->shape, A, s.shape, B), r = query(surface->shape, A, s.shape, B, limited);
-          ASSERT_EQ(exact.distance <= most, r.distance <= most);
-          if (exact.distance <= most) {
-            ASSERT_NEAR(exact.distance, r.distance, 1e-9);
-            ++within;
-          } else {
-            ASSERT_LE(r.distance, exact.distance + exact.residual + 1e-9);
-            ++beyond;
-          }
+      for (const double most : {0.0, 0.02, 0.3}) {
+        collision::Options limited;
+        limited.max_distance = most;
+        const Result exact = query(surface->shape, A, s.shape, B), r = query(surface->shape, A, s.shape, B, limited);
+        ASSERT_EQ(exact.distance <= most, r.distance <= most);
+        if (exact.distance <= most) {
+          ASSERT_NEAR(exact.distance, r.distance, 1e-9);
+          ++within;
+        } else {
+          ASSERT_LE(r.distance, exact.distance + exact.residual + 1e-9);
+          ++beyond;
         }
+      }
   }
   EXPECT_GT(beyond, 100);
   EXPECT_GT(within, 100);

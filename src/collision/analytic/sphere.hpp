@@ -22,7 +22,7 @@ inline Cores point_sphere_pair(const Vec& foot, const Vec& p, const Vec& across)
 // A hull has many faces: use GJK unless the centre is inside.
 inline Cores sphere_pair(const shape::Convex& a, const shape::Sphere& b, const Vec& p, const Options& options) {
   Difference<shape::Convex, shape::Sphere> d(a, b, {Mat::identity(), p});
-  d.limit(options.max_distance, options.bound_share);
+  d.limit(options.max_distance);
   const GjkResult g = gjk(d, a.hull.center - p, options, [](const GjkResult&) { return false; });
   if (g.beyond) return beyond(g.v * (-1 / g.norm), g.norm - g.gap);
   if (!g.apart || g.gap > wanted(d, options)) return sphere_pair(a, p);
