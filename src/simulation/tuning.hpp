@@ -119,7 +119,6 @@ inline constexpr int relaxations = 3;           // tries to find which contacts 
 inline constexpr double jammed = 100;           // of the impulses that stop all motion: larger ones are stress locked by friction
 inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones
 inline constexpr Index max_steps = 15;          // of one attempt
-inline constexpr double progress = 0.9;         // of the residual: a step that reduces it by less ends a good enough solve
 inline constexpr double block_price = 4000;     // of a segment, in dense rows^3: measured
 }  // namespace newton
 

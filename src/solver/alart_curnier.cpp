@@ -118,6 +118,7 @@ bool DenseNewton::run(const double* y, const double* c) {
     return keep_best(w, b, w.trial, w.trial_c);
   };
   const auto may_step = [&] { return !b.spent() && ++b.newton_steps; };
+  int idle = 0;  // steps in a row that hardly reduced the residual
   const auto accept = [&](NewtonMethod<DenseNewton>::Error& error, bool) {
     // a long step along a cone leaves it by a little
     if (error.speed() < tuning::accept::near_round_off * round_off(p, w.newton)) {
@@ -126,7 +127,11 @@ bool DenseNewton::run(const double* y, const double* c) {
       error = method.error(0);
     }
     // the norm of as many errors as there are rows
-    return error.speed() < p.n * std::max(b.tolerance, b.enough) && keep() ? Progress::solved : Progress::going;
+    if (!(error.speed() < p.n * std::max(b.tolerance, b.enough))) return Progress::going;
+    const double before = b.best;
+    const bool solved = keep();
+    idle = b.best < tuning::newton_method::progress * before ? 0 : idle + 1;
+    return solved || (idle > 1 && b.best <= b.enough) ? Progress::solved : Progress::going;
   };
   return method.run(most, may_step, accept) || keep();
 }

@@ -91,6 +91,7 @@ inline constexpr double newton_reduction = 0.1;   // if it fell by this since th
 // Newton's method on the exact law (newton_method.hpp).
 namespace newton_method {
 inline constexpr double damping_factor = 10;  // of one change of the damping
+inline constexpr double progress = 0.9;       // of the residual: a step that reduces it by less ends a good enough solve
 inline constexpr Index memory = 12;           // errors of the nonmonotone line search (Grippo, Lampariello and Lucidi 1986: 10)
 }  // namespace newton_method
 
