@@ -154,13 +154,13 @@ void Island::fill() {
 double Island::wanted(double residual, double usual) const {
   using namespace tuning::island;
   if (!(residual <= usual && residual > solver::tuning::round_off)) return usual;
-  double fast = 0;
+  const double slow = standing * residual * fastest;
   for (Index k = 0; k < constraint_count; ++k) {
     const Index* const support = rows_of(k).support;
     for (Index n = 0; n < constraint(k).support_count; ++n)
-      fast = std::max(fast, std::abs(v_before[support[n]]) * (is_length(m, support[n]) ? 1 : w.length));
+      if (!(std::abs(v_before[support[n]]) * (is_length(m, support[n]) ? 1 : w.length) < slow)) return usual;
   }
-  return fast < standing * residual * fastest ? gain * residual : usual;
+  return gain * residual;
 }
 
 // Leaves out rows of equalities that are redundant but for a misalignment, which would lock the mechanism.
