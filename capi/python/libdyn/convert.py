@@ -89,8 +89,8 @@ class StateLayout:
             self._keep.append(a)
             setattr(layout, name, address(a))
         self._layout = layout
-        self.convention = Convention(layout.convention)
-        self.joints = None if joints is None else tuple(joints)
+        self.convention: Convention = Convention(layout.convention)
+        self.joints: tuple[str, ...] | None = None if joints is None else tuple(joints)
 
     def __repr__(self) -> str:
         return f"<dyn.StateLayout {self.convention.name.lower()}, joints {'of the model' if self.joints is None else list(self.joints)}>"

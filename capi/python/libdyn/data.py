@@ -70,7 +70,7 @@ class Data(
                 raise ArgumentError("memory is read-only, but data is placed in it.")
             check(lib.dyn_data_init(model._m, bits, address(memory), memory.size, byref(out)))
         super().__init__(model, out.value or 0, memory)
-        self.parts = Part(bits or Part.ALL)
+        self.parts: Part = Part(bits or Part.ALL)
         """The groups of buffers that this data has."""
 
     def __repr__(self) -> str:

@@ -78,6 +78,11 @@ def given_arrays(model: Model, **arrays: Any) -> dict[str, Numbers]:
 class Plan:
     """Sizes of a rollout: what is not said follows from the arrays that are given."""
 
+    model: Model
+    steps: int | None
+    every: int
+    n: int | None
+
     def __init__(self, model: Model, given: dict[str, Numbers], states: Any, n: int | None, steps: int | None, every: int):
         self.model, self.steps, self.every, self.n = model, steps, every, n
         if not isinstance(every, (int, np.integer)) or not 1 <= every < 2**31:
@@ -98,7 +103,7 @@ class Plan:
             self.n = 1
         if self.steps < 1 or self.steps % every:
             raise ArgumentError(f"steps is {self.steps}, but must be at least 1 and a multiple of every, {every}.")
-        self.records = self.steps // every
+        self.records: int = self.steps // every
 
     def agree(self, name: str, value: int, why: str) -> None:
         said = getattr(self, name)
