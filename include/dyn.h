@@ -1419,7 +1419,8 @@ DYN_API dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* na
 DYN_API dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slots);
 /* Contact points that a step can hold, 1 to 10^6, at about 4 kB of data each; half as many with rolling. Of
    more points the deepest count; dynStepReport.dropped is the number left out. 0: 16, and for a shape that
-   moves 1 (sphere, ellipsoid) or 2; of a single body that flies 8, 12 or 24; at most 50,000. */
+   moves 1 (sphere, ellipsoid), 6 (each of the first 12 hulls and meshes) or 2; of a single body that flies 8,
+   12 or 24; at most 50,000. */
 DYN_API dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts);
 /* Returns the contact points that a step of this model can hold. */
 DYN_API int dyn_model_contact_capacity(const dynModel* model);
