@@ -2616,6 +2616,10 @@ DYN_API dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void
 /* Restores a saved state. */
 DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory,
                                          size_t size);
+/* Copies the state of from, and everything that is set in it: options, effects, gravity, wrenches, pairs,
+   masks, materials and constraints. Both data are of the model and have the same parts, else DYN_ERROR_MODEL
+   or DYN_ERROR_PART. Steps of both are then equal, bit for bit. Results are not copied. */
+DYN_API dynStatus dyn_data_copy(const dynModel* model, dynData* to, dynData* from);
 
 /* Derivatives of a step. */
 

@@ -81,12 +81,18 @@ class Data(
     def _repr_html_(self) -> str:
         return html.data(self)
 
-    def __copy__(self) -> Data:
+    def copy(self) -> Data:
         """A data of its own in the same state, with the same settings. What was computed is not copied."""
-        return restored(self.model, self.parts, *self._contents())
+        other = Data(self.model, self.parts)
+        check(lib.dyn_data_copy(self._m, other._d, self._d))
+        other._settings, other._wrenches = dict(self._settings), dict(self._wrenches)
+        return other
+
+    def __copy__(self) -> Data:
+        return self.copy()
 
     def __deepcopy__(self, memo: Any) -> Data:
-        return self.__copy__()
+        return self.copy()
 
     def __reduce__(self) -> tuple[Any, ...]:
         return restored, (self.model, self.parts, *self._contents())
