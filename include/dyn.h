@@ -3189,6 +3189,9 @@ typedef struct dynRollout {
   int32_t sensor_noise;
   uint64_t sensor_seed;
   const double* mocap; /* n x R x 12 nmocaps: placements of mocap bodies, set where controls are */
+  /* n models, of simulations whose masses, frictions or gains differ: the batch's with other numbers
+     (dyn_builder_set_parameter). states are of these models. NULL: all have the batch's */
+  const dynModel* const* models;
 } dynRollout;
 DYN_API void dyn_rollout_init(dynRollout* rollout, uint32_t struct_size);
 #define dyn_rollout_init(x) dyn_rollout_init(x, sizeof(dynRollout))
