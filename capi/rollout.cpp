@@ -1,10 +1,12 @@
 // Rollouts: many simulations of one model by the threads of a batch.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 
 #include "batch.hpp"
+#include "model/effects.hpp"
 #include "sensors.hpp"
 
 using namespace dyn;
@@ -26,15 +28,42 @@ dynStatus cancelled_at(std::int64_t made, std::int64_t of) {
               static_cast<long long>(of));
 }
 
+// What rows of a rollout follow from.
+bool same_rows(const Model& a, const Model& b) {
+  const auto rows = [](const Model& m) {
+    return std::array{m.n.nq, m.n.nv, m.n.nu, m.n.na, m.n.joints, m.n.frames, m.n.shapes, m.n.mocaps, m.n.sensors,
+                      m.n.sensor_values};
+  };
+  return rows(a) == rows(b);
+}
+
 }  // namespace
 
 struct Batch::Rollout {
+  // The data of a thread whose simulations have models of their own.
+  struct OwnData {
+    std::vector<char> memory;
+    const dynModel* model = nullptr;
+    dynData* data = nullptr;
+
+    // New data of the model, with the effects and steps given.
+    dynStatus begin(const dynModel* m, const Data<double>& like, const dynStepOptions& stepping) {
+      if (const dynStatus s = dyn_data_init(m, like.parts, memory.data(), memory.size(), &data)) return s;
+      model = m;
+      std::copy_n(like.chosen_effects, m->m->n.joints, data->body->d.chosen_effects);
+      switch_effects(*m->m, data->body->d, data->body->stepping);
+      return dyn_data_set_step_options(m, data, &stepping);
+    }
+  };
+
   const Batch& batch;
   const dynRollout& x;
   const std::int64_t n, records, steps, share;
   const std::ptrdiff_t state, sensor_size;
+  const dynStepOptions& stepping;
   const double dt;
   const bool imu;
+  mutable std::vector<OwnData> own = {};    // of each thread
   std::vector<std::int64_t> lags = {};      // of each sensor of the model, in steps
   mutable std::vector<double> readings = {};  // of each thread
   Clock::time_point told{};
@@ -42,7 +71,7 @@ struct Batch::Rollout {
   alignas(64) std::atomic<std::int64_t> made{0};
   std::atomic<bool> cancelled{false};
 
-  Rollout(const Batch& b, std::int64_t count, const dynRollout& r, double h)
+  Rollout(const Batch& b, std::int64_t count, const dynRollout& r, const dynStepOptions& options)
       : batch(b),
         x(r),
         n(count),
@@ -52,24 +81,29 @@ struct Batch::Rollout {
         share(std::clamp<std::int64_t>(std::min(n / (32 * b.threads), steps_between_looks / r.steps), 1, 64)),
         state(std::ptrdiff_t(dyn_model_state_size(b.handle))),
         sensor_size(size_of(sensors())),
-        dt(h),
-        imu(reads_acceleration(sensors())) {
+        stepping(options),
+        dt(options.dt),
+        imu(reads_acceleration(sensors())),
+        own(r.models ? std::size_t(b.threads) : 0) {
+    std::size_t bytes = 0;
+    for (std::int64_t k = 0; x.models && k < n; ++k)
+      bytes = std::max(bytes, dyn_data_size(x.models[k], b.datas[0]->body->d.parts));
+    for (OwnData& o : own) o.memory.resize(bytes);
     if (!x.model_sensors) return;
     const Model& m = *b.handle->m;
     for (Index k = 0; k < m.n.sensors; ++k)
-      lags.push_back(x.sensor_delays ? std::llround(std::min(m.sensors()[k].spec.delay / h, 1e15)) : 0);
+      lags.push_back(x.sensor_delays ? std::llround(std::min(m.sensors()[k].spec.delay / dt, 1e15)) : 0);
     readings.resize(std::size_t(b.threads) * std::size_t(m.n.sensor_values));
   }
 
   Sensors sensors() const { return {x.sensor, x.sensor_frame, x.sensors}; }
 
   void work(int thread) {
-    dynData* data = batch.datas[std::size_t(thread)].get();
     double* acceleration = batch.accelerations.get() + std::ptrdiff_t(thread) * batch.sizes.nv;
     for (std::int64_t begin; (begin = next.fetch_add(share, std::memory_order_relaxed)) < n;)
       for (std::int64_t k = begin; k < std::min(begin + share, n); ++k) {
         std::int64_t at = 0;  // steps
-        const dynStatus s = simulate(data, k, thread, acceleration, at);
+        const dynStatus s = simulate(k, thread, acceleration, at);
         if (x.status) x.status[k] = s;
         if (s != DYN_OK && s != DYN_ERROR_CANCELLED) batch.workers[std::size_t(thread)].failed(k, s);
         made.fetch_add(at % steps_between_looks, std::memory_order_relaxed);
@@ -87,12 +121,25 @@ struct Batch::Rollout {
       cancelled.store(true, std::memory_order_relaxed);
   }
 
-  dynStatus simulate(dynData* data, std::int64_t k, int thread, double* acceleration, std::int64_t& at) {
-    const dynModel* m = batch.handle;
+  // The data at the beginning of simulation k.
+  dynStatus begin(std::int64_t k, int thread, const dynModel*& m, dynData*& data) {
+    const void* from = row(static_cast<const char*>(x.states), state, k);
+    data = batch.datas[std::size_t(thread)].get();
+    if (!x.models) return dyn_data_restore_state(m = batch.handle, data, from ? from : batch.fresh.data(), std::size_t(state));
+    OwnData& mine = own[std::size_t(thread)];
+    m = x.models[k];
+    if (mine.model != m || !from)
+      if (const dynStatus s = mine.begin(m, data->body->d, stepping)) return s;
+    data = mine.data;
+    return from ? dyn_data_restore_state(m, data, from, std::size_t(state)) : DYN_OK;
+  }
+
+  dynStatus simulate(std::int64_t k, int thread, double* acceleration, std::int64_t& at) {
+    const dynModel* m = nullptr;
+    dynData* data = nullptr;
     const Sizes& sizes = batch.sizes;
     if (cancelled.load(std::memory_order_relaxed)) return DYN_ERROR_CANCELLED;
-    const void* begin = x.states ? static_cast<const char*>(x.states) + k * state : batch.fresh.data();
-    if (const dynStatus s = dyn_data_restore_state(m, data, begin, std::size_t(state))) return s;
+    if (const dynStatus s = begin(k, thread, m, data)) return s;
     if (x.q0 || x.v0)
       if (const dynStatus s = dyn_data_set_state(m, data, row(x.q0, sizes.nq, k), row(x.v0, sizes.nv, k), nullptr, nullptr))
         return s;
@@ -183,7 +230,14 @@ dynStatus Batch::rollout(std::int64_t n, const dynRollout& x) {
   if (stepping.status != DYN_OK) return stepping.status;
   for (const auto& data : datas)
     if (const dynStatus s = dyn_data_set_step_options(handle, data.get(), &*stepping)) return s;  // the first one, if any
-  Rollout job(*this, n, x, stepping->dt);
+  for (std::int64_t k = 0; x.models && k < n; ++k) {
+    if (const dynStatus s = check(x.models[k])) return s;
+    if (!same_rows(*handle->m, *x.models[k]->m) || dyn_model_state_size(x.models[k]) != dyn_model_state_size(handle))
+      return fail(DYN_ERROR_MODEL,
+                  "dyn_batch_rollout: models[%lld] has other joints, frames, shapes, actuators or sensors than the batch's model",
+                  static_cast<long long>(k));
+  }
+  Rollout job(*this, n, x, *stepping);
   const dynStatus status = work(job, n, "dyn_batch_rollout: ", "simulation");
   if (job.cancelled) return cancelled_at(job.made, job.steps);
   job.tell();

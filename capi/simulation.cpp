@@ -91,10 +91,11 @@ dynStatus check_contact_model(const Model& m, const dynStepOptions& options) {
   constexpr const char* function = "dyn_data_set_step_options";
   if (const dynStatus s = check_value(options.contact_model, function, "contact_model")) return s;
   if (options.contact_model == DYN_CONTACT_MODEL_RIGID) return DYN_OK;
-  if (m.n.compliances == 0)
+  if (m.has_mimic)
+    return fail(DYN_ERROR_UNSUPPORTED, "%s: contact_model AS_FILE is for models without mimic joints", function);
+  if (m.n.compliances == 0 && m.n.nv + m.n.geoms > 0)  // of an MJCF file there would be some
     return fail(DYN_ERROR_UNSUPPORTED,
-                "%s: contact_model is AS_FILE, and the model states no solref and solimp: load it from an MJCF file, without "
-                "mimic joints",
+                "%s: contact_model AS_FILE needs the solref and solimp of an MJCF file, and the model is not of one: use RIGID",
                 function);
   if (options.integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && options.integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
     return fail(DYN_ERROR_UNSUPPORTED,

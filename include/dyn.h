@@ -1419,7 +1419,8 @@ DYN_API dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* na
 DYN_API dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slots);
 /* Contact points that a step can hold, 1 to 10^6, at about 4 kB of data each; half as many with rolling. Of
    more points the deepest count; dynStepReport.dropped is the number left out. 0: 16, and for a shape that
-   moves 1 (sphere, ellipsoid) or 2; of a single body that flies 8, 12 or 24; at most 50,000. */
+   moves 1 (sphere, ellipsoid), 6 (each of the first 12 hulls and meshes) or 2; of a single body that flies 8,
+   12 or 24; at most 50,000. */
 DYN_API dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts);
 /* Returns the contact points that a step of this model can hold. */
 DYN_API int dyn_model_contact_capacity(const dynModel* model);
@@ -2615,6 +2616,10 @@ DYN_API dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void
 /* Restores a saved state. */
 DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory,
                                          size_t size);
+/* Copies the state of from, and everything that is set in it: options, effects, gravity, wrenches, pairs,
+   masks, materials and constraints. Both data are of the model and have the same parts, else DYN_ERROR_MODEL
+   or DYN_ERROR_PART. Steps of both are then equal, bit for bit. Results are not copied. */
+DYN_API dynStatus dyn_data_copy(const dynModel* model, dynData* to, dynData* from);
 
 /* Derivatives of a step. */
 
@@ -3184,6 +3189,9 @@ typedef struct dynRollout {
   int32_t sensor_noise;
   uint64_t sensor_seed;
   const double* mocap; /* n x R x 12 nmocaps: placements of mocap bodies, set where controls are */
+  /* n models, of simulations whose masses, frictions or gains differ: the batch's with other numbers
+     (dyn_builder_set_parameter). states are of these models. NULL: all have the batch's */
+  const dynModel* const* models;
 } dynRollout;
 DYN_API void dyn_rollout_init(dynRollout* rollout, uint32_t struct_size);
 #define dyn_rollout_init(x) dyn_rollout_init(x, sizeof(dynRollout))

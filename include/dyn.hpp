@@ -1151,6 +1151,8 @@ class Data {
   void restore_state(const std::vector<unsigned char>& state) {
     check(dyn_data_restore_state(m(), get(), state.data(), state.size()));
   }
+  // The other's state and settings.
+  void copy_from(Data& other) { check(dyn_data_copy(m(), get(), other.get())); }
   void set_shape_material(int shape, const dynMaterial& material) {
     check(dyn_data_set_shape_material(m(), get(), shape, &material));
   }

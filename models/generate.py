@@ -10,11 +10,14 @@ link is the same uniform rod of 1 kg along the link, and the joint axes cycle th
 masses, centres of mass, inertias, placements and axes vary; the same seed gives the same robot.
 """
 
+from __future__ import annotations
+
 import argparse
 import math
 import os
 import random
 import sys
+from typing import Any, Iterable, TextIO
 
 TYPES = ("revolute", "continuous", "prismatic", "planar", "floating")
 AXES = ("1 0 0", "0 1 0", "0 0 1")
@@ -22,15 +25,15 @@ ROD_MASS = 1.0
 ROD_RADIUS = 0.02
 
 
-def number(value):
+def number(value: float) -> str:
     return "%.9g" % value
 
 
-def triple(values):
+def triple(values: Iterable[float]) -> str:
     return " ".join(number(v) for v in values)
 
 
-def direction(rng):
+def direction(rng: random.Random) -> tuple[float, float, float]:
     """A unit vector, uniform on the sphere."""
     z = rng.uniform(-1.0, 1.0)
     angle = rng.uniform(-math.pi, math.pi)
@@ -38,11 +41,11 @@ def direction(rng):
     return (r * math.cos(angle), r * math.sin(angle), z)
 
 
-def angles(rng):
+def angles(rng: random.Random) -> tuple[float, ...]:
     return tuple(rng.uniform(-math.pi, math.pi) for _ in range(3))
 
 
-def parent_of(shape, k, branching):
+def parent_of(shape: str, k: int, branching: int) -> int:
     """Index of the link carrying joint k; 0 is the root."""
     if shape == "chain":
         return k - 1
@@ -51,7 +54,8 @@ def parent_of(shape, k, branching):
     return (k - 1) // branching
 
 
-def origin(shape, k, parent, n, length, branching, rng):
+def origin(shape: str, k: int, parent: int, n: int, length: float, branching: int,
+           rng: random.Random | None) -> tuple[tuple[float, ...], tuple[float, ...] | None]:
     """Placement of joint k in its parent link: (xyz, rpy)."""
     if rng is not None:
         d = direction(rng)
@@ -67,7 +71,7 @@ def origin(shape, k, parent, n, length, branching, rng):
     return (0.5 * length * math.cos(turn), 0.5 * length * math.sin(turn), z), None
 
 
-def inertial(length, rng):
+def inertial(length: float, rng: random.Random | None) -> tuple[Any, ...]:
     """(mass, com, rpy or None, (ixx, iyy, izz)) of one link."""
     if rng is None:
         transverse = ROD_MASS * (3.0 * ROD_RADIUS ** 2 + length ** 2) / 12.0
@@ -81,7 +85,8 @@ def inertial(length, rng):
     return mass, com, angles(rng), moments
 
 
-def write(out, shape, n, branching=2, length=0.1, seed=None, types=("revolute",)):
+def write(out: TextIO, shape: str, n: int, branching: int = 2, length: float = 0.1, seed: int | None = None,
+          types: tuple[str, ...] = ("revolute",)) -> None:
     rng = None if seed is None else random.Random(seed)
     out.write('<?xml version="1.0"?>\n<robot name="%s_%d">\n  <link name="world"/>\n' % (shape, n))
     for k in range(1, n + 1):
@@ -123,7 +128,7 @@ def write(out, shape, n, branching=2, length=0.1, seed=None, types=("revolute",)
     out.write("</robot>\n")
 
 
-def count(text):
+def count(text: str) -> int:
     try:
         value = int(text)
     except ValueError:
@@ -133,7 +138,7 @@ def count(text):
     return value
 
 
-def metres(text):
+def metres(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -143,7 +148,7 @@ def metres(text):
     return value
 
 
-def type_list(text):
+def type_list(text: str) -> tuple[str, ...]:
     names = list(TYPES) if text == "all" else [t.strip() for t in text.split(",") if t.strip()]
     if not names:
         raise argparse.ArgumentTypeError("names no joint type")
@@ -154,7 +159,7 @@ def type_list(text):
     return tuple(names)
 
 
-def main(argv=None):
+def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     common = argparse.ArgumentParser(add_help=False)
     common.add_argument("n", metavar="N", type=count, help="number of joints, at least 1")

@@ -102,6 +102,68 @@ TEST(Rollout, IsWhatStepsAre) {
   EXPECT_GT(touching, 100);
 }
 
+// The scene with all masses and frictions scaled.
+Model scaled(const Model& m, double mass, double friction) {
+  Builder b;
+  dyn_builder_free(b);
+  EXPECT_EQ(DYN_OK, dyn_builder_from_model(m, &b.b));
+  int changed = 0;
+  for (int i = 0; i < dyn_builder_parameter_count(b); ++i) {
+    dynParameter p{};
+    p.struct_size = sizeof p;
+    EXPECT_EQ(DYN_OK, dyn_builder_parameter(b, i, &p));
+    const std::string what = std::string(p.object) + " " + p.quantity;
+    const double by = what == "link mass" || what == "link inertia" ? mass : what == "shape friction" ? friction : 1;
+    Numbers x(p.values, p.values + p.count);
+    for (double& number : x) number *= by;
+    if (by == 1) continue;
+    EXPECT_EQ(DYN_OK, dyn_builder_set_parameter(b, i, x.data(), x.size())) << dyn_last_error();
+    ++changed;
+  }
+  EXPECT_GT(changed, 10);
+  return b.finish();
+}
+
+TEST(Rollout, OfModelsOfTheirOwn) {
+  const Model m = scene();
+  std::vector<Model> models;
+  std::vector<const dynModel*> given;
+  for (int k = 0; k < 4; ++k) models.push_back(scaled(m, 1 + 0.1 * k, 0.5 + 0.2 * k));
+  for (int k = 0; k < Case::n; ++k) given.push_back(models[std::size_t(k / 2 % 4)]);
+  const Batch one(m, 1), three(m, 3);
+  Case alone(m), together(m), rest(m);
+  alone.x.models = together.x.models = rest.x.models = given.data();
+  for (dynBatch* batch : {one.b, three.b})
+    ASSERT_EQ(DYN_OK, dyn_batch_set_effects(batch, 0, DYN_EFFECT_DEFAULT & ~std::uint32_t(DYN_EFFECT_DAMPING)));
+  ASSERT_EQ(DYN_OK, alone(one)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, together(three)) << dyn_last_error();
+  EXPECT_TRUE(same_bits(alone.q, together.q) && same_bits(alone.v, together.v) && same_bits(alone.sensors, together.sensors));
+  rest.x.states = alone.x.final_states, rest.x.q0 = rest.x.v0 = nullptr;
+  ASSERT_EQ(DYN_OK, rest(three)) << dyn_last_error();
+  for (int k = 0; k < Case::n; ++k) {
+    const dynModel* own = given[std::size_t(k)];
+    dynData* d = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_data_new(own, 0, &d));
+    ASSERT_EQ(DYN_OK, dyn_data_set_effects(own, d, 0, DYN_EFFECT_DEFAULT & ~std::uint32_t(DYN_EFFECT_DAMPING)));
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(own, d, alone.q0.data() + std::size_t(k) * alone.nq,
+                                         alone.v0.data() + std::size_t(k) * alone.nv, nullptr, nullptr));
+    for (const Case* c : {&alone, &rest})
+      for (int r = 0; r < Case::records; ++r) {
+        ASSERT_EQ(DYN_OK, dyn_data_set_state(own, d, nullptr, nullptr, nullptr, c->record(c->tau, k, r, c->nv)));
+        for (int i = 0; i < Case::every; ++i)
+          ASSERT_EQ(DYN_OK, take_step(own, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3)) << dyn_last_error();
+        ASSERT_TRUE(same(field(own, d, "q").data(), c->record(c->q, k, r, c->nq), c->nq)) << k << " " << r;
+      }
+    dyn_data_free(d);
+  }
+  const Model other = robot("panda", DYN_BASE_FIXED);
+  given[5] = other;
+  EXPECT_EQ(DYN_ERROR_MODEL, alone(one));
+  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "models[5]"));
+  given[5] = nullptr;
+  EXPECT_NE(DYN_OK, alone(one));
+}
+
 TEST(Rollout, GoesOnWhereItEnded) {
   const Model m = scene();
   const Batch batch(m, 2);

@@ -57,9 +57,13 @@ dynStatus save_c(const Robot& robot, const Image& image, const std::string& out)
 
 void convert(const RobotOptions& options, const Image& image, const std::string& out) {
   check_outputs({{"OUT", out}}, inputs_of(options));
-  const Robot robot(options);
-  const bool c = std::filesystem::path(out).extension() == ".c";
+  const std::string ending = std::filesystem::path(out).extension().string();
+  const auto is = [&](const char* known) { return ending == known; };
+  const bool c = is(".c");
+  if (!c && !is(".urdf") && !is(".xml") && !is(".mjcf") && !is(".dynb"))
+    bad_usage("OUT is '" + out + "': it must end in .urdf, .xml or .mjcf, .dynb, or .c (a C array)");
   if (!c && (image.narrow || image.nameless)) bad_usage("--narrow and --nameless are for C arrays: OUT ends in .c");
+  const Robot robot(options);
   std::vector<Line> lines;
   const dynSaveOptions save = {sizeof save, options.strict, collect, &lines};
   const dynStatus status = c ? save_c(robot, image, out) : dyn_model_save(robot, out.c_str(), &save);

@@ -24,6 +24,9 @@ class Owner:
     """A handle of the library, freed when the last Python object that needs it is gone."""
 
     __slots__ = ("__weakref__", "address", "free", "keep")
+    address: int
+    free: Any
+    keep: Any
 
     def __init__(self, address: int, free: Any, keep: Any = None):
         self.address, self.free, self.keep = address, free, keep
@@ -48,6 +51,12 @@ class ReadOnly(np.ndarray):
             raise ArgumentError(self.hint)
         super().__setitem__(key, value)
 
+    __iadd__: Any
+    __isub__: Any
+    __imul__: Any
+    __itruediv__: Any
+    __ipow__: Any
+
     def _refused(self, other: Any) -> NoReturn:
         raise ArgumentError(self.hint)
 
@@ -65,7 +74,8 @@ class ReadOnly(np.ndarray):
     def __deepcopy__(self, memo: Any) -> Any:
         return np.array(self)
 
-    __copy__ = copy
+    def __copy__(self) -> Any:
+        return self.copy()
 
 
 def numbers(x: Any, name: str) -> Numbers:
@@ -87,7 +97,7 @@ def checked(x: Any, shape: tuple[int, ...], name: str) -> Numbers:
     return np.asarray(a, order="F")
 
 
-def address(a: np.ndarray | None) -> int | None:
+def address(a: NDArray[Any] | None) -> int | None:
     """Address of a contiguous array's first number. The caller keeps the array alive."""
     return None if a is None else a.__array_interface__["data"][0]
 
@@ -115,7 +125,7 @@ def slot(shape: tuple[int, ...], name: str, model: Callable[[], Any]) -> Callabl
     return put
 
 
-def result(shape: tuple[int, ...]) -> tuple[np.ndarray, int | None]:
+def result(shape: tuple[int, ...]) -> tuple[Numbers, int | None]:
     """A buffer for results, and its address: copy it out."""
     buffer = np.zeros(shape, order="F")
     return buffer, address(buffer)

@@ -104,6 +104,8 @@ def rollout(
     for name in ("states", "keep_states"):
         if options.pop(name, None) not in (None, False):
             raise errors.ArgumentError(f"{name} is not for engine='ray': a saved state belongs to the process that made it.")
+    if options.pop("models", None) is not None:
+        raise errors.ArgumentError("models is not for engine='ray': its workers have one model.")
     given = given_arrays(model, q0=q0, v0=v0, control=control, tau=tau, mocap=mocap)
     plan = Plan(model, given, None, n, steps, every)
     for name, x in given.items():

@@ -18,6 +18,8 @@ from .errors import ArgumentError, SizeError
 from .library import check, lib
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike
 
     from .arrays import Numbers
@@ -28,7 +30,16 @@ _integrate, _difference, _interpolate = lib.dyn_integrate, lib.dyn_difference, l
 class Scratch(threading.local):
     """Inputs and outputs of the configuration functions: a model is shared by threads, so each has its own."""
 
-    def __init__(self, model: weakref.ref, nq: int, nv: int):
+    q: Callable[[Any], int | None]
+    q0: Callable[[Any], int | None]
+    q1: Callable[[Any], int | None]
+    lower: Callable[[Any], int | None]
+    upper: Callable[[Any], int | None]
+    v: Callable[[Any], int | None]
+    nq: tuple[Numbers, int | None]
+    nv: tuple[Numbers, int | None]
+
+    def __init__(self, model: weakref.ref[Any], nq: int, nv: int):
         self.q, self.q0, self.q1 = (slot((nq,), name, model) for name in ("q", "q0", "q1"))
         self.lower, self.upper = slot((nq,), "lower", model), slot((nq,), "upper", model)
         self.v = slot((nv,), "v", model)

@@ -89,8 +89,8 @@ class StateLayout:
             self._keep.append(a)
             setattr(layout, name, address(a))
         self._layout = layout
-        self.convention = Convention(layout.convention)
-        self.joints = None if joints is None else tuple(joints)
+        self.convention: Convention = Convention(layout.convention)
+        self.joints: tuple[str, ...] | None = None if joints is None else tuple(joints)
 
     def __repr__(self) -> str:
         return f"<dyn.StateLayout {self.convention.name.lower()}, joints {'of the model' if self.joints is None else list(self.joints)}>"
@@ -100,6 +100,12 @@ class StateLayout:
         """Layout of a mujoco.MjModel. rename: {its joint: ours}, None leaves one out; a free joint without a name is called
         ""."""
         joints = [(model.joint(j).name, int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])) for j in range(model.njnt)]
+        unnamed = [j for j, (name, *_) in enumerate(joints) if not name]
+        names = rename or {}
+        if unnamed and ("" not in names or (len(unnamed) > 1 and names[""] is not None)):
+            bodies = ", ".join(f"{j} (of body {model.body(model.jnt_bodyid[j]).name!r})" for j in unnamed)
+            raise ArgumentError(f"joints of the mujoco.MjModel have no name: {bodies}. Name them in the file; one alone can be named by "
+                                'rename={"": its name in the libdyn model}.')
         return cls("mujoco", **_renamed(rename, joints), nq=model.nq, nv=model.nv, **options)
 
     @classmethod

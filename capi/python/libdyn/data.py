@@ -70,7 +70,7 @@ class Data(
                 raise ArgumentError("memory is read-only, but data is placed in it.")
             check(lib.dyn_data_init(model._m, bits, address(memory), memory.size, byref(out)))
         super().__init__(model, out.value or 0, memory)
-        self.parts = Part(bits or Part.ALL)
+        self.parts: Part = Part(bits or Part.ALL)
         """The groups of buffers that this data has."""
 
     def __repr__(self) -> str:
@@ -81,12 +81,18 @@ class Data(
     def _repr_html_(self) -> str:
         return html.data(self)
 
-    def __copy__(self) -> Data:
+    def copy(self) -> Data:
         """A data of its own in the same state, with the same settings. What was computed is not copied."""
-        return restored(self.model, self.parts, *self._contents())
+        other = Data(self.model, self.parts)
+        check(lib.dyn_data_copy(self._m, other._d, self._d))
+        other._settings, other._wrenches = dict(self._settings), dict(self._wrenches)
+        return other
+
+    def __copy__(self) -> Data:
+        return self.copy()
 
     def __deepcopy__(self, memo: Any) -> Data:
-        return self.__copy__()
+        return self.copy()
 
     def __reduce__(self) -> tuple[Any, ...]:
         return restored, (self.model, self.parts, *self._contents())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class Error(Exception):
     """A call that failed. str() is the library's sentence: what, where, and what to do.
@@ -11,7 +13,7 @@ class Error(Exception):
     """
 
     status: int = -1
-    status_name = "DYN_ERROR_INTERNAL"
+    status_name: str = "DYN_ERROR_INTERNAL"
 
     def __init__(self, message: str, status: int | None = None, status_name: str | None = None):
         super().__init__(message)
@@ -20,7 +22,7 @@ class Error(Exception):
         if status_name is not None:
             self.status_name = status_name
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.args[0], self.status, self.status_name)
 
 

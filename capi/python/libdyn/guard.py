@@ -16,7 +16,7 @@ from typing import Any
 
 from .errors import BusyError
 
-SETTINGS = {
+SETTINGS: dict[str, tuple[str, Any]] = {
     "set_effects": ("joint", 0), "set_gravity": ("", None), "set_pair": ("pair", None), "set_shape_material": ("shape", None),
     "set_shape_masks": ("shape", None), "set_constraint": ("slot", ...), "set_constraint_enabled": ("slot", ...),
     "anchor_constraint": ("slot", ...),

@@ -47,8 +47,9 @@ MODES = ["human", "rgb_array"]
 class _Drawn(gymnasium.Env):
     """What pictures and pages of an environment need. It has `simulation`."""
 
-    metadata = {"render_modes": MODES, "render_fps": 50}
+    metadata: dict[str, Any] = {"render_modes": MODES, "render_fps": 50}
     simulation: Simulation
+    render_mode: str | None
 
     def _draws(self, render_mode: str | None, width: int, height: int, camera: Camera | None, period: float) -> None:
         if render_mode is not None and render_mode not in MODES:
@@ -105,9 +106,13 @@ class TaskEnv(_Drawn):
     `ended` with the reason for an end.
     """
 
+    simulation: Simulation
+    action_space: gymnasium.spaces.Box
+    observation_space: gymnasium.spaces.Box
+
     def __init__(self, task: str, render_mode: str | None = None, *, width: int = 480, height: int = 360,
                  camera: Camera | None = None, **options: Any):
-        self.task = task_of(task, **options)
+        self.task: Task = task_of(task, **options)
         self.action_space, self.observation_space = _spaces(self.task)
         self._simulations = [Simulation(m, dt=self.task.dt) for m in self.task.models]
         self.simulation = self._simulations[0]
@@ -117,7 +122,7 @@ class TaskEnv(_Drawn):
     def _observe(self, action: Numbers) -> Numbers:
         return self.task.observe(self.simulation.q[None], self.simulation.v[None], action[None], self._goal[None])[0]
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict[str, Any]]:
         super().reset(seed=seed)
         self.simulation = self._simulations[_variant(self.np_random, len(self._simulations))]
         q, v, self._goal = self.task.begin(self.np_random)
@@ -125,7 +130,7 @@ class TaskEnv(_Drawn):
         self._show()
         return self._observe(np.zeros(self.task.actions)), {}
 
-    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict]:
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
         task, sim, action = self.task, self.simulation, np.asarray(action, float)
         before = sim.q[None].copy()
         sim.step(task.every, task.control(action[None])[0])
@@ -165,6 +170,14 @@ class ModelEnv(_Drawn):
     An action is the controls, an observation q and v. frame_skip: steps of an action. reward, ended: of the environment.
     """
 
+    simulation: Simulation
+    model: Model
+    frame_skip: int
+    reward: Callable[[ModelEnv], float]
+    ended: Callable[[ModelEnv], bool]
+    action_space: gymnasium.spaces.Box
+    observation_space: gymnasium.spaces.Box
+
     def __init__(
         self,
         model: Model | str | Path,
@@ -194,13 +207,13 @@ class ModelEnv(_Drawn):
     def _observe(self) -> Numbers:
         return np.concatenate([self.simulation.q, self.simulation.v])
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict[str, Any]]:
         super().reset(seed=seed)
         self.simulation.reset()
         self._show()
         return self._observe(), {}
 
-    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict]:
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
         self.simulation.step(self.frame_skip, action)
         self._show()
         return self._observe(), float(self.reward(self)), bool(self.ended(self)), False, {}
@@ -213,7 +226,14 @@ class TaskVectorEnv(VectorEnv):
     Others as of TaskEnv. render() returns a picture for each environment.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 50, "autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 50, "autoreset_mode": AutoresetMode.NEXT_STEP}
+    render_mode: str | None
+    num_envs: int
+    task: Task
+    action_space: gymnasium.Space[Any]
+    observation_space: gymnasium.Space[Any]
+    single_action_space: gymnasium.spaces.Box
+    single_observation_space: gymnasium.spaces.Box
 
     def __init__(self, task: str, num_envs: int = 1, threads: int | None = None, max_episode_steps: int | None = None,
                  render_mode: str | None = None, *, width: int = 480, height: int = 360, camera: Camera | None = None,
@@ -221,7 +241,7 @@ class TaskVectorEnv(VectorEnv):
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f'render_mode is {render_mode!r}, but must be None or "rgb_array".')
         self.render_mode, self.num_envs, self.task = render_mode, num_envs, task_of(task, **options)
-        self.max_episode_steps = self.task.max_episode_steps if max_episode_steps is None else max_episode_steps
+        self.max_episode_steps: int = self.task.max_episode_steps if max_episode_steps is None else max_episode_steps
         self.single_action_space, self.single_observation_space = _spaces(self.task)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -249,7 +269,7 @@ class TaskVectorEnv(VectorEnv):
     def _observe(self) -> Numbers:
         return self.task.observe(self._q, self._v, self._action, self._goal)
 
-    def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
+    def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict[str, Any]]:
         seeds = ([None if seed is None else seed + k for k in range(self.num_envs)] if seed is None
                  or isinstance(seed, int) else seed)
         chosen = np.ones(self.num_envs, bool) if not options or "reset_mask" not in options else options["reset_mask"]
@@ -259,7 +279,7 @@ class TaskVectorEnv(VectorEnv):
             self._begin(k)
         return self._observe(), {}
 
-    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, NDArray[np.bool_], NDArray[np.bool_], dict]:
+    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         task, reward, over = self.task, np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         if np.shape(actions) != (self.num_envs, task.actions):
             raise ValueError(f"actions have shape {np.shape(actions)}, but must have shape {(self.num_envs, task.actions)}.")

@@ -129,7 +129,7 @@ _outputs = abi.outputs_of(abi.IkOutput)
 _SIZES = {IkTaskType.POSE: 6, IkTaskType.POSITION: 3, IkTaskType.ORIENTATION: 3, IkTaskType.COM: 3}
 
 
-def structures(model: Any, tasks: Any) -> tuple[Any, list]:
+def structures(model: Any, tasks: Any) -> tuple[Any, list[Any]]:
     """The tasks as dyn.h takes them, and what must be kept alive meanwhile."""
     tasks = [tasks] if isinstance(tasks, Task) else list(tasks)
     out, keep = (abi.IkTask * len(tasks))(), []

@@ -12,7 +12,7 @@ lib.dyn_interface_json.restype = c_char_p
 INTERFACE: dict[str, Any] = json.loads(lib.dyn_interface_json())
 """{"enums", "structs", "functions", ...}: see dyn_interface_json in dyn.h."""
 
-FUNCTIONS: dict[str, dict] = {function["name"]: function for function in INTERFACE["functions"]}
+FUNCTIONS: dict[str, dict[str, Any]] = {function["name"]: function for function in INTERFACE["functions"]}
 """Every function: its parameters, what it returns, and its comment."""
 
 

@@ -45,10 +45,17 @@ class Viewer:
     What the page asks for is done in the thread that calls run or sync.
     """
 
+    simulation: Simulation
+    controller: Controller | None
+    every: int
+    returns: str | None
+    paused: bool
+    speed: float
+
     def __init__(self, simulation: Simulation, controller: Controller | None = None, *, every: int = 1,
                  returns: str | None = None, open: bool = True, port: int = 0):
         self.simulation, self.controller, self.every, self.returns = simulation, controller, every, returns
-        self.word = secrets.token_hex(16)
+        self.word: str = secrets.token_hex(16)
         self.paused, self.speed = False, 1.0
         self.held: dict[int, float] = {}
         """Controls that the page's sliders hold, by index."""
@@ -66,12 +73,12 @@ class Viewer:
         head, numbers = page.read(still)
         self._controls = sliders.of(simulation.model)
         head.update(kind="live", effects=[], dt=simulation.dt, controls=self._controls.described)
-        self.text = page.filled(still, head, base64.b64encode(numbers).decode())
+        self.text: str = page.filled(still, head, base64.b64encode(numbers).decode())
         from .server import serve  # not before: it takes 20 ms
 
         self._server = serve(self, port)
         self.port: int = self._server.server_address[1]
-        self.address = f"http://127.0.0.1:{self.port}/{self.word}/"
+        self.address: str = f"http://127.0.0.1:{self.port}/{self.word}/"
         """What a browser of this machine opens."""
         show(self.address, open)
 

@@ -92,7 +92,7 @@ class Display:
     def __init__(self, model: Model, visualizer: Any = None, role: ShapeRoleLike = "visual", root: str = "robot",
                  color: int = 0xB0B8C8):
         self.model = model
-        self.visualizer = meshcat.Visualizer() if visualizer is None else visualizer
+        self.visualizer: Any = meshcat.Visualizer() if visualizer is None else visualizer
         self._window = self.visualizer[root]
         self._data = model.data(Part.FRAMES)
         wanted = member(ShapeRole, role, "role")

@@ -95,5 +95,7 @@ def _checked(lib: Library, path: str) -> str:
     return version
 
 
+lib: Library
+path: str
 lib, path = _open()
 version: str = _checked(lib, path)

@@ -114,6 +114,8 @@ def beside(first: str, second: str, labels: tuple[str, str]) -> str:
 class Poses:
     """Placements of a model's joints and its centre of mass, as pages take them."""
 
+    model: Model
+
     def __init__(self, model: Model):
         self.model, self._data = model, model.data(Part.ALL)
         first = {f.joint: f for f in reversed(model.frames)}

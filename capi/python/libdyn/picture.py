@@ -68,6 +68,12 @@ class Renderer:
     Shapes have the colours of their files, else one for each joint. Half-spaces are floors. Opacity and textures are not drawn.
     """
 
+    model: Model
+    width: int
+    height: int
+    smooth: bool
+    shadows: bool
+
     def __init__(self, model: Model, width: int = 640, height: int = 480, camera: Camera | None = None, *,
                  role: ShapeRoleLike = "visual", smooth: bool = True, shadows: bool = True):
         self.model, self.width, self.height = model, whole(width, "width", 1), whole(height, "height", 1)

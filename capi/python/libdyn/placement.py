@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, overload
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, NoReturn, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -139,6 +139,13 @@ class Placement(_Pair):
     def __rmatmul__(self, other: Any) -> NoReturn:
         raise TypeError("the left side of @ must be a Placement: Placement.from_matrix makes one, placement.matrix is an array.")
 
+    __add__: Any
+    __radd__: Any
+    __sub__: Any
+    __rsub__: Any
+    __mul__: Any
+    __rmul__: Any
+
     def _no_sum(self, other: Any) -> NoReturn:
         raise TypeError(_NO_SUM)
 
@@ -150,7 +157,7 @@ class Placement(_Pair):
     def __ne__(self, other: object) -> bool:
         return not self == other
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
 
 def _turned(R: Any, x: Numbers) -> Numbers:

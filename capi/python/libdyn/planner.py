@@ -111,12 +111,16 @@ class Plan(NamedTuple):
 class Planner:
     """Keeps a plan of N steps of a model: Model.planner makes it. One thread at a time."""
 
+    model: Model
+    knots: int
+    input: PlanInput
+
     def __init__(self, model: Model, knots: int, input: PlanInputLike = "control"):
         out = c_void_p()
         self.model, self.knots, self.input = model, whole(knots, "knots"), PlanInput(member(PlanInput, input, "input"))
         check(lib.dyn_planner_new(model._m, self.knots, self.input, byref(out)))
         self._owner, self._p = Owner(out.value, lib.dyn_planner_free, model), out.value
-        self.inputs = model.nv if self.input == PlanInput.TAU else model.nu
+        self.inputs: int = model.nv if self.input == PlanInput.TAU else model.nu
 
     def set_guess(self, q: ArrayLike | None = None, v: ArrayLike | None = None, u: ArrayLike | None = None) -> None:
         """Sets the guess of the next solve: u (N, inputs), zero if None; q (N + 1, nq) and v (N + 1, nv), which need not be a

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from ctypes import byref
 from typing import TYPE_CHECKING, Any, Callable, NamedTuple
 
@@ -78,7 +78,13 @@ def given_arrays(model: Model, **arrays: Any) -> dict[str, Numbers]:
 class Plan:
     """Sizes of a rollout: what is not said follows from the arrays that are given."""
 
-    def __init__(self, model: Model, given: dict[str, Numbers], states: Any, n: int | None, steps: int | None, every: int):
+    model: Model
+    steps: int | None
+    every: int
+    n: int | None
+
+    def __init__(self, model: Model, given: dict[str, Numbers], states: Any, n: int | None, steps: int | None, every: int,
+                 models: Sequence[Model] | None = None):
         self.model, self.steps, self.every, self.n = model, steps, every, n
         if not isinstance(every, (int, np.integer)) or not 1 <= every < 2**31:
             raise ArgumentError(f"every is {every!r}, but must be a number of steps, from 1 to 2^31 - 1.")
@@ -92,13 +98,15 @@ class Plan:
         for name, x in [*given.items(), ("states", states)]:
             if x is not None and x.ndim == DIMENSIONS.get(name, 2):
                 self.agree("n", len(x), f"the shape of {name}")
+        if models is not None:
+            self.agree("n", len(models), "the number of models")
         if self.steps is None:
             raise ArgumentError("steps is needed: nothing that is given says how many records there are.")
         if self.n is None:
             self.n = 1
         if self.steps < 1 or self.steps % every:
             raise ArgumentError(f"steps is {self.steps}, but must be at least 1 and a multiple of every, {every}.")
-        self.records = self.steps // every
+        self.records: int = self.steps // every
 
     def agree(self, name: str, value: int, why: str) -> None:
         said = getattr(self, name)
@@ -168,6 +176,7 @@ class Rollouts:
         control: ArrayLike | None = None,
         tau: ArrayLike | None = None,
         mocap: ArrayLike | None = None,
+        models: Sequence[Model] | None = None,
         steps: int | None = None,
         every: int = 1,
         n: int | None = None,
@@ -195,6 +204,7 @@ class Rollouts:
         control     (N, R, nu), or (R, nu) for all: for actuators, each row held for `every` steps; R = steps / every
         tau         (N, R, nv), or (R, nv): generalised forces, N m or N, in the same way
         mocap       (N, R, nmocaps, 12), or (R, nmocaps, 12): placements of mocap bodies, set in the same way
+        models      N models of their own, as dyn.vary makes them: of other masses, frictions, gains; states are then of these
         every       steps between records
         n, steps    where no array says them
         integrator, solver, tolerance, max_iterations, contact_model  as in Data.set_step_options
@@ -215,7 +225,7 @@ class Rollouts:
             not isinstance(states, np.ndarray) or states.dtype != np.uint8 or states.ndim != 2 or states.shape[1] != size
         ):
             raise SizeError(f"states must be what a rollout of this model left: uint8, of shape (N, {size}).")
-        plan = Plan(model, given, states, n, steps, every)
+        plan = Plan(model, given, states, n, steps, every, models)
         N, R = plan.n, plan.records
         types, frames, sizes = _sensors(model, sensors)
         if not isinstance(contacts, (int, np.integer)) or contacts < 0:
@@ -242,6 +252,9 @@ class Rollouts:
             out["final_states"] = np.zeros((N, size), np.uint8)
         for name, array in (keep | out).items():
             setattr(x, name, address(array))
+        if models is not None:
+            own = (ctypes.c_void_p * plan.n)(*[each._m for each in models])
+            x.models = ctypes.addressof(own)
         told = _Progress(progress)
         x.progress = told.pointer
 

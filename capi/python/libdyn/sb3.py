@@ -28,8 +28,8 @@ class Vector(VecEnv):  # type: ignore[misc, unused-ignore]
     """
 
     def __init__(self, task: str, num_envs: int = 1, threads: int | None = None, seed: int | None = None, **options: Any):
-        self.envs = TaskVectorEnv(task, num_envs, threads, **options)
-        self.render_mode = self.envs.render_mode
+        self.envs: TaskVectorEnv = TaskVectorEnv(task, num_envs, threads, **options)
+        self.render_mode: str | None = self.envs.render_mode
         super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
         self._seed, self._actions = seed, np.zeros(self.envs.action_space.shape)
         self._return, self._length = np.zeros(num_envs), np.zeros(num_envs, int)

@@ -45,7 +45,8 @@ def message(file: BufferedIOBase) -> tuple[int, bytes] | None:
 class Handler(BaseHTTPRequestHandler):
     viewer: Viewer
     protocol_version = "HTTP/1.1"
-    timeout = 30
+    timeout: float | None = 30
+    close_connection: bool
 
     def log_message(self, *_: Any) -> None:
         pass

@@ -152,8 +152,12 @@ class Simulation:
     def _repr_html_(self) -> str:
         return page.in_notebook(lambda: page.still(self.model, self.q)) or self.data._repr_html_()
 
-    def __copy__(self) -> Simulation:
+    def copy(self) -> Simulation:
+        """A simulation of its own in the same state, with the same settings. Recordings stay with this one."""
         return copy.deepcopy(self)
+
+    def __copy__(self) -> Simulation:
+        return self.copy()
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_recordings": [], "_renderer": None}

@@ -33,13 +33,17 @@ class Task:
     vary       {quantity: spread}: each episode has one of `variants` models that differ by libdyn.vary
     """
 
-    dt = 2e-3
+    dt: float = 2e-3
     """s, of a step."""
-    every = 10
+    every: int = 10
     """Steps of an action."""
-    max_episode_steps = 1000
-    camera = Camera()
+    max_episode_steps: int = 1000
+    camera: Camera = Camera()
     """Of pictures."""
+
+    model: Model
+    actions: int
+    q: Numbers
 
     def __init__(self, model: Model, actions: int, vary: Mapping[str, Any] | None, variants: int):
         self.model, self.actions = model, actions
@@ -48,7 +52,7 @@ class Task:
             raise ValueError(f"variants is {variants}, but must be at least 1.")
         self.q = model.configuration(model.initial_configuration)
         q, v, goal = self.q[None], np.zeros((1, model.nv)), self.begin(np.random.default_rng(0))[2][None]
-        self.observations = self.observe(q, v, np.zeros((1, actions)), goal).shape[1]
+        self.observations: int = self.observe(q, v, np.zeros((1, actions)), goal).shape[1]
 
     def begin(self, random: np.random.Generator) -> tuple[Numbers, Numbers, Numbers]:
         """q and v where an episode of one robot begins, and its goal: numbers that stay."""
@@ -117,7 +121,7 @@ class Walk(Task):
             raise ValueError(f"robot is {robot!r}, but must be one of {', '.join(ROBOTS)}.")
         if ground not in GROUNDS:
             raise ValueError(f"ground is {ground!r}, but must be one of {', '.join(GROUNDS)}.")
-        self.robot = ROBOTS[robot]
+        self.robot: Robot = ROBOTS[robot]
         bare = load(models / "robots" / f"{robot}.urdf", base="floating")
         builder = Builder.from_model(bare)
         self._heights: Numbers | None = None
@@ -131,12 +135,12 @@ class Walk(Task):
         driven = [j for j in bare.joints[2:] if j.nv == 1 and j.mimic_leader < 0]
         for j in driven:
             builder.add_actuator(j.name, j.name, type="position", kp=self.robot.gains[0], kv=self.robot.gains[1])
-        self.joints = np.array([j.idx_q for j in driven])
+        self.joints: NDArray[np.int64] = np.array([j.idx_q for j in driven])
         self._start = bare.normalize(self.robot.stance)
         self._start[2] = self.robot.height
-        self.stance = self._start[self.joints]
+        self.stance: Numbers = self._start[self.joints]
         super().__init__(builder.finish(), len(driven), vary, variants)
-        self.q = self._start
+        self.q: Numbers = self._start
 
     def begin(self, random: np.random.Generator) -> tuple[Numbers, Numbers, Numbers]:
         q = self._start.copy()
@@ -201,8 +205,8 @@ class CartPole(Task):
     """A pole of 1 m on a cart that is pushed by up to 10 N: it is to stay upright, within 2.4 m. 1 for each action of 0.02 s; it
     ends with the pole 12 degrees or the cart 2.4 m away."""
 
-    max_episode_steps = 500
-    camera = Camera((0, 0, 0.4), 4.5, -90, 8)
+    max_episode_steps: int = 500
+    camera: Camera = Camera((0, 0, 0.4), 4.5, -90, 8)
 
     def __init__(self, vary: Mapping[str, Any] | None = None, variants: int = 16):
         b = Builder("cart_pole").add_joint("slide", "prismatic", axis=(1, 0, 0)).add_body("cart", "slide", 1.0)
@@ -248,10 +252,10 @@ class Reach(Task):
                 builder.set_gravity_compensation(f.name)
         for j in driven:
             builder.add_actuator(j.name, j.name, type="position", kp=300, kv=40)
-        self.joints = np.array([j.idx_q for j in driven])
+        self.joints: NDArray[np.int64] = np.array([j.idx_q for j in driven])
         self._batch = bare.batch(1)
         super().__init__(builder.finish(), len(driven), vary, variants)
-        self.q = bare.neutral()
+        self.q: Numbers = bare.neutral()
         self.q[self.joints] = self._HOME
 
     def _hand(self, q: Numbers) -> Numbers:
@@ -287,7 +291,7 @@ class Lift(Task):
     the fingers to the cube, and 10 for each metre that it is up, of at most 0.2 m. Actions: height, opening."""
 
     max_episode_steps = 150
-    camera = Camera((0, 0, 0.15), 0.75)
+    camera: Camera = Camera((0, 0, 0.15), 0.75)
     _SIDE = 0.04
 
     def __init__(self, vary: Mapping[str, Any] | None = None, variants: int = 16):
@@ -312,7 +316,7 @@ class Lift(Task):
         self._fingers = np.array([model.joint(name).idx_q for name in ("left", "right")])
         self._neutral = model.neutral()
         super().__init__(model, 2, vary, variants)
-        self.q = self.begin(np.random.default_rng(0))[0]
+        self.q: Numbers = self.begin(np.random.default_rng(0))[0]
 
     def begin(self, random: np.random.Generator) -> tuple[Numbers, Numbers, Numbers]:
         q = self._neutral.copy()

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 class TendonLines:
     """Pieces of the paths of a model's tendons."""
 
+    model: Model
+
     def __init__(self, model: Model):
         self.model, self._data = model, model.data(Part.ALL)
         self._muscles = {a.tendon: a.idx_act for a in map(model.actuator, range(model.nactuators))

@@ -34,6 +34,8 @@ class Video:
             video.add(picture)                     # (480, 640, 3), uint8
     """
 
+    path: str
+
     def __init__(self, path: str | os.PathLike[str], width: int, height: int, fps: float = 30.0):
         if not 0 < fps <= 1000:
             raise ArgumentError(f"fps is {fps}, but must be more than 0, at most 1000.")

@@ -4,6 +4,7 @@ import libdyn as dyn
 import numpy as np
 import pytest
 from command import answer
+from conftest import MODELS
 
 G = 9.81
 
@@ -274,7 +275,8 @@ def test_what_it_refuses():
             d.set_step_options(contact_model="as_file", **options)
     with pytest.raises(dyn.ArgumentError, match="contact_model"):
         d.set_step_options(contact_model="soft")
-    urdf = dyn.load_string('<robot name="r"><link name="a"/></robot>').data()
+    dyn.load_string("<mujoco/>").data().set_step_options(contact_model="as_file")  # nothing gives way
+    urdf = dyn.load(MODELS / "robots/go2.urdf", base="fixed").data()
     with pytest.raises(dyn.UnsupportedError, match="MJCF"):
         urdf.set_step_options(contact_model="as_file")
     assert d.step_options.contact_model == 0

@@ -342,3 +342,17 @@ def test_refusals(go2):
         go2.to_peer("mujoco", go2.neutral(), a=np.zeros(go2.nv))
     with pytest.raises(dyn.NonFiniteError, match="NaN"):
         go2.from_peer("drake", np.full(go2.nq, np.nan))
+
+
+def test_mujoco_joints_without_names_are_named():
+    mujoco = pytest.importorskip("mujoco")
+    text = ('<mujoco><worldbody><body name="a"><joint{}/><geom size=".1"/><body name="b"><joint name="h"/><geom size=".1"/>'
+            '<body name="c"><joint{}/><geom size=".1"/></body></body></body></worldbody></mujoco>')
+    two, one = (mujoco.MjModel.from_xml_string(text.format("", last)) for last in ("", ' name="last"'))
+    for model, rename in ((two, None), (two, {"": "a_joint"})):
+        with pytest.raises(dyn.ArgumentError, match=r"0 \(of body 'a'\), 2 \(of body 'c'\)"):
+            dyn.StateLayout.of_mujoco(model, rename)
+    with pytest.raises(dyn.ArgumentError, match=r"0 \(of body 'a'\).*rename"):
+        dyn.StateLayout.of_mujoco(one)
+    assert dyn.StateLayout.of_mujoco(one, {"": "a_joint"}).joints == ("a_joint", "h", "last")
+    assert dyn.StateLayout.of_mujoco(two, {"": None}).joints == ("h",)

@@ -19,7 +19,7 @@ def pickled(x):
     return pickle.loads(pickle.dumps(x))
 
 
-WAYS = pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, pickled])
+WAYS = pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, pickled, lambda x: x.copy()])
 
 
 @WAYS

@@ -164,3 +164,18 @@ def test_refusals(scene, task):
     ]:
         with pytest.raises(error, match=words):
             call()
+
+
+def test_models_of_their_own(scene, task):
+    models = [dyn.vary(scene, k, mass=0.3, contact_friction=(0.5, 1.2)) for k in range(4)]
+    r = rollout(scene, **task, models=models, keep_states=True)
+    for k, m in enumerate(models):
+        for i, (q, v, _) in enumerate(by_steps(m, task["q0"][k], task["tau"][k], task["every"])):
+            assert np.array_equal(r.q[k, i], q) and np.array_equal(r.v[k, i], v)
+    assert (r.q[:, -1] != rollout(scene, **task).q[:, -1]).any(-1).all()
+    on = rollout(scene, tau=task["tau"], every=task["every"], states=r.states, models=models)
+    whole = rollout(scene, task["q0"], tau=np.tile(task["tau"], (1, 2, 1)), every=task["every"], models=models)
+    assert np.array_equal(on.q, whole.q[:, 10:])
+    for wrong, error in ((models[:3], dyn.SizeError), ([*models[:3], dyn.load(MODELS / "robots/panda.urdf", base="fixed")], dyn.ModelError)):
+        with pytest.raises(error, match="models"):
+            rollout(scene, **task, models=wrong)

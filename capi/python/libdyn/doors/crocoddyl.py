@@ -85,6 +85,10 @@ def _actuation(model: Model, actuation: ArrayLike | None) -> Numbers:
 class _Cost:
     """What both kinds of action have: state, actuation, cost."""
 
+    f: Function
+    residual: Cost
+    actuation: Numbers
+
     def _open(self: Any, f: Function, residual: Cost, actuation: Numbers) -> None:
         self.f, self.residual, self.actuation = f, residual, actuation
 

@@ -28,6 +28,8 @@ from .tangent import tangent_map_inverse, tangent_map_product
 
 if TYPE_CHECKING:
     from ..arrays import Numbers
+    from ..batch import Batch
+    from ..data import Data
     from ..enums import IntegratorLike
 
 NAMES = ("aba", "rnea", "frame_placement", "step")
@@ -47,6 +49,13 @@ class Variable(NamedTuple):
 class Function:
     """A function of a model: see this module. Arrays have any axes in front, the same for all inputs."""
 
+    model: Model
+    name: str
+    inputs: list[Variable]
+    outputs: list[Variable]
+    data: Data
+    batch: Batch
+
     def __init__(self, model: Model, name: str, *, frame: str | int | None = None, dt: float | None = None,
                  integrator: IntegratorLike | None = None, threads: int | None = None):
         if name not in NAMES:
@@ -59,7 +68,7 @@ class Function:
         if not model.nv:
             raise ModelError(f"model {model.name!r} has no joint that moves.")
         self.model, self.name = model, name
-        self.frame = -1 if frame is None else model._frame(frame)
+        self.frame: int = -1 if frame is None else model._frame(frame)
         q, v = Variable("q", model.nq, model.nv), Variable("v", model.nv, model.nv)
         self.inputs, self.outputs = [q, v], []
         if name == "step":

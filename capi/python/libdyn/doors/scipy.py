@@ -48,16 +48,17 @@ class Residual:
 
     def __init__(self, model: Model, name: str, start: Sequence[ArrayLike], target: ArrayLike, over: Sequence[str] = ("q",),
                  weight: ArrayLike = 1.0, **options: Any):
-        self.f = f = Function(model, name, threads=1, **options)
+        self.f: Function = Function(model, name, threads=1, **options)
+        f = self.f
         f.check([np.shape(x) for x in start])
         names = [i.name for i in f.inputs]
         if isinstance(over, str) or not over or len(set(over)) < len(over) or not set(over) <= set(names):
             raise ArgumentError(f"over is {over!r}, but must be some of {names}, each once.")
-        self.start = [checked(x, (i.size,), i.name) for x, i in zip(start, f.inputs)]
-        self.over = [names.index(name) for name in over]
+        self.start: list[Numbers] = [checked(x, (i.size,), i.name) for x, i in zip(start, f.inputs)]
+        self.over: list[int] = [names.index(name) for name in over]
         size = sum(o.size for o in f.outputs)
-        self.target = checked(target, (size,), "target")
-        self.weight = checked(np.broadcast_to(weight, (size,)) if np.ndim(weight) == 0 else weight, (size,), "weight")
+        self.target: Numbers = checked(target, (size,), "target")
+        self.weight: Numbers = checked(np.broadcast_to(weight, (size,)) if np.ndim(weight) == 0 else weight, (size,), "weight")
         self.zero: Numbers = np.zeros(sum(f.inputs[k].tangent for k in self.over))
 
     def _parts(self, z: ArrayLike) -> list[Numbers]:
