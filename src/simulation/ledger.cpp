@@ -62,7 +62,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
   if (m.n.paths > 0) {
-    measure_paths(m, d), take_limits(m, d), x.energy += tendon_kinetic_energy(m, d);
+    measure_paths(m, d), take_limits(m, d);
     std::copy_n(t, m.n.nv, d.step_tau);
     add_beyond_limits(m, d, t);
     for (Index k = 0; k < m.n.nv; ++k) x.power.actuators += (t[k] - d.step_tau[k]) * d.v[k];
