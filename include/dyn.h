@@ -1012,8 +1012,8 @@ DYN_API dynStatus dyn_gravity_torque_derivatives(const dynModel* model, dynData*
                                                  double* dg_dq);
 DYN_API dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q,
                                                 const double* fext, double* dstatic_torque_dq);
-/* Kinetic energy (v' M v / 2, armature included) and potential energy (zero at the world's origin), J. Each
-   may be NULL. */
+/* Kinetic energy (v' M v / 2, armature included; with TENDONS also theirs) and potential energy (zero at the
+   world's origin), J. Each may be NULL. */
 DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v,
                              double* kinetic, double* potential);
 
@@ -2082,7 +2082,7 @@ typedef struct dynTendon {
   double stiffness, rest[2]; /* N/m; m */
   double damping;            /* N s/m: the force -damping L' */
   double friction;           /* N: dry friction, exact in steps */
-  double armature;           /* kg: inertia along L, in Euler steps; without the force of changing arms */
+  double armature;           /* kg: inertia along L: the energy armature L'^2 / 2 */
   double range[2];           /* L stays within it; default: infinite */
   int32_t elements, angular; /* of a model: how many there are; non-zero: L is an angle */
 } dynTendon;
@@ -2568,9 +2568,10 @@ typedef struct dynStepReport {
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 
 /* Error ledger: energy and momentum over the steps of the last call. The defects are the steps' error. Work
-   in J. Forces: trapezoidal rule over each step. Impulses of contacts, limits and constraints: times the mean
-   of their row's velocity before and after, which is the kinetic energy that they add. (Hairer, Lubich,
-   Wanner 2006, IX: energy shows an integrator's error.) All zero without the option `ledger`. */
+   in J. Impulses of contacts, limits and constraints, and of forces at joints in an Euler step: times the mean
+   of their velocity before and after, which is the kinetic energy that they add. Other forces: the quadrature of
+   the integrator; the trapezoidal rule for wrenches in an Euler step, and where `accuracy` meets contacts.
+   (Hairer, Lubich, Wanner 2006, IX: energy shows an integrator's error.) All zero without the option `ledger`. */
 typedef struct dynErrorLedger {
   uint32_t struct_size;
   int64_t steps;

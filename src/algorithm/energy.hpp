@@ -7,7 +7,7 @@
 
 namespace dyn {
 
-// v^T M v / 2, rotors included.
+// v^T M v / 2, rotors of joints and tendons included.
 template <class T>
 void kinetic_energy(const Model& m, Data<T>& d) {
   ensure_velocity(m, d);
@@ -18,7 +18,8 @@ void kinetic_energy(const Model& m, Data<T>& d) {
     twice += T(b.m) * dot(d.vel[i], d.vel[i]) + T(2) * dot(d.vel[i], cross(d.omega[i], h)) + dot(wB, cast<T>(b.I) * wB);
   }
   for (Index k = 0; k < m.n.nv; ++k) twice += d.armature[k] * d.v[k] * d.v[k];
-  d.kinetic[0] = T(0.5) * twice;
+  if (d.acting & DYN_EFFECT_TENDONS) measure_paths(m, d);
+  d.kinetic[0] = T(0.5) * twice + tendon_kinetic_energy(m, d);
   d.mark_fresh(Stage::Kinetic);
 }
 

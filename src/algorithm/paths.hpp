@@ -19,18 +19,23 @@ struct PathPoint {
   Index body;
 };
 
-// f(point a, point b) for each straight piece of a SPATIAL path with its divisor, and f.arc(wrap) for each arc: see PathPieces.
 template <class T>
+const Vec3<T>& origin_of(const Data<T>& d, Index place) { return d.p[place]; }
+template <class T>
+const Mat3<T>& axes_of(const Data<T>& d, Index place) { return d.R[place]; }
+
+// f(point a, point b) for each straight piece of a SPATIAL path with its divisor, and f.arc(wrap) for each arc: see PathPieces.
+template <class T, class Places = Data<T>>
 struct PathPieces {
   const Model& m;
-  const Data<T>& d;
+  const Places& d;
 
-  Vec3<T> position(Index place, const Vec3<double>& at) const { return d.p[place] + d.R[place] * cast<T>(at); }
+  Vec3<T> position(Index place, const Vec3<double>& at) const { return origin_of(d, place) + axes_of(d, place) * cast<T>(at); }
   PathPoint<T> site(const PathElement& e) const { return {position(e.place, e.X.p), e.body}; }
 
   // The way from a to b around the element.
   Wrap<T> around(const PathElement& e, const PathPoint<T>& a, const PathPoint<T>& b) const {
-    const Mat3<T> R = d.R[e.place] * cast<T>(e.X.R);
+    const Mat3<T> R = axes_of(d, e.place) * cast<T>(e.X.R);
     const Vec3<T> centre = position(e.place, e.X.p);
     const auto local = [&](const Vec3<T>& x) { return transpose_times(R, x - centre); };
     Vec3<T> side = Vec3<T>::zero();
@@ -74,6 +79,15 @@ struct PathPieces {
     }
   }
 };
+
+// Unit vector from a to b. Where they coincide any direction is as good.
+template <class T>
+Vec3<T> direction(const Vec3<T>& a, const Vec3<T>& b) {
+  using std::sqrt;
+  const Vec3<T> along = b - a;
+  const T far = sqrt(dot(along, along));
+  return far > T(detail::smallest_wrap) ? along * (T(1) / far) : Vec3<T>::make(T(1), T(0), T(0));
+}
 
 // Adds what a force and a moment (W, about the point x) on a body, and the opposite force and moment about `y` on another, give
 // the joints to row, by the user's degrees of freedom. Joints that carry both take no part.
@@ -119,12 +133,9 @@ T spatial_path(const Model& m, const Data<T>& d, const PathRecord& p, T* row) {
       p, [](const PathPoint<T>&) {},
       [&](const PathPoint<T>& a, const PathPoint<T>& b, T divisor) {
         const Vec3<T> along = b.x - a.x;
-        const T far = sqrt(dot(along, along));
-        length += far / divisor;
+        length += sqrt(dot(along, along)) / divisor;
         if (a.body == b.body) return;
-        // where two sites coincide any direction is as good
-        const Vec3<T> u = far > T(smallest_wrap) ? along * (T(1) / far) : Vec3<T>::make(T(1), T(0), T(0));
-        add_pair(m, d, u * (T(1) / divisor), Vec3<T>::zero(), b, a, row);
+        add_pair(m, d, direction(a.x, b.x) * (T(1) / divisor), Vec3<T>::zero(), b, a, row);
       },
       [&](const Wrap<T>& w, const PathElement&, T divisor) { length += w.length / divisor; });
   return length;

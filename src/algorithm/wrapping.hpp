@@ -130,8 +130,9 @@ Arc<T> wrap_inside(const Vec2<T>& a, const Vec2<T>& b, T r) {
     (s > T(0) ? high : low) = x;
     T next = bend > T(0) ? x - s / bend : low;
     if (!(next > low && next < high)) next = (low + high) / T(2);
-    if (abs(next - x) <= T(1e-16) * between) break;
+    const bool found = abs(next - x) <= T(1e-16) * between;
     x = next;
+    if (found) break;
   }
   const T c = cos(turn * x), s = sin(turn * x), unit = r / la;
   const Vec2<T> at = Vec2<T>{c * a.x - s * a.y, s * a.x + c * a.y} * unit;

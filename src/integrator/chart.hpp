@@ -58,6 +58,12 @@ T largest(const T* x, Index n) {
   return out;
 }
 
+// What steps do at their stages: nothing.
+struct NoStage {
+  template <class T>
+  void operator()(T) const {}
+};
+
 // Buffers of a step: q at its beginning, y at its beginning and in its stages, and the stage derivatives.
 template <class T>
 struct Stages {

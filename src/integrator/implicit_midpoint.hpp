@@ -22,8 +22,10 @@ T rounding_at_rest(const Model& m, const Data<T>& d, T h) {
 
 // Fixed point of w by Anderson mixing of two iterates (Walker and Ni 2011).
 // Returns 0, the joint whose forward dynamics failed, or not_converged; the state is then as before.
-template <class T>
-Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, std::int64_t& evaluations) {
+// at_stage(h): called at the state of the midpoint.
+template <class T, class AtStage = NoStage>
+Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, std::int64_t& evaluations,
+                             const AtStage& at_stage = {}) {
   s.begin(m, d);
   const Index nv = m.n.nv;
   const T *v0 = s.y0 + nv;
@@ -51,6 +53,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
     best = std::min(best, error);
     if (error <= rounding || (stalled >= tuning::midpoint_stalls &&
                               error <= tuning::midpoint_rounding * (rounding + rounding_at_rest(m, d, h)))) {
+      at_stage(h);
       for (Index k = 0; k < nv; ++k) d.v[k] = v0[k] + h * d.ddq[k], half[k] = h * next[k];
       integrate(m, s.q0, half, d.q);
       advance_activations(m, d, s.y0 + 2 * nv, h);

@@ -10,8 +10,9 @@
 namespace dyn::integrator {
 
 // The state at the end of a step of h, in d. Returns 0, or the joint whose forward dynamics failed (state restored).
-template <class Tableau, class T>
-Index explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+// at_stage(share of h): called at the state of each stage.
+template <class Tableau, class T, class AtStage = NoStage>
+Index explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const AtStage& at_stage = {}) {
   s.begin(m, d);
   const ChartMotion<T> motion{m, d, s.q0};
   const auto combine = [&](const double* weights, int count) {
@@ -24,6 +25,7 @@ Index explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   for (int i = 0; i < Tableau::stages; ++i) {
     combine(Tableau::a[i], i);
     if (const Index joint = motion(s.y, s.stage(i))) return s.undo(m, d), joint;
+    at_stage(h * T(Tableau::b[i]));
   }
   combine(Tableau::b, Tableau::stages);
   motion.place(s.y);

@@ -200,8 +200,6 @@ void add_mjcf_tendons(Builder& builder, const MjcfRobot& robot) {
   constexpr double none = std::numeric_limits<double>::infinity();
   for (const MjcfTendon& t : robot.tendons) {
     dynTendon spec = t.spec;
-    if (spec.type == DYN_TENDON_TYPE_SPATIAL && spec.armature > 0)
-      t.place.warning("armature: the force by which changing moment arms take part in it is left out");
     if (off(DYN_EFFECT_SPRINGS)) spec.stiffness = 0;
     if (off(DYN_EFFECT_DAMPING)) spec.damping = 0;
     if (off(DYN_EFFECT_FRICTION)) spec.friction = 0;

@@ -20,6 +20,20 @@ void record_ledger_step(const Model& m, Data<T>& d, T h) {
     if (simulation::has_open_ledger(d)) simulation::record_step(m, d, h);
 }
 
+// Records the powers at the stages of a step.
+template <class T>
+auto record_stages(const Model& m, Data<T>& d) {
+  return [&](T share) {
+    if constexpr (std::is_same_v<T, double>)
+      if (simulation::has_open_ledger(d)) [[unlikely]] simulation::record_powers(m, d, share);
+  };
+}
+template <class T>
+void forget_stages(Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>)
+    if (simulation::has_open_ledger(d)) simulation::reset_impulse_work(d);
+}
+
 template <class T>
 Index project_step(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>)
@@ -61,7 +75,8 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     const bool last = h >= duration - t - duration * T(tuning::shortest_step);
     if (last) h = duration - t;
     if (!(h > duration * T(tuning::shortest_step)) || report.steps + report.rejected >= max_steps) return no_step_left;
-    Index joint = explicit_step<Tableau>(m, d, s, h);
+    forget_stages(d);
+    Index joint = explicit_step<Tableau>(m, d, s, h, record_stages(m, d));
     report.evaluations += Tableau::stages;
     const T share = accuracy / T(tuning::growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h));
     const T most = rounding.held ? allowed : std::max(allowed, share + std::min(left, tuning::saved_shares * share));
@@ -160,7 +175,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
     } else {
-      joint = explicit_step<Tableau>(m, d, s, h);
+      forget_stages(d);
+      joint = explicit_step<Tableau>(m, d, s, h, record_stages(m, d));
       report.evaluations += Tableau::stages + 1;
       if (double raw, moved; !joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error, raw, moved);
     }
@@ -243,7 +259,7 @@ Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool s
 // the energy decides.
 template <class Tableau, class T>
 Index stable_explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
-  if (const Index joint = explicit_step<Tableau>(m, d, s, h)) return joint;
+  if (const Index joint = explicit_step<Tableau>(m, d, s, h, record_stages(m, d))) return joint;
   if constexpr (std::is_same_v<T, double>)
     if (d.step && (d.step->failed_joint = simulation::unstable_joint(m, d, h, Tableau::stability, d.step->stable_dt))) {
       if (active_rows(m, d) == 0) return unstable;
@@ -273,7 +289,7 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
       failed = stable_explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
       if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
       break;
-    case DYN_INTEGRATOR_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
+    case DYN_INTEGRATOR_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations, record_stages(m, d)); break;
     case DYN_INTEGRATOR_REFERENCE: {
       dynStepReport inner{};
       failed = advance_to_accuracy<DormandPrince8>(m, d, s, h, T(0), inner, tuning::reference_steps);

@@ -17,6 +17,16 @@ bool sleeps(const Model& m, const Data<T>& d, const ActuatorRecord& r) {
   return false;
 }
 
+// Gains of an actuator on a coordinate, as a spring and a damper.
+inline double stiffness_of(const ActuatorRecord& r) { return r.q >= 0 ? std::max(0.0, -r.bias[1]) : 0; }
+inline double damping_of(const ActuatorRecord& r) { return std::max(0.0, -r.bias[2]); }
+// Its force at the end of the step, from that at the beginning, dq/dt there, and d2q/dt2.
+template <class T>
+T force_at_end(const ActuatorRecord& r, T force, T v, T ddq, T h) {
+  const T gear = T(r.spec.gear), K = T(stiffness_of(r)), D = T(damping_of(r));
+  return force - h * K * gear * v - (h * D + h * h * K) * gear * ddq;
+}
+
 // Actuators of an implicit Euler step.
 template <class T>
 class ImplicitActuators {
@@ -44,8 +54,7 @@ class ImplicitActuators {
     bool any = false;
     each([&](const ActuatorRecord& r, Index k) {
       if (d.saturated[k] || r.v < 0) return;
-      const T gear = T(r.spec.gear),
-              f = d.actuator_force[k] - h * K(r) * gear * d.v[r.v] - (h * D(r) + h * h * K(r)) * gear * ddq[r.v];
+      const T f = force_at_end(r, d.actuator_force[k], d.v[r.v], ddq[r.v], h);
       if (const T held = clamp_to(f, r.spec.force_range); held != f) d.actuator_force[k] = held, d.saturated[k] = 1, any = true;
     });
     return any;
@@ -66,7 +75,10 @@ class ImplicitActuators {
       set_path_force(m, d, actuator_row(m, r), r.path, h, path_force_in_step(r, d, h));
     });
     for_each_tendon(m, d, [&](const dynTendon& t, Index k, T length, T rate) {
-      set_path_force(m, d, spring_row(k), k, h, path_force_of(t, length, rate));
+      PathForce<T> x = path_force_of(t, length, rate);
+      if constexpr (std::is_same_v<T, double>)
+        if (t.armature > 0) [[unlikely]] x.force -= t.armature * bias_in_step(m, d, k);
+      set_path_force(m, d, spring_row(k), k, h, x);
     });
     if (m.n.force_limits > 0) limit_path_forces(m, d);
   }
@@ -76,8 +88,8 @@ class ImplicitActuators {
       if (!sleeps(m, d, r)) f(r, k);
     });
   }
-  static T K(const ActuatorRecord& r) { return r.q >= 0 ? T(std::max(0.0, -r.bias[1])) : T(0); }
-  static T D(const ActuatorRecord& r) { return T(std::max(0.0, -r.bias[2])); }
+  static T K(const ActuatorRecord& r) { return T(stiffness_of(r)); }
+  static T D(const ActuatorRecord& r) { return T(damping_of(r)); }
   const Model& m;
   Data<T>& d;
   T h;

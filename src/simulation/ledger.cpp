@@ -4,6 +4,7 @@
 #include "algorithm/energy.hpp"
 #include "algorithm/constrained/constrained_dynamics.hpp"
 #include "algorithm/external_forces.hpp"
+#include "simulation/implicit_actuators.hpp"
 #include "simulation/island.hpp"
 
 namespace dyn::simulation {
@@ -62,7 +63,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
   if (m.n.paths > 0) {
-    measure_paths(m, d), take_limits(m, d), x.energy += tendon_kinetic_energy(m, d);
+    measure_paths(m, d), take_limits(m, d);
     std::copy_n(t, m.n.nv, d.step_tau);
     add_beyond_limits(m, d, t);
     for (Index k = 0; k < m.n.nv; ++k) x.power.actuators += (t[k] - d.step_tau[k]) * d.v[k];
@@ -108,11 +109,14 @@ void record_step(const Model& m, Data<double>& d, double h) {
   Ledger& l = d.step->ledger;
   dynErrorLedger& out = l.report;
   const LedgerState after = state_of(m, d);
-  const auto mean = [&](double LedgerState::Power::*p) { return h / 2 * (l.before.power.*p + after.power.*p); };
   using Power = LedgerState::Power;
+  const auto work_of = [&](double Power::*p, bool told) {
+    return told ? l.rows.work.*p : h / 2 * (l.before.power.*p + after.power.*p);
+  };
+  const bool all = l.rows.all, joints = all || l.rows.at_joints;
   const double change = after.energy - l.before.energy;
-  const double work[] = {mean(&Power::applied), mean(&Power::actuators), mean(&Power::wrenches),
-                         mean(&Power::damping), mean(&Power::friction), mean(&Power::fluid),
+  const double work[] = {work_of(&Power::applied, joints), work_of(&Power::actuators, joints), work_of(&Power::wrenches, all),
+                         work_of(&Power::damping, joints), work_of(&Power::friction, joints), work_of(&Power::fluid, all),
                          l.rows.normal, l.rows.sliding, l.rows.limits, l.rows.constraints, l.rows.correction};
   double* const entries[] = {&out.applied, &out.actuators, &out.wrenches, &out.damping, &out.friction, &out.fluid,
                              &out.contact_normal, &out.contact_friction, &out.limits, &out.constraints, &out.correction};
@@ -127,6 +131,51 @@ void record_step(const Model& m, Data<double>& d, double h) {
   out.complementarity = std::max(out.complementarity, l.rows.complementarity);
   ++out.steps;
   l.before = after, l.rows = {};
+}
+
+void record_powers(const Model& m, Data<double>& d, double share) {
+  using Power = LedgerState::Power;
+  const Power now = state_of(m, d).power;
+  LedgerRows& l = d.step->ledger.rows;
+  for (const auto p : {&Power::applied, &Power::actuators, &Power::wrenches, &Power::damping, &Power::friction, &Power::fluid})
+    l.work.*p += share * (now.*p);
+  l.all = true;
+}
+
+// The step takes resistance as r = D(v0) v.
+void record_joint_work(const Model&, Data<double>& d, const double* v0, double h, Index first, Index end) {
+  LedgerState::Power& work = d.step->ledger.rows.work;
+  const std::uint32_t acting = d.acting;
+  if (has_friction_rows(d)) d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);
+  for (Index k = first; k < end; ++k) work.applied += h * d.tau_applied[k] * (v0[k] + d.v[k]) / 2;
+  for_each_velocity_law(d, [&]<class E>(const double* c) {
+    for (Index k = first; k < end; ++k) E::work(work) -= h * E::secant(c[k], v0[k]) * d.v[k] * (v0[k] + d.v[k]) / 2;
+  });
+  d.acting = acting;
+}
+
+void record_drive_work(const Model& m, Data<double>& d, const double* v0, double h) {
+  LedgerRows& l = d.step->ledger.rows;
+  l.at_joints = true;
+  const auto rate = [&](Index path, const double* v) { return rate_along(m, d, path, v); };
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
+    if (sleeps(m, d, r)) return;
+    const double before = r.v >= 0 ? v0[r.v] : rate(r.path, v0), after = r.v >= 0 ? d.v[r.v] : rate(r.path, d.v);
+    double force = 0;
+    if (r.v >= 0) {
+      force = d.actuator_force[k];
+      if (!d.saturated[k]) force = force_at_end(r, force, before, (after - before) / h, h);
+      force *= r.spec.gear;
+    } else {
+      const PathForce<double>& x = d.path_forces[actuator_row(m, r)];
+      force = std::clamp(x.acts ? x.force - h * x.stiffness * after - x.damping * (after - before) : x.force, x.lower, x.upper);
+    }
+    l.work.actuators += h * force * (before + after) / 2;
+  });
+  for_each_tendon(m, d, [&](const dynTendon& s, Index k, double, double) {
+    const double before = rate(k, v0), after = rate(k, d.v);
+    l.work.damping -= h * s.damping * (d.path_forces[spring_row(k)].acts ? after : before) * (before + after) / 2;
+  });
 }
 
 void record_impulses(const Island& x) {
@@ -154,7 +203,7 @@ void record_impulses(const Island& x) {
       const double slip =
           a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // velocity of a belt
       const double work = x.lambda[i] * (c0[r] + x.c[i] - slip) / 2;
-      if (is_path_row(a) && x.compliance[i] > 0) continue;  // a force along a path: among the powers of the state
+      if (is_path_row(a) && x.compliance[i] > 0) continue;  // a force along a path: record_drive_work
       if (a.kind == RowKind::Equality) l.constraints += work, l.drift = std::max(l.drift, std::abs(s.error[r]));
       else if (a.kind == RowKind::Box) l.limits += work;
       else (r == normal ? l.normal : l.sliding) += work;

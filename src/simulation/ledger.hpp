@@ -1,5 +1,7 @@
-// Balance of energy and momentum in a step (dynErrorLedger). Work of forces: trapezoidal rule over the step.
-// Work of a row's impulse: by the row's mean velocity, which is exactly its share in the change of kinetic energy.
+// Balance of energy and momentum in a step (dynErrorLedger).
+// Work of an impulse: by its mean velocity, which is exactly its share in the change of kinetic energy. Those are rows, and in an
+// Euler step the forces at joints: a stiff damper stops what it brakes within the step. Work of other forces: by the quadrature of
+// the integrator's stages, in steps of order 1 and in steps for an accuracy through contacts by the trapezoidal rule.
 // The position correction has its own entry. The remainder is the integrator's error.
 #pragma once
 
@@ -11,6 +13,13 @@ namespace dyn::simulation {
 void open_ledger(const Model& m, Data<double>& d);
 // Records a step of h that ends at the state in d.
 void record_step(const Model& m, Data<double>& d, double h);
+// Records a share of a step, in time, in which the powers are those of the state in d.
+void record_powers(const Model& m, Data<double>& d, double share);
+// Of an Euler step from v0 to d.v, before q moves. Records the impulses of tau and of resistance at the degrees of freedom
+// first .. end - 1,
+void record_joint_work(const Model& m, Data<double>& d, const double* v0, double h, Index first, Index end);
+// and those of actuators and tendons.
+void record_drive_work(const Model& m, Data<double>& d, const double* v0, double h);
 // Records the impulses of an island.
 struct Island;
 void record_impulses(const Island& x);

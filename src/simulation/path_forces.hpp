@@ -1,10 +1,13 @@
 // Forces along paths (tendons, and actuators on paths) in an Euler step of h. Those that explicit steps resolve well are added to
 // tau at the beginning of the step. The others are rows of the step's problem, taken at its end: with the rate l' there,
 //   lambda / h = f - K h l' - D (l' - l'_0) - a (l' - l'_0) / h        within [lower, upper]
-// K, D, a: stiffness, damping and armature, f: the force at the beginning.
+// K, D, a: stiffness, damping and armature, f: the force at the beginning. With the moment arms J of the beginning, the row has
+// l' - l'_0 = J (v - v_0): f has -a J' v of a SPATIAL tendon.
 #pragma once
 
 #include "algorithm/actuators.hpp"
+#include "algorithm/path_bias.hpp"
+#include "integrator/free_flight.hpp"
 #include "simulation/step.hpp"
 
 namespace dyn::simulation {
@@ -12,6 +15,14 @@ namespace dyn::simulation {
 inline Index spring_row(Index tendon) { return path_rows_of_tendon * tendon + 1; }
 inline Index actuator_row(const Model& m, const ActuatorRecord& r) {
   return path_rows_of_tendon * m.n.tendons + m.n.couplings + r.row;
+}
+
+// Rate of a path's length under velocities v, with the moment arms in d.
+inline double rate_along(const Model& m, const Data<double>& d, Index path, const double* v) {
+  double sum = 0;
+  const PathRecord& p = m.paths()[path];
+  for (Index k = p.first_dof; k < p.first_dof + p.dofs; ++k) sum += d.path_moment[k] * v[m.path_dofs()[k]];
+  return sum;
 }
 
 // Lower bound of the inertia that a degree of freedom moves: that of its own body, and its armature.
@@ -109,6 +120,26 @@ PathForce<T> path_force_of(const dynTendon& t, T length, T rate) {
   using effect::Tendons;
   return {Tendons::force(t, length, rate), T(Tendons::slope(t, length)), T(t.damping), T(t.armature), T(-HUGE_VAL), T(HUGE_VAL),
       0};
+}
+
+// J' v of a tendon in a step, in which v of free flyers is in axes that are fixed (integrator/free_flight.hpp): the step has
+// v' = ddq + (w x v_c, 0) there; in steps for an accuracy also without gyroscopic terms (extrapolated.hpp).
+inline double bias_in_step(const Model& m, const Data<double>& d, Index tendon) {
+  double bias = path_bias(m, d, tendon);
+  const PathRecord& p = m.paths()[tendon];
+  integrator::for_each_free_flyer<double>(m, AllTrees{}, [&](const Body& b, Index i, const Vec3<double>& center) {
+    const Vec3<double> w = load3(d.v + b.user_v + 3), c = has_file_rows(d) ? Vec3<double>::zero() : center;
+    const Vec3<double> turn = cross(w, load3(d.v + b.user_v) + cross(w, c));
+    Vec3<double> gyroscopic = Vec3<double>::zero();
+    if (d.step->closed_gap > 0 && m.subtree_end()[i] == i + 1 && b.m > 0) {
+      const Mat3<double> I = integrator::central_inertia(b, center);
+      gyroscopic = integrator::solve3(I, cross(w, I * w));
+    }
+    for (Index k = p.first_dof; k < p.first_dof + p.dofs; ++k)
+      if (const Index at = m.path_dofs()[k] - b.user_v; at >= 0 && at < 6)
+        bias -= d.path_moment[k] * (at < 3 ? turn[int(at)] : gyroscopic[int(at - 3)]);
+  });
+  return bias;
 }
 
 // Those that are no rows, to tau.

@@ -25,7 +25,7 @@ struct PathRows {
     for_each_tendon(m, d, [&](const dynTendon& t, Index k, double, double) {
       const Index first = path_rows_of_tendon * k;
       if (effect::Tendons::is_limited(t) && near(k, t)) f(first, k);
-      if (d.path_forces[first + 1].acts) f(first + 1, k);
+      if (d.path_forces[first + 1].acts || t.armature > 0) f(first + 1, k);
       if (t.friction > 0) f(first + 2, k);
     });
     if (d.acting & DYN_EFFECT_TENDONS)

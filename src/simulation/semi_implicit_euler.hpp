@@ -168,6 +168,13 @@ template <class Part, class T>
   end_flight<true>(m, part, q0, h, correction, q, v);
 }
 
+template <class Part>
+[[gnu::cold, gnu::noinline]] void record_euler_work(const Model& m, Data<double>& d, const double* v0, double h,
+                                                    const Part& part) {
+  for_each_dof_range(m, part, [&](Index first, Index end) { simulation::record_joint_work(m, d, v0, h, first, end); });
+  simulation::record_drive_work(m, d, v0, h);
+}
+
 // Ends an Euler step of some trees. rests: slow trees may come to rest. Returns false if a sleeping body was touched: v is then
 // as before.
 template <class T, class Part>
@@ -195,6 +202,8 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   const T* const correction = met == ConstraintOutcome::Correction ? s.f : nullptr;
   if constexpr (std::is_same_v<T, double>)
     if (rests) simulation::detect_rest(m, d, v0, correction, h);
+  if constexpr (std::is_same_v<T, double>)
+    if (simulation::has_open_ledger(d)) record_euler_work(m, d, v0, h, part);
   part.for_each_group(m, [&](const Trees& t) {
     for (Index k = t.v; k < t.v_end; ++k) hv[k] = h * d.v[k] + (correction ? correction[k] : T(0));
   });

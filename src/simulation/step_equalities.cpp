@@ -79,9 +79,11 @@ const char* StepJacobian::find_equality_impulses() const {
   for (Index k = 0; k < nv; ++k) lacking[k] = h * (d.tau[k] + y.diagonal[k] * y.a[k] - d.tau_applied[k]);
   integrator::implicit_springs(m, d, h, implicit_springs(), [&](Index k, double by) { lacking[k] += h * h * by * x.v[k]; });
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
-    const double gear = r.spec.gear, gained = d.saturated[k] ? 0 : h * stiffness(r) * gear * x.v[r.v];
+    if (r.v < 0) return;
+    const double gear = r.spec.gear, gained = d.saturated[k] ? 0 : h * stiffness_of(r) * gear * x.v[r.v];
     lacking[r.v] -= h * gear * (d.actuator_force[k] - gained);
   });
+  subtract_path_impulses(lacking);
   for (Index k = 0; k < m.n.limits; ++k) lacking[user_dof(m, m.limits()[k].dof)] -= h * w.limit_forces[k];
   std::fill_n(J(equality0), nv * n, 0.0);
   add_equality_rows();

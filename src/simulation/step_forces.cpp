@@ -36,7 +36,7 @@ void StepJacobian::find_diagonal() const {
   integrator::implicit_springs(m, d, h, implicit_springs(),
                                [&](Index k, double stiffness) { y.diagonal[k] += h * h * stiffness; });
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
-    if (!d.saturated[k]) y.diagonal[r.v] += square(r.spec.gear) * (h * damping(r) + h * h * stiffness(r));
+    if (r.v >= 0 && !d.saturated[k]) y.diagonal[r.v] += square(r.spec.gear) * (h * damping_of(r) + h * h * stiffness_of(r));
   });
 }
 
@@ -51,15 +51,16 @@ void StepJacobian::differentiate_forces() const {
   integrator::implicit_springs(m, d, h, implicit_springs(),
                                [&](Index k, double stiffness) { force(k)[nv + k] -= h * h * stiffness; });
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
-    if (d.saturated[k]) return;
+    if (r.v < 0 || d.saturated[k]) return;
     const double by = h * r.spec.gear;
     double* const to = force(r.v);
     if (r.q >= 0) to[r.v] += by * r.bias[1] * r.spec.gear;
-    to[nv + r.v] += by * r.spec.gear * (r.bias[2] - h * stiffness(r));
+    to[nv + r.v] += by * r.spec.gear * (r.bias[2] - h * stiffness_of(r));
     double* const u = to + 2 * nv + r.spec.idx_u;
     if (r.spec.controls > 0) u[0] += by * r.gain[0] * command_slope(r);
     if (r.spec.controls == 3) u[1] += by * r.gain[1], u[2] += by * r.gain[2];
   });
+  differentiate_path_forces();
 }
 
 // Of what drives an actuator, by its control.

@@ -13,7 +13,7 @@ const char* find_reason(const Model& m, const Data<double>& d) {
   if (by != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && by != DYN_INTEGRATOR_IMPLICIT_FAST)
     return "the integrator is neither SEMI_IMPLICIT_EULER nor IMPLICIT_FAST";
   if (w.options.contact_model != DYN_CONTACT_MODEL_RIGID) return "contact_model is AS_FILE";
-  if (m.n.paths > 0 && (d.acting & driving_effects)) return "a tendon or an actuator on a path acts";
+  if (const char* const reason = StepJacobian::find_path_reason(m, d)) return reason;
   if (m.n.force_limits > 0) return "the sum of several actuators is limited";
   if (d.acting & (DYN_EFFECT_FLUID | DYN_EFFECT_FLUID_ELLIPSOIDS)) return "a medium acts on a link";
   if (w.report.rejected > 0 || w.report.steps != 1) return "the step was made in parts";
@@ -36,7 +36,7 @@ const char* StepJacobian::linearise(double margin) {
   find_diagonal();
   for (Index k = 0; k < nv; ++k) d.M[(nv + 1) * k] += y.diagonal[k];
   if (factorize(m, d)) return "the inertia is singular";
-  invert(m, d);
+  invert(m, d), add_path_inertia();
   if (equalities > 0) {
     if (const char* const reason = find_equality_impulses()) return reason;
     with_equalities = true, differentiate_inverse_dynamics(fext);

@@ -113,6 +113,12 @@ struct StepJacobian {
   void subtract_force(const JacobianContact& c, const Vec3<double>& force) const;
   integrator::Springs implicit_springs() const;
   void find_diagonal() const;
+  // step_paths.cpp
+  static const char* find_path_reason(const Model& m, const Data<double>& d);
+  void add_path_inertia() const;
+  void differentiate_path_forces() const;
+  void subtract_path_impulses(double* from) const;
+
   void differentiate_forces() const;
   double command_slope(const ActuatorRecord& r) const;
   void add_force_change(Index body, Index j, const Force<double>& F) const;
@@ -125,8 +131,6 @@ struct StepJacobian {
   integrator::FreeBodyFlight<double> free_flight(const Body& b, const Vec3<double>& c) const;
 
   static double square(double a) { return a * a; }
-  static double stiffness(const ActuatorRecord& r) { return r.q >= 0 ? std::max(0.0, -r.bias[1]) : 0; }
-  static double damping(const ActuatorRecord& r) { return std::max(0.0, -r.bias[2]); }
 
   // Calls f(degree of freedom, its motion at the body's origin) for those that move a body.
   template <class F>

@@ -86,8 +86,11 @@ struct LedgerState {
   Power power;
   double momentum[3], force[3];
 };
-// Work of the impulses of a step (J), and their errors.
+// Work of the impulses of a step (J), and their errors. work: that of forces, where the integrator tells it: those at joints (an
+// Euler step), or all (its stages).
 struct LedgerRows {
+  LedgerState::Power work;
+  bool at_joints, all;
   double normal, sliding, limits, constraints, correction, impulse[3], drift, cone, complementarity;
 };
 struct Ledger {

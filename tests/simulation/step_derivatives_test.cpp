@@ -1,4 +1,6 @@
 // Derivatives of steps: the analytic ones against central differences, exact values, modes at switches, and what must not change.
+#include <random>
+
 #include "simulation/step_derivatives.hpp"
 
 namespace dyn_test {
@@ -244,6 +246,67 @@ TEST(StepDerivatives, OfWrenchesAndControls) {
               dyn_data_apply_wrench(run.m, run.d, run.m.nframes() - 1, r == DYN_REFERENCE_WORLD ? nullptr : point, wrench, r))
         << dyn_last_error();
   run.agree();
+}
+
+// Tendons on joints of several trees: springs and dampers that the step adds to tau, and stiff ones and armature that it takes at
+// its end; a motor and a servo, at the ends of their ranges and within, and one that is filtered.
+Model with_fixed_tendons(unsigned seed) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<>(low, high)(random); };
+  Builder b;
+  const char* const names[] = {"a", "b", "c", "d", "e"};
+  const char* const links[] = {"la", "lb", "lc", "ld", "le"};
+  for (int k = 0; k < 5; ++k) {
+    Spec joint(names[k], k % 2 ? DYN_JOINT_TYPE_PRISMATIC : DYN_JOINT_TYPE_REVOLUTE, k == 0 || k == 3 ? nullptr : links[k - 1],
+               {0.2 * k, 0.1, 0});
+    joint.about(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+    const double damping = uniform(0, 1);
+    joint.damping = &damping;
+    b.joint(joint).body(links[k], names[k], uniform(0.5, 2));
+  }
+  for (int k = 0; k < 3; ++k) {
+    dynTendon t;
+    dyn_tendon_init(&t, DYN_TENDON_TYPE_FIXED);
+    const bool stiff = k == 1;
+    t.stiffness = stiff ? uniform(1e4, 1e6) : uniform(0, 20), t.damping = stiff ? uniform(0, 1e3) : uniform(0, 2);
+    t.rest[0] = -0.05, t.rest[1] = 0.05, t.armature = k == 2 ? uniform(0.1, 3) : 0;
+    std::vector<dynTendonElement> elements(3);
+    for (int i = 0; i < 3; ++i) {
+      dyn_tendon_element_init(&elements[std::size_t(i)], DYN_TENDON_ELEMENT_TYPE_JOINT);
+      elements[std::size_t(i)].name = names[(k + 2 * i) % 5], elements[std::size_t(i)].value = uniform(-1, 1);
+    }
+    const std::string name = "tendon" + std::to_string(k);
+    EXPECT_EQ(DYN_OK, dyn_builder_add_tendon(b, name.c_str(), &t, elements.data(), 3)) << dyn_last_error();
+    dynActuator a;
+    dyn_actuator_init(&a, k == 0 ? DYN_ACTUATOR_TYPE_MOTOR : DYN_ACTUATOR_TYPE_POSITION);
+    a.transmission = DYN_TRANSMISSION_TENDON, a.gear = uniform(-2, 2), a.kp = uniform(1, 1e3), a.kv = uniform(0, 30);
+    if (k == 0) a.time_constant = 0.02;
+    if (k == 2) a.force_range[0] = -1, a.force_range[1] = 2;
+    EXPECT_EQ(DYN_OK, dyn_builder_add_actuator(b, ("drive" + std::to_string(k)).c_str(), &a, name.c_str())) << dyn_last_error();
+  }
+  return b.finish();
+}
+TEST(StepDerivatives, OfFixedTendons) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    Stepper run(with_fixed_tendons(seed), seed % 3 ? 2e-3 : 1e-2);
+    for (const dynIntegrator by : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_IMPLICIT_FAST}) {
+      run.integrate_by(by);
+      const State s = random_state(run.m, int(seed));
+      run.set(s.q, s.v, s.tau);
+      const double u[] = {0.4, -0.2, 0.3};
+      ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u));
+      // differences have the noise of the rows of stiff tendons; v' is linear in tau and in controls
+      const Derivatives a = run.analytic(), c = run.central(3e-5), wide = run.central(1e-3), wider = run.central(0.1);
+      ASSERT_EQ(DYN_OK, a.status) << dyn_last_error();
+      EXPECT_LE(difference(a.A, c.A), 1e-6 * std::max(1.0, largest(c.A)));
+      // the wide one has less noise, but may reach the end of a servo's range
+      EXPECT_LE(std::min(difference(a.B, wide.B), difference(a.B, wider.B)), 1e-6 * largest(a.B));
+      EXPECT_LE(difference(a.B_control, wide.B_control), 1e-6 * std::max(1.0, largest(wide.B_control)));
+      EXPECT_GT(largest(a.B_control), 0);
+      expect_products(run.m, run.d, a, DYN_DERIVATIVE_METHOD_ANALYTIC);
+    }
+  }
 }
 
 // ---------------------------------------------------------------------------------------------------- the call

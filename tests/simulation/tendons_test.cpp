@@ -336,6 +336,43 @@ TEST(Tendons, LedgerCloses) {
   EXPECT_NEAR(l.energy_change, l.damping, 1e-6);  // work is that of the trapezoidal rule
 }
 
+// A weight on a rail and a cord with armature a to an eye beside it: with the share c = z / L of the cord's moment arm, the energy
+// (m + a c^2) v^2 / 2 stays.
+TEST(Tendons, ArmatureTakesPartAlongTheChangingArm) {
+  const double armature = 5, beside = 0.4, z0 = 0.05, v0 = 2;
+  const auto moved = [&](double z) { return mass + armature * z * z / (z * z + beside * beside); };
+  for (const dynIntegrator by : all_integrators) {
+    const auto error = [&](double dt, double accuracy) {
+      Builder b;
+      dyn_builder_set_gravity(b, std::array<double, 3>{0, 0, 0}.data());
+      add_weights(b, {0}, {mass});
+      frame(b, "eye", "universe", {beside, 0, 0});
+      frame(b, "hook", "a_link", {0, 0, 0});
+      dynTendon t = tendon_of(DYN_TENDON_TYPE_SPATIAL);
+      t.armature = armature;
+      add(b, "cord", t, {site("eye"), site("hook")});
+      Simulation run(b.finish(), dt);
+      run.options.accuracy = accuracy, run.options.ledger = 1;
+      integrate_by(run, by);
+      EXPECT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ALL));
+      run.set({z0}, {v0});
+      const double energy = run.energy();
+      EXPECT_NEAR(moved(z0) * v0 * v0 / 2, energy, 1e-12);
+      EXPECT_EQ(DYN_OK, dyn_advance(run.m, run.d, 0.3)) << dyn_last_error();
+      dynErrorLedger l{};
+      l.struct_size = sizeof l;
+      EXPECT_EQ(DYN_OK, dyn_data_ledger(run.m, run.d, &l)) << dyn_last_error();
+      EXPECT_NEAR(run.energy() - energy, l.energy_change, 1e-12);
+      EXPECT_NEAR(l.energy_change, l.energy_defect, 1e-12);  // nothing but the step's error
+      return run.v[0] - v0 * std::sqrt(moved(z0) / moved(run.q[0]));
+    };
+    const double one = error(1e-3, 0), half = error(5e-4, 0);
+    EXPECT_LT(std::abs(one), 3e-3) << by;
+    EXPECT_NEAR(2, one / half, 0.1) << by;
+    EXPECT_NEAR(0, error(1e-3, 1e-8), 1e-7) << by;
+  }
+}
+
 // A body on a tendon does not sleep while its tendon may move it.
 TEST(Tendons, WhatATendonMovesStaysAwake) {
   Builder b;
