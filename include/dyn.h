@@ -2568,10 +2568,11 @@ typedef struct dynStepReport {
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 
 /* Error ledger: energy and momentum over the steps of the last call. The defects are the steps' error. Work
-   in J. Impulses of contacts, limits and constraints, and of forces at joints in an Euler step: times the mean
-   of their velocity before and after, which is the kinetic energy that they add. Other forces: the quadrature of
-   the integrator; the trapezoidal rule for wrenches in an Euler step, and where `accuracy` meets contacts.
-   (Hairer, Lubich, Wanner 2006, IX: energy shows an integrator's error.) All zero without the option `ledger`. */
+   in J. Impulses of contacts, limits and constraints, and of forces at joints in an Euler step: times the
+   mean of their velocity before and after, which is the kinetic energy that they add. Other forces: the
+   quadrature of the integrator; the trapezoidal rule for wrenches in an Euler step, and where `accuracy`
+   meets contacts. (Hairer, Lubich, Wanner 2006, IX: energy shows an integrator's error.) All zero without the
+   option `ledger`. */
 typedef struct dynErrorLedger {
   uint32_t struct_size;
   int64_t steps;
