@@ -131,7 +131,7 @@ bool DenseNewton::run(const double* y, const double* c) {
     const double before = b.best;
     const bool solved = keep();
     idle = b.best < tuning::newton_method::progress * before ? 0 : idle + 1;
-    return solved || (idle > 1 && b.best <= b.enough) ? Progress::solved : Progress::going;
+    return solved || (idle > 2 && b.best <= b.enough) ? Progress::solved : Progress::going;
   };
   return method.run(most, may_step, accept) || keep();
 }
