@@ -22,22 +22,11 @@ struct Other {
   const double *q, *v, *time;
   explicit Other(const Simulation& run) : m(run.m) {
     EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_CENTROIDAL, &d));
-    q = array("q"), v = array("v"), time = array("time");
+    q = array_of(m, d, "q"), v = array_of(m, d, "v"), time = array_of(m, d, "time");
   }
   Other(const Other&) = delete;
   ~Other() { dyn_data_free(d); }
-  const double* array(const char* name) const {
-    dynArray a{};
-    a.struct_size = sizeof a;
-    EXPECT_EQ(DYN_OK, dyn_data_array(m, d, dyn_field_id(name), &a)) << dyn_last_error();
-    return a.data;
-  }
-  dynStepReport report() const {
-    dynStepReport r{};
-    r.struct_size = sizeof r;
-    EXPECT_EQ(DYN_OK, dyn_data_step_report(m, d, &r));
-    return r;
-  }
+  dynStepReport report() const { return report_of(m, d); }
   void steps(int n) {
     for (int k = 0; k < n; ++k) ASSERT_EQ(DYN_OK, dyn_step(m, d)) << dyn_last_error();
   }

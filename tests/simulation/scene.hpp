@@ -72,6 +72,19 @@ class Scene {
   dynBuilder* b_ = nullptr;
 };
 
+inline const double* array_of(const dynModel* m, dynData* d, const char* name) {
+  dynArray a{};
+  a.struct_size = sizeof a;
+  EXPECT_EQ(DYN_OK, dyn_data_array(m, d, dyn_field_id(name), &a)) << dyn_last_error();
+  return a.data;
+}
+inline dynStepReport report_of(const dynModel* m, dynData* d) {
+  dynStepReport r{};
+  r.struct_size = sizeof r;
+  EXPECT_EQ(DYN_OK, dyn_data_step_report(m, d, &r));
+  return r;
+}
+
 // A model, its data and step options.
 struct Simulation {
   Model m;
@@ -93,12 +106,7 @@ struct Simulation {
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
   }
   ~Simulation() { dyn_data_free(d); }
-  const double* array(const char* name) const {
-    dynArray a{};
-    a.struct_size = sizeof a;
-    EXPECT_EQ(DYN_OK, dyn_data_array(m, d, dyn_field_id(name), &a)) << dyn_last_error();
-    return a.data;
-  }
+  const double* array(const char* name) const { return array_of(m, d, name); }
   const double *q = nullptr, *v = nullptr;  // arrays of the data
   void set(const Numbers& at, const Numbers& velocity = {}) {
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, at.empty() ? nullptr : at.data(), velocity.empty() ? nullptr : velocity.data(),
@@ -111,12 +119,7 @@ struct Simulation {
     for (const auto& p : at) x.insert(x.end(), {p[0], p[1], p[2], 0, 0, 0, 1});
     set(x);
   }
-  dynStepReport report() const {
-    dynStepReport r{};
-    r.struct_size = sizeof r;
-    EXPECT_EQ(DYN_OK, dyn_data_step_report(m, d, &r));
-    return r;
-  }
+  dynStepReport report() const { return report_of(m, d); }
   void steps(int n) {
     for (int k = 0; k < n; ++k) {
       ASSERT_EQ(DYN_OK, dyn_step(m, d)) << dyn_last_error();
