@@ -289,7 +289,9 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
       failed = stable_explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
       if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
       break;
-    case DYN_INTEGRATOR_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations, record_stages(m, d)); break;
+    case DYN_INTEGRATOR_IMPLICIT_MIDPOINT:
+      failed = implicit_midpoint_step(m, d, s, h, report.evaluations, record_stages(m, d));
+      break;
     case DYN_INTEGRATOR_REFERENCE: {
       dynStepReport inner{};
       failed = advance_to_accuracy<DormandPrince8>(m, d, s, h, T(0), inner, tuning::reference_steps);

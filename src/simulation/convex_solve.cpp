@@ -89,7 +89,8 @@ double Convex::line_search() {
   if (!(first < 0)) return 1;
   const auto is_low = [&](double slope) { return 2 * std::abs(slope) <= -first; };
   const int most = std::numeric_limits<double>::digits;  // doublings, or halvings
-  for (int k = 0; k < most && at_high < 0 && !is_low(at_high); ++k) low = high, at_low = at_high, high *= 2, at_high = slope(high);
+  for (int k = 0; k < most && at_high < 0 && !is_low(at_high); ++k)
+    low = high, at_low = at_high, high *= 2, at_high = slope(high);
   if (is_low(at_high)) return high;
   double t = high;
   for (int k = 0; k < most; ++k) {

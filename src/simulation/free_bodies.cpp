@@ -158,7 +158,8 @@ struct RotationExp {
                                                        h, lane(guess, k)));
 }
 
-// Solves I w' = exp(-h w') L by fixed-point iteration, in each lane while its change is half the last; converged lanes stay as they are.
+// Solves I w' = exp(-h w') L by fixed-point iteration, in each lane while its change is half the last. Converged lanes stay as they
+// are.
 DYN_INLINE Vec3<Double4> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Double4>& L, double step,
                                                    const Vec3<Double4>& guess) {
   const Double4 h(step);

@@ -167,7 +167,8 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
       return Progress::stuck;
     }
     const double found = take(report);
-    const bool stalls = !(damped && x.is_exact()) && !(found < solver::tuning::newton_method::progress * last);  // a damped step is slow in any case
+    // a damped step is slow in any case
+    const bool stalls = !(damped && x.is_exact()) && !(found < solver::tuning::newton_method::progress * last);
     last = found;
     return found <= x.tolerance || (found <= enough && stalls) ? Progress::solved : Progress::going;
   };

@@ -23,8 +23,8 @@ double after_a_step(Model model, double by, double v) {
   return run.v[0];
 }
 
-// MuJoCo's documentation, "Solver parameters": a + R f = -b v - k d r with R = (1 - d) / d W. Here W = 1 / mass, so that the share d of
-// the reference acceleration acts.
+// MuJoCo's documentation, "Solver parameters": a + R f = -b v - k d r with R = (1 - d) / d W. Here W = 1 / mass, so that the share
+// d of the reference acceleration acts.
 double pushed_back(double by, double v, double d, double k, double b) { return v + 1e-3 * d * (-b * v - k * d * by); }
 
 // 0.0001 <= d <= 0.9999. Near the limit d(r) is the first number, while k and b are scaled by the second.

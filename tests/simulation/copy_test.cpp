@@ -51,10 +51,10 @@ void set_all(const dynModel* m, dynData* d, int k) {
   ASSERT_EQ(DYN_OK, dyn_data_set_pair(m, d, k + 1, 0));
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_masks(m, d, 3, 1u << k, 1));
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(m, d, 2, k ? std::uint32_t(DYN_EFFECT_DEFAULT) : 0u));
-  dynConstraint held;
-  dyn_constraint_init(&held, k ? DYN_CONSTRAINT_TYPE_DISTANCE : DYN_CONSTRAINT_TYPE_POINT);
-  held.first = dyn_model_frame_id(m, "high"), held.second = dyn_model_frame_id(m, "ball"), held.length = 1;
-  ASSERT_EQ(DYN_OK, dyn_data_set_constraint(m, d, k, &held)) << dyn_last_error();
+  dynConstraint tie;
+  dyn_constraint_init(&tie, k ? DYN_CONSTRAINT_TYPE_DISTANCE : DYN_CONSTRAINT_TYPE_POINT);
+  tie.first = dyn_model_frame_id(m, "high"), tie.second = dyn_model_frame_id(m, "ball"), tie.length = 1;
+  ASSERT_EQ(DYN_OK, dyn_data_set_constraint(m, d, k, &tie)) << dyn_last_error();
   if (!k) {
     ASSERT_EQ(DYN_OK, dyn_data_anchor_constraint(m, d, k, nullptr)) << dyn_last_error();
   }

@@ -70,9 +70,9 @@ TEST(Correction, TwentySweepsStraightenATower) {
   EXPECT_NEAR(0.2, (run.q[last] - at[last]) / (count * 1e-4), 0.02);  // ten sweeps: 0.14, forty: 0.29
 }
 
-// A slider overlaps two walls, the one by 1.2 mm, the other by 0.8 mm; a step corrects halves. Rows that contradict each other give way
-// by a tenth of what they push: with the pushes A and B, A - B = 0.6 mm - 0.1 A = 0.1 B - 0.4 mm, so the slider moves by 0.2 mm / 2.1.
-// Twenty sweeps leave an eighth.
+// A slider overlaps two walls, the one by 1.2 mm, the other by 0.8 mm; a step corrects halves. Rows that contradict each other
+// give way by a tenth of what they push: with the pushes A and B, A - B = 0.6 mm - 0.1 A = 0.1 B - 0.4 mm, so the slider moves by
+// 0.2 mm / 2.1. Twenty sweeps leave an eighth.
 TEST(Correction, ErrorsThatContradictGiveWay) {
   const double none[3] = {0, 0, 0};
   Builder b;
