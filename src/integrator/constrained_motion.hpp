@@ -6,6 +6,7 @@
 #include "algorithm/constrained/algorithms.hpp"
 #include "algorithm/constrained/redundant_rows.hpp"
 #include "algorithm/external_forces.hpp"
+#include "integrator/tuning.hpp"
 
 namespace dyn::integrator {
 

@@ -5,8 +5,9 @@
 // A body in free flight keeps its momentum to rounding.
 #pragma once
 
+#include <limits>
+
 #include "algorithm/configuration.hpp"
-#include "integrator/tuning.hpp"
 #include "spatial/explog.hpp"
 
 namespace dyn::integrator {
@@ -36,6 +37,13 @@ Vec3<T> solve3(const Mat3<T>& A, const Vec3<T>& b) {
   return Vec3<T>::make(dot(b, yz), dot(b, zx), dot(b, xy)) * (T(1) / dot(A.x, yz));
 }
 
+// Square of the rounding of a rotated vector, relative.
+template <class T>
+constexpr T rounding_square() {
+  const T rounding = 4 * std::numeric_limits<T>::epsilon();
+  return rounding * rounding;
+}
+
 // Solves I w' = exp(-h w') L by Newton's method, for large rotations in a step:
 //   (I - h [y] J(h w)) dw = y - I w with y = exp(-h w) L
 // Beyond a full turn Newton may stop at a local minimum: then at least |L| is kept.
@@ -44,12 +52,12 @@ template <class T>
                                                                       const Vec3<T>& guess) {
   const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
   Vec3<T> w = guess, r = left(w);
-  const T enough = T(tuning::rotation_tolerance) * dot(L, L);
+  const T enough = rounding_square<T>() * dot(L, L);
   for (int k = 0; k < std::numeric_limits<T>::digits && dot(r, r) > enough; ++k) {
     const Vec3<T> dw = solve3(I - skew(r + I * w) * Jexp3(w * h) * h, r);
     T part = T(1);
     Vec3<T> next = w + dw, r_next = left(next);
-    for (; !(dot(r_next, r_next) < dot(r, r)) && part > T(tuning::rotation_min_step); r_next = left(next))
+    for (; !(dot(r_next, r_next) < dot(r, r)) && part > std::numeric_limits<T>::epsilon(); r_next = left(next))
       part = part * T(0.5), next = w + dw * part;
     if (!(dot(r_next, r_next) < dot(r, r))) break;
     w = next, r = r_next;
@@ -65,7 +73,7 @@ Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const
   for (T last = std::numeric_limits<T>::infinity(); changes && halves;) {  // fixed point, while each change is half the last
     const Vec3<T> next = solve3(I, exp3(w * -h) * L), change = next - w;
     const T square = dot(change, change);
-    w = next, changes = square > T(tuning::rotation_tolerance) * dot(w, w);
+    w = next, changes = square > rounding_square<T>() * dot(w, w);
     halves = 4 * square < last, last = square;
   }
   if (changes) w = implicit_angular_velocity_newton(I, L, h, guess);

@@ -9,6 +9,7 @@
 
 #include "integrator/chart.hpp"
 #include "integrator/stepping.hpp"
+#include "integrator/tuning.hpp"
 #include "model/length.hpp"
 
 namespace dyn::integrator {

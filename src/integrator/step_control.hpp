@@ -3,6 +3,7 @@
 
 #include "base/portable.hpp"
 #include "integrator/chart.hpp"
+#include "integrator/tuning.hpp"
 
 namespace dyn::integrator {
 

@@ -55,8 +55,4 @@ inline constexpr double projection_damping = 1e-9;    // least damping of the pr
 inline constexpr int midpoint_iterations = 200, midpoint_stalls = 3;  // bound; iterations in a row that do not halve the residual
 inline constexpr int midpoint_rounding = 64;          // of the rounding: a stalled residual below it is accepted
 
-// Large rotations of free bodies (free_flight.hpp).
-inline constexpr double rotation_tolerance = 1e-30;   // squared relative change or residual: rounding
-inline constexpr double rotation_min_step = 1e-3;     // of the line search
-
 }  // namespace dyn::integrator::tuning

@@ -169,7 +169,7 @@ DYN_INLINE Vec3<Double4> implicit_angular_velocity(const FreeBodySet& e, const V
     const Vec3<Double4> next = e.inverse * RotationExp(w * h).inverse(L), change = next - w;
     for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
     const Double4 square = dot(change, change);
-    going &= square > Double4(integrator::tuning::rotation_tolerance) * dot(w, w);
+    going &= square > Double4(integrator::rounding_square<double>()) * dot(w, w);
     slow |= going & (Double4(4.0) * square >= last), going &= ~slow;
     last = square;
   }

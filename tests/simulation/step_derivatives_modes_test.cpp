@@ -57,7 +57,7 @@ TEST(StepDerivatives, TheLargestFrictionIsASwitch) {
 }
 
 // Slower than 1e-9 m/s is rounding.
-TEST(StepDerivatives, SlowSlidingIsSliding) {
+TEST(StepDerivatives, SlidingByNanometresIsSliding) {
   constexpr double mu = 0.4;
   for (const bool slides : {false, true}) {
     Stepper run(slider_on_ground(mu));
