@@ -67,7 +67,7 @@ def test_lengths_rates_and_forces_are_mujocos(case):
 @pytest.mark.parametrize("case", [c for c in MEASURED if "dcmotor" in MEASURED[c] or "pid" in MEASURED[c]])
 def test_drivers_move_as_mujocos(case):
     """Short steps, so that the order of the two integrators does not show."""
-    import mujoco
+    mujoco = pytest.importorskip("mujoco")
 
     scene = ARM.replace('timestep=".001"', 'timestep="1e-5" gravity="0 0 0"')
     theirs, m = both([MEASURED[case].format('name="a"')], scene=scene)
@@ -86,7 +86,7 @@ def test_drivers_move_as_mujocos(case):
 
 
 def test_activations_act_late_unless_actearly():
-    import mujoco
+    mujoco = pytest.importorskip("mujoco")
 
     for early in ("true", "false"):
         law = f'<general name="a" joint="hinge" dyntype="integrator" gainprm="5" actearly="{early}"/>'
@@ -112,7 +112,7 @@ TWO = ['<motor name="a" joint="j" gear="2"/>', '<position name="b" joint="j" kp=
 @pytest.mark.parametrize("weight", ["true", "false"])
 @pytest.mark.parametrize("u", [(0.5, 0.1), (3, 0), (-3, 0), (0.1, -2)])
 def test_the_sum_of_actuators_is_limited(weight, u, tmp_path):
-    import mujoco
+    mujoco = pytest.importorskip("mujoco")
 
     sensor = '<jointactuatorfrc name="s" joint="j"/>'
     text = LIMITED.format(weight=weight, actuators="".join(TWO), sensors=sensor)
@@ -134,7 +134,7 @@ def test_the_sum_of_actuators_is_limited(weight, u, tmp_path):
 
 
 def test_actuators_on_a_limited_tendon_are_scaled():
-    import mujoco
+    mujoco = pytest.importorskip("mujoco")
 
     sensors = '<actuatorfrc name="a" actuator="a"/><actuatorfrc name="b" actuator="b"/>'
     actuators = ['<motor name="a" tendon="t"/>', '<motor name="b" tendon="t" gear="2"/>']
