@@ -110,8 +110,8 @@ void record_step(const Model& m, Data<double>& d, double h) {
   dynErrorLedger& out = l.report;
   const LedgerState after = state_of(m, d);
   using Power = LedgerState::Power;
-  const auto work_of = [&](double Power::*p, bool told) {
-    return told ? l.rows.work.*p : h / 2 * (l.before.power.*p + after.power.*p);
+  const auto work_of = [&](double Power::*p, bool recorded) {
+    return recorded ? l.rows.work.*p : h / 2 * (l.before.power.*p + after.power.*p);
   };
   const bool all = l.rows.all, joints = all || l.rows.at_joints;
   const double change = after.energy - l.before.energy;
@@ -143,7 +143,7 @@ void record_powers(const Model& m, Data<double>& d, double share) {
 }
 
 // The step takes resistance as r = D(v0) v.
-void record_joint_work(const Model&, Data<double>& d, const double* v0, double h, Index first, Index end) {
+void record_joint_work(Data<double>& d, const double* v0, double h, Index first, Index end) {
   LedgerState::Power& work = d.step->ledger.rows.work;
   const std::uint32_t acting = d.acting;
   if (has_friction_rows(d)) d.acting &= ~std::uint32_t(DYN_EFFECT_FRICTION);

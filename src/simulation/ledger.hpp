@@ -17,7 +17,7 @@ void record_step(const Model& m, Data<double>& d, double h);
 void record_powers(const Model& m, Data<double>& d, double share);
 // Of an Euler step from v0 to d.v, before q moves. Records the impulses of tau and of resistance at the degrees of freedom
 // first .. end - 1,
-void record_joint_work(const Model& m, Data<double>& d, const double* v0, double h, Index first, Index end);
+void record_joint_work(Data<double>& d, const double* v0, double h, Index first, Index end);
 // and those of actuators and tendons.
 void record_drive_work(const Model& m, Data<double>& d, const double* v0, double h);
 // Records the impulses of an island.

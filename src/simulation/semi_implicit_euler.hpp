@@ -171,7 +171,7 @@ template <class Part, class T>
 template <class Part>
 [[gnu::cold, gnu::noinline]] void record_euler_work(const Model& m, Data<double>& d, const double* v0, double h,
                                                     const Part& part) {
-  for_each_dof_range(m, part, [&](Index first, Index end) { simulation::record_joint_work(m, d, v0, h, first, end); });
+  for_each_dof_range(m, part, [&](Index first, Index end) { simulation::record_joint_work(d, v0, h, first, end); });
   simulation::record_drive_work(m, d, v0, h);
 }
 

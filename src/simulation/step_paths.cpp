@@ -60,11 +60,11 @@ void StepJacobian::add_path_inertia() const {
   for_each_path_term(*this, [&](const PathTerm& t) {
     if (t.inertia == 0) return;
     const PathRecord& p = m.paths()[t.path];
-    double *const z = x.plus, moved = 0;
+    double* const z = x.plus;
     std::fill_n(z, nv, 0.0);
     for (Index k = p.first_dof; k < p.first_dof + p.dofs; ++k)
       add_row(z, d.Minv + nv * m.path_dofs()[k], d.path_moment[k], nv);
-    for (Index k = p.first_dof; k < p.first_dof + p.dofs; ++k) moved += d.path_moment[k] * z[m.path_dofs()[k]];
+    const double moved = rate_along(m, d, t.path, z);
     for (Index k = 0; k < nv; ++k) add_row(d.Minv + nv * k, z, -t.inertia / (1 + t.inertia * moved) * z[k], nv);
   });
 }
