@@ -30,13 +30,18 @@ bool flies_alone(const Model& m, Index i) {
   return m.bodies()[i].type == BodyType::FreeFlyer && m.bodies()[i].parent == 0 && m.subtree_end()[i] == i + 1;
 }
 
-// Whether joints turn by more than guarded_motion rad, or slide by that share of the length scale. Free bodies keep their momentum.
+// Whether joints turn by more than guarded_motion rad, or slide by that share of the length scale. Free bodies keep their momentum,
+// and gain no energy up to half a turn.
 bool moves_far(const Model& m, const Data<double>& d, const double* v, double h) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // degrees of freedom by BodyType
   const double motion = d.step->guarded_motion;
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
-    if (flies_alone(m, i)) continue;
+    if (flies_alone(m, i)) {
+      const Vec3<double> turn = load3(v + b.user_v + 3) * h;
+      if (!(dot(turn, turn) <= tuning::guard::turn * tuning::guard::turn)) return true;
+      continue;
+    }
     const double unit = b.type == BodyType::Prismatic ? d.step->length : 1;
     const Index first = b.type == BodyType::FreeFlyer ? 3 : 0;
     for (Index k = b.user_v + first, end = b.user_v + sizes[Index(b.type)]; k < end; ++k)

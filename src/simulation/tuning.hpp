@@ -128,6 +128,7 @@ inline constexpr double stiff_spring = 0.25;    // h^2 k over the inertia, half 
 // Energy guard (energy_guard.hpp).
 namespace guard {
 inline constexpr double motion = 0.1;           // rad, or of the length, in a step: slower motion gains little by explicit terms
+inline constexpr double turn = 2.1;             // rad in a step, a third of a turn: slower free bodies do not gain energy
 inline constexpr double usual_ratio = 1e4;      // of the mass beyond a joint over its link's: larger ones lower `motion`
 inline constexpr double share = 0.02;           // of the kinetic energy that a step may gain: order 1 errs by about motion^2
 inline constexpr double high_order_share = 1e-3;  // the same by methods of order 2 and more: beyond, an oscillation is unresolved

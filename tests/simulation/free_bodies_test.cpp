@@ -85,7 +85,8 @@ TEST(FreeBodies, PlacedJointFallsAlongWorldGravity) {
   EXPECT_NEAR(0.1, height(), 1e-6);
 }
 
-// Large rotations: the momentum is exact up to a third of a turn a step; beyond, its length is.
+// Large rotations: the momentum is exact up to a third of a turn a step; beyond, its length is, and steps that gain energy are made
+// in parts.
 TEST(FreeBodies, MomentumIsKeptAtAnySpeed) {
   for (const bool recursion : {false, true})
     for (const double rate : {1.0, 100.0, 300.0, 400.0, 500.0, 700.0, 1000.0, 2000.0, 10000.0}) {
@@ -100,13 +101,15 @@ TEST(FreeBodies, MomentumIsKeptAtAnySpeed) {
       };
       const auto before = momentum();
       const double L = std::hypot(before[3], before[4], before[5]), energy = run.energy();
-      run.steps(1000);
+      int parts = 0;
+      for (int k = 0; k < 1000; ++k) run.steps(1), parts += run.report().rejected > 0;
       const auto after = momentum();
+      EXPECT_EQ(rate > 2000, parts > 0) << rate;
       for (std::size_t k = 0; k < 3; ++k)
         EXPECT_NEAR(before[k], after[k], 1e-11 + 1e-14 * rate) << rate;  // tolerances grow with the speed of points
       for (std::size_t k = 3; k < 6 && rate <= 2000; ++k) EXPECT_NEAR(before[k], after[k], 1e-11 * L) << rate << " " << recursion;
       EXPECT_NEAR(L, std::hypot(after[3], after[4], after[5]), 1e-11 * L) << rate << " " << recursion;
-      EXPECT_LT(run.energy(), 2.7 * energy) << rate;
+      EXPECT_LT(run.energy(), 1.05 * energy) << rate;
     }
 }
 
