@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Measure libdyn and write its tables into README.md and capi/pages (pages.py), and the plot.
 
-Usage:  report.py [--sections speed,instructions,scaling,python] [--dyn EXE] [--pinocchio EXE ...] [--python PY]
+Usage:  report.py [--sections speed,levels,instructions,scaling,python] [--dyn EXE] [--pinocchio EXE ...] [--python PY]
                   [--runs N] [--seconds S] [--json FILE]
 
   speed         time of every algorithm over that of the fastest build of Pinocchio (compare.py), and its plot (plot.py)
+  levels        the same for each instruction set that the library carries, over Pinocchio compiled for it; and what lanes bring
+                to a batch (lanes.py)
   instructions  instructions of a call, by single steps (dyn_bench --count), beside time and operations counted from the
                 formulas (flops.py)
   scaling       cost per joint on chains of up to 10,000 joints, beside that of moving the same bytes (dyn_stream); derivatives
@@ -17,7 +19,7 @@ Usage:  report.py [--sections speed,instructions,scaling,python] [--dyn EXE] [--
   --runs, --seconds  interleaved runs and seconds per row of one of them, for speed (default 3, 0.03)
   --json FILE      the figures as well
 
-Takes four to five minutes on an idle machine. Under load: chrt -f 50 python3 bench/report.py
+Takes eight minutes on an idle machine. Under load: chrt -f 50 python3 bench/report.py
 """
 import argparse
 import json
@@ -41,6 +43,9 @@ NAMES = {"panda": "arm with mimic", "panda_no_mimic": "arm", "go2": "quadruped",
 MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating", "models/robots/humanoid.urdf:floating",
           "chain:100"]
 COUNTED = ["forward_kinematics", "rnea", "aba", "crba", "rnea_derivatives"]
+# an instruction set of libdyn (DYN_LEVEL), and the names of Pinocchio's builds for it
+LEVELS = [("x86-64-v4", "*-native"), ("x86-64-v3", "*-v3"), ("plain", "*_O3")]
+LISTED = ["forward_kinematics", "rnea", "aba", "crba", "minv", "rnea_derivatives", "aba_derivatives"]
 SHAPES = [("chain of 100", ("chain", "100")), ("chain of 1,000", ("chain", "1000")), ("star of 100", ("star", "100")),
           ("star of 1,000", ("star", "1000")), ("binary tree of 1,000 leaves", ("tree", "1999", "--branching", "2"))]
 LENGTHS = [100, 1000, 10000]
@@ -113,6 +118,45 @@ def summary(version, builds, sizes, lines):
             "1 libdyn is faster.\n\n"
             + compare.table(["algorithm"] + sizes, [line for line in lines if line[0] in rows]))
     pages.write("summary", f"{text}\n\n```\n{COMMAND}\n```")
+
+
+def level(args, tmp, name, builds):
+    """Ratios by algorithm and robot, and gains of lanes by robot and algorithm; None if this machine has not the level."""
+    env = {**os.environ, "DYN_LEVEL": name, "PYTHONPATH": str(PROJECT / "capi/python"),
+           "DYN_LIBRARY": str(args.dyn.resolve().parent.parent / "lib")}
+    lanes = json.loads(run([args.python, PROJECT / "bench/lanes.py", "--json"], "lanes.py", env))
+    if name not in lanes["build"] and name != "plain":
+        return None
+    peers = [p for p in args.pinocchio or sorted((PROJECT / "build/peers-bin").glob("pinocchio_bench_*")) if p.match(builds)]
+    if not peers:
+        raise RuntimeError(f"no build of Pinocchio for {name}")
+    out = tmp / f"{name}.json"
+    run([sys.executable, PROJECT / "bench/compare.py", "--dyn", args.dyn, "--python", args.python, "--models", *MODELS, "--runs",
+         args.runs, "--seconds", args.seconds, "--rounds", 2, "--quiet", "--json", out, "--pinocchio", *peers], "compare.py", env)
+    results = json.loads(out.read_text())["results"]
+    ratios = {row: {n: e[row]["ratio"] for n, e in results.items() if e[row]["ratio"]} for row in compare.ROWS}
+    return {"ratios": {row: r for row, r in ratios.items() if r}, "gains": lanes["gains"]}
+
+
+def levels(args, tmp):
+    figures = {name: found for name, builds in LEVELS if (found := level(args, tmp, name, builds))}
+    every = {name: [(x, row, n) for row, r in f["ratios"].items() for n, x in r.items()] for name, f in figures.items()}
+    mean = lambda values: f"{geometric_mean(list(values)):.2f}"
+    ratios = [[f"`{row}`"] + [mean(f["ratios"][row].values()) for f in figures.values()] for row in LISTED]
+    ratios.append(["**all algorithms**"] + [f"**{mean(x for x, _, _ in e)}**" for e in every.values()])
+    ratios.append(["largest"] + [f"{x:.2f} (`{row}`, {NAMES[n]})" for x, row, n in map(max, every.values())])
+    ratios.append(["above 1"] + [f"{sum(x > 1 for x, _, _ in e)} of {len(e)}" for e in every.values()])
+    algorithms = list(next(iter(next(iter(figures.values()))["gains"].values())))
+    gains = [[f"`{a}`"] + [", ".join(f"{f['gains'][r][a]:.2f}" for r in f["gains"]) for f in figures.values()]
+             for a in algorithms]
+    text = ("The library carries a build for each instruction set and takes the best that the processor has "
+            "(`DYN_LEVEL` chooses another). Time of libdyn over that of the faster of g++'s and clang++'s build of Pinocchio for "
+            "the same instruction set; plain is SSE2. Geometric means over the robots of the table of "
+            "[algorithms](measured_speed.md).\n\n" + compare.table(["algorithm", *figures], ratios)
+            + "\n\nHow many times as fast a batch of 1,000 states is on one thread in lanes as one by one (`exact=True`): arm, "
+            "quadruped, humanoid. 1.00: it is not done in lanes, because its results take longer to write.\n\n"
+            + compare.table(["algorithm", *figures], gains))
+    return text, figures
 
 
 def dyn_bench(args, urdf, base, *more):
@@ -212,7 +256,7 @@ def python(args, tmp):
     return text, rows
 
 
-SECTIONS = {"speed": speed, "instructions": instructions, "scaling": scaling, "python": python}
+SECTIONS = {"speed": speed, "levels": levels, "instructions": instructions, "scaling": scaling, "python": python}
 
 
 def write(section, text):

@@ -15,7 +15,7 @@ Usage:  build_pinocchio.py [--venv DIR] [--out DIR] [--pin-version V] [--eigen D
   --force        rebuild even if nothing changed
 
 Compilers: g++ and clang++ (override with the environment variables GXX and CLANGXX), each with
--O3 and with -O3 -march=native; a compiler that is missing is skipped with a message. Prints the
+-O3, -O3 -march=native and, on x86-64, -O3 -march=x86-64-v3; a compiler that is missing is skipped with a message. Prints the
 path of each executable on stdout, one per line. Exit status 0 if at least one was built.
 The executables link nothing from the environment.
 """
@@ -23,6 +23,7 @@ import argparse
 import concurrent.futures
 import hashlib
 import os
+import platform
 import shlex
 import shutil
 import subprocess
@@ -44,6 +45,8 @@ DEFINES = [
 ]
 COMPILERS = [("clang", os.environ.get("CLANGXX", "clang++")), ("gcc", os.environ.get("GXX", "g++"))]
 FLAGS = [("O3", ["-O3"]), ("O3-native", ["-O3", "-march=native"])]
+if platform.machine() == "x86_64":
+    FLAGS.append(("O3-v3", ["-O3", "-march=x86-64-v3"]))
 
 
 def say(text):
@@ -168,7 +171,7 @@ def main():
     found = [(n, c) for n, c in COMPILERS if shutil.which(c)]
     for n, c in COMPILERS:
         if not shutil.which(c):
-            say(f"compiler '{c}' not found: its two builds are skipped")
+            say(f"compiler '{c}' not found: its builds are skipped")
     if not found:
         die("no C++ compiler found (g++ or clang++)")
 

@@ -75,13 +75,16 @@ void Island::sweep_while_improving(dynContactReport& report) {
   if (report.residual > before) report.residual = before, std::copy_n(kept, rows, lambda);
 }
 
-// Approximate displacement for position corrections; later steps correct the rest. Sets by_dof. Returns false if rows contradict
-// each other.
+// Approximate displacement for position corrections; later steps correct the rest. Sweeps hardly move a tall stack, and change it
+// as they change rows that contradict each other: Newton's method finds what they leave of large islands. Derivatives of a step
+// (step_correction.cpp) follow the sweeps. Sets by_dof. Returns false if rows contradict each other.
 bool Island::correct_by_sweeps(double softness) {
   const double least =
       std::max(correction_change, uses_sweeps_only() ? tolerance : 0);  // of the largest change in the first sweep
   bool agree = true;
   with_sweeps([&](auto&& sweeps) { agree = sweeps.frictionless(correction_sweeps, least, softness); });
+  if (large() && softness == 0 && !uses_sweeps_only() && has_runs() && ordered() && !w.time_is_up())
+    build_rows(), agree |= Newton(*this).frictionless(least);
   clear_supporting_dofs(), scatter_all();
   return agree;
 }

@@ -1,5 +1,7 @@
 #include "simulation/newton.hpp"
 
+#include <utility>
+
 #include "algorithm/constrained/delassus.hpp"
 #include "solver/residuals.hpp"
 
@@ -190,6 +192,55 @@ bool Newton::least_norm(double tolerance) {
     candidate(best);
     if (residual(best) <= tolerance) return G.write(best), true;
     for_each([&](const Block& b, State& s, Index constraint) { s.acts &= may_pull(constraint) || y[b.first] > 0; });
+  }
+  return false;
+}
+
+// Of rows in their bounds, and of contacts' normals, by their active sets (Hintermueller, Ito and Kunisch 2002).
+bool Newton::frictionless(double tolerance) {
+  const auto bounds = [](const Block& b) { return b.is_cone() ? std::pair(0.0, HUGE_VAL) : std::pair(b.lower, b.upper); };
+  const auto pressing = [](const Block& b) { return b.is_cone() ? 1 : b.rows; };  // rows, the first
+  const auto error = [&](const double* impulses, const double* velocities) {
+    double worst = 0;
+    for_each([&](const Block& b, const State&, Index) {
+      const auto [low, high] = bounds(b);
+      for (Index r = 0, i = b.first; r < pressing(b); ++r, ++i)
+        worst = std::max(worst, std::abs(impulses[i] - std::clamp(impulses[i] - velocities[i], low, high)) * b.per_speed[r]);
+    });
+    return worst;
+  };
+  bool rigid = true;
+  for_each([&](const Block& b, State& s, Index) {
+    std::fill_n(&s.law[0][0], Block::max_rows * Block::max_rows, 0.0);
+    for (Index i = 0; i < b.rows; ++i) rigid &= b.soft[i] == 0;
+    for (Index i = 0; i < pressing(b); ++i) s.law[i][i] = 1 / min_compliance;
+  });
+  std::fill_n(dy, x.rows, 0.0);
+  const double first = error(dy, g);
+  if (!rigid) return false;
+  if (error(y, c) <= tolerance * first) return true;
+  double last = first;
+  for (Index k = 0; k < max_steps; ++k) {
+    std::fill_n(w.newton_acts, e.size, false);
+    for_each([&](const Block& b, State& s, Index constraint) {
+      const auto [low, high] = bounds(b);
+      const double aim = y[b.first] - c[b.first];
+      s.acts = aim > low && aim < high;
+      if (s.acts) activate(constraint);
+    });
+    if (!factorize_laws(true)) return false;
+    for (Index i = 0; i < x.rows; ++i) method.rhs[i] = -g[i];
+    solve_laws(method.rhs, y, c, min_compliance);
+    for (Index i = 0; i < x.rows; ++i) c[i] += g[i];
+    const double now = error(y, c);
+    if (std::min(now, last) > first) return false;
+    last = now;
+    if (now > tolerance * first) continue;
+    for_each([&](const Block& b, const State&, Index) {
+      const auto [low, high] = bounds(b);
+      for (Index i = b.first; i < b.first + b.rows; ++i) y[i] = std::clamp(y[i], low, high);
+    });
+    return G.write(y), true;
   }
   return false;
 }

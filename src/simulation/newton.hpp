@@ -22,6 +22,9 @@ class Newton {
   // Sets lambda to the smallest impulses with which contacts that press in the guess stick; those that would pull are left out.
   // Returns false, and changes nothing, if they are no solution.
   bool least_norm(double tolerance);
+  // Sets lambda to the smallest impulses without friction if it is not near to them. tolerance: of the largest error. Returns
+  // false, and changes nothing, if they are not found.
+  bool frictionless(double tolerance);
   // Sets lambda to the feasible impulses nearest to the result if they are better than the guess.
   void write_best(dynContactReport& report);
 

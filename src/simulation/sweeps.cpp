@@ -139,6 +139,7 @@ template <class Operator>
 bool Sweeps<Operator>::frictionless(int most, double share, double softness) {
   std::fill_n(y, x.rows, 0.0), G.clear();
   double first = 0, last = 0;
+  bool agree = true;
   for (int n = 0; n < most; ++n) {
     double changed = 0;
     G.for_each([&](const Block& s, Index k) {
@@ -163,11 +164,11 @@ bool Sweeps<Operator>::frictionless(int most, double share, double softness) {
     });
     if (n == 0) first = changed;
     else if (changed <= share * first) break;
-    else if (softness == 0 && n == most - 1 && changed >= contradictory_progress * std::max(first, last)) return false;
+    else if (softness == 0 && n == most - 1) agree = changed < contradictory_progress * std::max(first, last);
     last = changed;
   }
   write();
-  return true;
+  return agree;
 }
 
 template <class Operator>

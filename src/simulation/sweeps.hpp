@@ -17,8 +17,7 @@ class Sweeps {
   // Improves y until the residual meets the tolerance, no longer falls, or `most` sweeps are made.
   void run(Index most, dynContactReport& report);
   // Smallest normal impulses, without friction and compliance, from y = 0, to a share of the first sweep's change. Rows give way
-  // by `softness` (Island::free_share). Returns false if softness is 0 and changes grow, as of rows that contradict each other:
-  // the island's lambda is then as before.
+  // by `softness` (Island::free_share). Returns false if softness is 0 and changes grow, as of rows that contradict each other.
   bool frictionless(int most, double share, double softness);
   // The island's lambda from y.
   void write() const;

@@ -1,8 +1,10 @@
 // Smoothed projections onto bounds and onto second-order cones that are their own duals, |t| <= n, and their derivatives:
 //   P(z) = sum g(z_i) e_i,  g(z) = (z + sqrt(z^2 + 4 eps^2)) / 2
 // over the spectral decomposition of z (Chen and Harker 1993; Kanzow 1996; Fukushima, Luo and Tseng 2002).
+// S: double, or several cones in lanes.
 #pragma once
 
+#include "base/simd.hpp"
 #include "solver/block.hpp"
 
 namespace dyn::solver {
@@ -10,33 +12,52 @@ namespace dyn::solver {
 struct Smoothed {
   double eps;
 
-  struct Bounded {
-    double value, slope;
+  template <class S>
+  struct Value {
+    S value, slope;
   };
   // (normal, along t / |t|); d normal / d n = d along / d |t|: own; d normal / d |t|: mixed; along / |t|: across
+  template <class S, int rows>
   struct Projected {
-    double direction[Block::max_rows - 1];
-    double normal, along, own, mixed, across;
+    S direction[rows - 1];
+    S normal, along, own, mixed, across;
   };
 
-  double plus(double z) const { return (z + std::sqrt(z * z + 4 * eps * eps)) / 2; }
-  double slope(double z) const { return (1 + z / std::sqrt(z * z + 4 * eps * eps)) / 2; }
-  Bounded bounded(double z, double lower, double upper) const {
-    Bounded out{z, 1};
-    if (!std::isinf(lower)) out = {lower + plus(z - lower), slope(z - lower)};
-    if (!std::isinf(upper)) out.value -= plus(z - upper), out.slope -= slope(z - upper);
+  template <class S>
+  DYN_INLINE Value<S> plus(S z) const {
+    using std::sqrt;
+    const S root = sqrt(z * z + S(4 * eps * eps));
+    return {(z + root) * S(0.5), (S(1.0) + z / root) * S(0.5)};
+  }
+  Value<double> bounded(double z, double lower, double upper) const {
+    Value<double> out{z, 1};
+    if (!std::isinf(lower)) out = plus(z - lower), out.value += lower;
+    if (!std::isinf(upper)) {
+      const Value<double> above = plus(z - upper);
+      out.value -= above.value, out.slope -= above.slope;
+    }
     return out;
   }
-  DYN_INLINE Projected cone(const double* z, Index rows) const {
-    Projected out;
-    const double length = norm(z + 1, rows - 1);
-    for (Index i = 1; i < rows; ++i) out.direction[i - 1] = length > 0 ? z[i] / length : i == 1;
-    const double low = z[0] - length, high = z[0] + length, a = plus(low), b = plus(high);
-    const double low_slope = slope(low), high_slope = slope(high);
-    out.normal = (a + b) / 2, out.along = (b - a) / 2;
-    out.own = (high_slope + low_slope) / 2, out.mixed = (high_slope - low_slope) / 2;
-    out.across = length > tuning::epsilon * high ? out.along / length : out.own;
+  template <int rows, class S>
+  DYN_INLINE Projected<S, rows> cone(const S* z) const {
+    using std::sqrt;
+    Projected<S, rows> out;
+    S square = z[1] * z[1];
+    for (int i = 2; i < rows; ++i) square = square + z[i] * z[i];
+    const S length = sqrt(square);
+    const Value<S> low = plus(z[0] - length), high = plus(z[0] + length);
+    for (int i = 1; i < rows; ++i) out.direction[i - 1] = choose(length > S(0.0), z[i] / length, S(double(i == 1)));
+    out.normal = (low.value + high.value) * S(0.5), out.along = (high.value - low.value) * S(0.5);
+    out.own = (high.slope + low.slope) * S(0.5), out.mixed = (high.slope - low.slope) * S(0.5);
+    out.across = choose(length > S(tuning::epsilon) * (z[0] + length), out.along / length, out.own);
     return out;
+  }
+
+ private:
+  static DYN_INLINE double choose(bool first, double a, double b) { return first ? a : b; }
+  template <class T, int N>
+  static DYN_INLINE Simd<T, N> choose(const typename Simd<T, N>::Mask& first, const Simd<T, N>& a, const Simd<T, N>& b) {
+    return select(first, a, b);
   }
 };
 
