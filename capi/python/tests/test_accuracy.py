@@ -13,7 +13,7 @@ PENDULUM = (ROBOTS / "double_pendulum.urdf", "--fixed", "--q", "1.2,0.4", "--wit
 
 @pytest.fixture(scope="module")
 def smooth():
-    return answer("accuracy", *PENDULUM, "--duration", "0.5", "--budget", "20s", "--target", "1e-6m")
+    return answer("accuracy", *PENDULUM, "--duration", "0.5", "--budget", "120s", "--target", "1e-6m")
 
 
 def by_dt(said, integrator):
@@ -103,7 +103,7 @@ def test_a_heap_has_statistics(tmp_path):
                     for k, (x, y) in enumerate(random.uniform(-0.1, 0.1, (12, 2))))
     heap = tmp_path / "heap.xml"
     heap.write_text(f'<mujoco><worldbody><geom type="plane" size="5 5 1"/>{boxes}</worldbody></mujoco>')
-    said = answer("accuracy", heap, "--duration", "0.5", "--budget", "15s", "--target", "2e-2m")
+    said = answer("accuracy", heap, "--duration", "0.5", "--budget", "40s", "--target", "2e-2m")
     reference = said["reference"]
     if not reference["statistics"]:
         pytest.skip("its motion is known")
@@ -115,7 +115,7 @@ def test_what_might_touch_and_does_not(tmp_path):
     """Two links swing above a floor that long steps would take for near: the reference is that of smooth motion."""
     (tmp_path / "swing.xml").write_text("""<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 2.2"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 0 0 1"/>
 <body pos="0 0 1"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 0 0 1"/></body></body></worldbody></mujoco>""")
-    said = answer("accuracy", tmp_path / "swing.xml", "--q", "2,1", "--duration", "2", "--budget", "8s")
+    said = answer("accuracy", tmp_path / "swing.xml", "--q", "2,1", "--duration", "2", "--budget", "60s")
     assert said["reference"]["smooth"] and said["reference"]["uncertainty"]["m"] < 1e-12
     rk4 = by_dt(said, "rk4")
     assert max(rk4[0.001], rk4[0.0005]) < 1e-8
@@ -123,7 +123,7 @@ def test_what_might_touch_and_does_not(tmp_path):
 
 def test_resuming(tmp_path):
     kept = tmp_path / "points"
-    words = ("accuracy", *PENDULUM, "--duration", "0.2", "--budget", "10s", "--resume", kept)
+    words = ("accuracy", *PENDULUM, "--duration", "0.2", "--budget", "60s", "--resume", kept)
     first = answer(*words)
     lines = kept.read_text().splitlines()
     assert len(lines) == 2 + len(first["points"])  # the scene, the reference

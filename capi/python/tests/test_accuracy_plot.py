@@ -25,7 +25,7 @@ RESULT = {
 @pytest.mark.skipif(not CLI, reason="the command dyn is not built")
 def test_sweep_is_the_commands(monkeypatch):
     monkeypatch.setenv("DYN_CLI", CLI)
-    said = dyn.accuracy.sweep(ROBOTS / "double_pendulum.urdf", "fixed", q=[1.2, 0.4], without="limits", duration=0.1, budget="3s",
+    said = dyn.accuracy.sweep(ROBOTS / "double_pendulum.urdf", "fixed", q=[1.2, 0.4], without="limits", duration=0.1, budget="30s",
                               target="1e-6m")
     assert said["duration"] == 0.1 and said["recommended"]["error"] <= 1e-6
     lines = dyn.accuracy.methods(said)
