@@ -19,8 +19,8 @@ void guess(const S& a, const B& b, const Pose& X, NearestPair& nearest, Vec& n) 
     const Vec on_a = a.nearest(p).point;
     const Nearest on_b = b.nearest(X.act_inverse(on_a));
     p = X.act(on_b.point);
-    const double d = std::max(on_b.distance, 0.0);
-    if (d > 0 && d < least) n = (p - on_a) * (1 / norm(p - on_a));
+    const double d = std::max(on_b.distance, 0.0), apart = norm(p - on_a);
+    if (apart > 0 && d > 0 && d < least) n = (p - on_a) * (1 / apart);  // of shapes that touch, rounding may leave nothing
     if (!(d < 0.9 * least)) break;
     least = d;
   }
@@ -136,7 +136,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
     }
   };
   search(a, nearest.limit, lower, leaf);
-  if (limited && !(nearest.best.distance < infinity)) {
+  if (limited && !(nearest.best.distance < infinity) && least_skipped < infinity) {
     Result beyond{};
     beyond.distance = least_skipped, beyond.normal = n, beyond.status = Status::Separated;
     return beyond;

@@ -184,6 +184,36 @@ TEST(Surfaces, LimitedDistanceIsALowerBound) {
   EXPECT_GT(within, 100);
 }
 
+// Where a shape touches a surface to rounding, a limited search finds it: a gap of 1e-17 gives no direction.
+TEST(Surfaces, ShapesThatTouchAreFoundWithinALimit) {
+  collision::Options limited;
+  limited.max_distance = 1e-3;
+  int touching = 0;
+  for (int k = 0; k < samples(400); ++k) {
+    SCOPED_TRACE(k);
+    Chance g{std::uint64_t(k)};
+    std::vector<double> heights(64);
+    for (double& x : heights) x = g.uniform(0, 0.2);
+    Faceted m;
+    m.finish_field(heights, 8, 8, 0.25, 0.25, -0.1);
+    const Solid c = g.shape(Type(g.pick(shape::type_count)), 0.1);
+    if (c.shape.type == Type::HalfSpace) continue;
+    Pose B = {g.rotation(), Vec::make(g.uniform(-0.4, 0.4), g.uniform(-0.4, 0.4), 0.5)};
+    for (int n = 0; n < 4; ++n) {
+      const Result r = query(m.shape, Pose::identity(), c.shape, B);
+      B.p = B.p - r.normal * r.distance;
+    }
+    for (int n = 0; n < 100; ++n) {
+      Pose near = B;
+      near.p = near.p + g.direction() * 1e-16;
+      const Result r = query(m.shape, Pose::identity(), c.shape, near, limited);
+      ASSERT_LE(std::abs(r.distance), 1e-8);
+      touching += r.distance == 0 || std::abs(r.distance) < 1e-16;
+    }
+  }
+  EXPECT_GT(touching, 100);
+}
+
 // Rounded triangles equal the rounded box, except inside.
 TEST(Surfaces, RoundedMeshes) {
   Faceted m;
