@@ -111,7 +111,9 @@ dynStatus check_contact_model(const Model& m, const dynStepOptions& options) {
                                                           const char* function, double t) {
   if (answer > 0)
     return fail(DYN_ERROR_NUMERIC,
-                "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,
+                "%s: forward dynamics is singular at joint '%s' near t = %g s: what it moves has no inertia there, so give it mass, "
+                "or the joint armature; the state is as before the step",
+                function,
                 m.string(m.joints()[answer].name), t);
   if (answer == integrator::not_converged)
     return fail(
