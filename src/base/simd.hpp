@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
@@ -259,6 +260,10 @@ DYN_INLINE T sum(const Simd<T, N>& a) {
 // One bit for each lane of a mask, the lowest for the first lane.
 template <class T, int N>
 DYN_INLINE unsigned bits_of(const Simd<T, N>& m) {
+#if defined(__AVX512DQ__)
+  typedef long long Eight __attribute__((vector_size(64)));
+  if constexpr (std::is_same_v<T, std::int64_t> && N == 8) return unsigned(__builtin_ia32_cvtq2mask512(Eight(m.x)));
+#endif
 #if defined(__AVX__)
   if constexpr (std::is_same_v<T, std::int64_t> && N == 4) return unsigned(__builtin_ia32_movmskpd256(reinterpret<double>(m).x));
   if constexpr (std::is_same_v<T, std::int32_t> && N == 8) return unsigned(__builtin_ia32_movmskps256(reinterpret<float>(m).x));
@@ -280,9 +285,9 @@ DYN_INLINE bool all(const Simd<T, N>& m) {
   return bits_of(m) == (1u << N) - 1;
 }
 // f(lane) for each bit, from the lowest
-template <class F>
-DYN_INLINE void for_each_bit(unsigned bits, F&& f) {
-  for (; bits; bits &= bits - 1) f(int(__builtin_ctz(bits)));
+template <class Bits, class F>
+DYN_INLINE void for_each_bit(Bits bits, F&& f) {
+  for (; bits; bits &= bits - 1) f(std::countr_zero(bits));
 }
 
 }  // namespace dyn

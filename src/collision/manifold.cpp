@@ -101,22 +101,6 @@ constexpr ClosedForm closed_form_of() {
   else if constexpr (A::type == Type::Box && B::type == Type::Box) return boxes;
   else return nullptr;
 }
-struct ClosedForms {
-  static constexpr int types = int(shape::Type::HeightField) + 1;
-  ClosedForm at[types][types] = {};
-};
-constexpr ClosedForms closed_forms = [] {
-  ClosedForms t;
-  shape::each_shape([&]<class A>() {
-    shape::each_shape([&]<class B>() { t.at[Index(A::type)][Index(B::type)] = closed_form_of<A, B>(); });
-  });
-  return t;
-}();
-inline bool closed_form(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin,
-                        Manifold& out) {
-  const ClosedForm f = closed_forms.at[Index(a.type)][Index(b.type)];
-  return f && f(a, XA, b, XB, margin, out);
-}
 
 // Part of a shape that the nearest point to a sphere lies on. A hull's corner needs no face around it.
 std::uint32_t nearest_part(const shape::Shape& s, const Pose& X, bool sphere_is_a, const Result& r, double same, double band) {
@@ -198,20 +182,53 @@ void sphere_point(const shape::Shape& s, const Pose& X, bool sphere_is_a, const 
   }
 }
 
-[[gnu::noinline]] void search(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin,
-                              Workspace& workspace, Manifold& out, const Options& options) {
-  Options limited = options;
-  limited.says_unique = false, limited.max_distance = margin;
-  const Result r = distance(a, X_WA, b, X_WB, workspace, limited);
+// What the general case is given: a distance, or what a query for it needs.
+struct Given {
+  const Result* distance;
+  Workspace* workspace;
+  const Options* options;
+};
+[[gnu::noinline]] void general(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin,
+                               Manifold& out, const Given& given) {
+  Result found;
+  if (!given.distance) {
+    Options limited = *given.options;
+    limited.says_unique = false, limited.max_distance = margin;
+    found = distance(a, XA, b, XB, *given.workspace, limited);
+  }
+  const Result& r = given.distance ? *given.distance : found;
   clear(out);
-  if (r.distance <= margin) clipped(a, X_WA, b, X_WB, r, margin, out);
+  if (r.distance <= margin) clipped(a, XA, b, XB, r, margin, out);
 }
+
+using Method = decltype(&general);
+template <ClosedForm closed_form>
+void closed_or_general(const shape::Shape& a, const Pose& XA, const shape::Shape& b, const Pose& XB, double margin, Manifold& out,
+                       const Given& given) {
+  if (!closed_form(a, XA, b, XB, margin, out)) general(a, XA, b, XB, margin, out, given);
+}
+struct Methods {
+  static constexpr int types = int(shape::Type::HeightField) + 1;
+  Method at[types][types];
+};
+constexpr Methods methods = [] {
+  Methods t;
+  for (auto& row : t.at)
+    for (Method& m : row) m = general;
+  shape::each_shape([&]<class A>() {
+    shape::each_shape([&]<class B>() {
+      constexpr ClosedForm f = closed_form_of<A, B>();
+      if constexpr (f != nullptr) t.at[Index(A::type)][Index(B::type)] = closed_or_general<f>;
+    });
+  });
+  return t;
+}();
 
 }  // namespace
 
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin,
               Workspace& workspace, Manifold& out, const Options& options) {
-  if (!closed_form(a, X_WA, b, X_WB, margin, out)) search(a, X_WA, b, X_WB, margin, workspace, out, options);
+  methods.at[Index(a.type)][Index(b.type)](a, X_WA, b, X_WB, margin, out, {nullptr, &workspace, &options});
 }
 
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& r, double margin,
@@ -225,10 +242,9 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
   // boxes on planes and on boxes: the work of steps is stated for the rounding of the general case
   using shape::Type;
   const auto flat = [](Type t) { return t == Type::HalfSpace || t == Type::Box; };
-  const bool general = flat(a.type) && flat(b.type) && (a.type == Type::Box || b.type == Type::Box);
-  if (!general && closed_form(a, X_WA, b, X_WB, margin, out)) return;
-  clear(out);
-  if (r.distance <= margin) clipped(a, X_WA, b, X_WB, r, margin, out);
+  const bool is_general = flat(a.type) && flat(b.type) && (a.type == Type::Box || b.type == Type::Box);
+  const Method method = is_general ? general : methods.at[Index(a.type)][Index(b.type)];
+  method(a, X_WA, b, X_WB, margin, out, {&r, nullptr, nullptr});
 }
 
 }  // namespace dyn::collision

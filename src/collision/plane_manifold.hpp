@@ -19,6 +19,7 @@ struct PlaneContacts {
   bool plane_is_a;
   Manifold& out;
 
+  void start() { out.count = 0, out.normal = plane_is_a ? n : -n; }
   void add(const Vec& p, double distance, std::uint32_t id) {
     if (distance <= margin) put(out.count++, p, distance, id);
   }
@@ -71,6 +72,81 @@ bool facing_contacts(const S& s, const Pose& X, const Vec& m, double height, dou
   return true;
 }
 
+inline constexpr Index few_vertices = 64;  // a word has a bit for each
+// The same of a hull of few vertices, by the heights of all of them.
+inline bool hull_contacts(const shape::Convex& s, const Pose& X, const Vec& m, double height, double steep, double same, double eps,
+                          PlaneContacts& contacts) {
+  const shape::Hull& hull = s.hull;
+  alignas(64) double gap[few_vertices];
+  const std::uint64_t near = s.vertices_below(contacts.margin + eps, m, height, gap);
+  contacts.out.count = 0;
+  if (near == 0) return true;
+  const Index low = s.support_number();
+  if (gap[low] > contacts.margin) return true;
+  std::uint64_t corners = near;
+  if (near & (near - 1)) {  // no branch for a corner: which ones are near cannot be predicted
+    const Index face = s.facing_face(hull.vertex(low), -m, [&](Index v) { return near >> v & 1; });
+    if (face < 0) return false;
+    const double facing = dot(hull.normal(face), m);
+    bool certain = facing * facing > 4 * steep * steep;
+    const Index start = hull.face_start[face], end = hull.face_start[face + 1];
+    Index from = hull.face_vertices[end - 1];
+    corners = 0;
+    for (Index k = start; k < end; ++k) {
+      const Index to = hull.face_vertices[k];
+      const Vec e = hull.vertex(to) - hull.vertex(from);
+      const double along = gap[to] - gap[from];
+      certain &= dot(e, e) - along * along > 4 * same * same;  // across the normal they are not one
+      corners |= std::uint64_t(gap[to] <= contacts.margin) << to, from = to;
+    }
+    if (!certain || std::popcount(corners) > Manifold::most) return false;
+  }
+  for_each_bit(corners, [&](int v) { contacts.put(contacts.out.count++, X.act(hull.vertex(v)), gap[v], std::uint32_t(v)); });
+  return true;
+}
+
+// The cap or the line of a cylinder that faces the plane, numbered as Cylinder::facing does. Returns false, with nothing written,
+// where no corner of the cap is as deep as its rim, or corners are one.
+inline bool cylinder_contacts(const shape::Cylinder& s, const Pose& X, double height, PlaneContacts& contacts) {
+  using shape::Feature;
+  Manifold& out = contacts.out;
+  const Vec &z = X.R.z, &n = contacts.n;
+  const double upright = dot(z, n), rise = upright * s.half, steep = std::abs(upright);
+  const Vec across = n - z * upright;
+  const double square = dot(across, across), rho = std::sqrt(square), fall = rho * s.r, center = height - std::abs(rise);
+  if (center - fall > contacts.margin) return clear(out), true;
+  const double size = s.extent() + s.radius, same = same_point * size;
+  if (s.r < 4 * same || s.half < same) return false;
+  const bool cap = upright * upright >= square, turned = !cap || rho > Feature::tilted * steep;
+  // the first corner of the rim, from its centre: the lowest one, if the cylinder leans
+  const Vec u = turned ? across * (-s.r / rho) : X.R.x * s.r, up = z * std::copysign(s.half, upright);
+  if (!cap) {
+    contacts.start();
+    constexpr std::uint32_t top = 2 * Feature::rim;
+    const double lowest = height - fall;
+    contacts.add(X.p + u + z * s.half, lowest + rise, top), contacts.add(X.p + u - z * s.half, lowest - rise, top + 1);
+    return true;
+  }
+  constexpr double d = Feature::diagonal;
+  const Vec v = cross(z, u), corner[4] = {u, (u + v) * d, v, (v - u) * d}, middle = X.p - up;
+  // heights of these corners over the centre; four more are opposite
+  const Double4 over = turned ? Double4(-1, -d, 0, d) * fall : Double4(1, d, 0, -d) * dot(n, u) + Double4(0, d, 1, d) * dot(n, v);
+  if (!turned && !any(abs(over) >= fall - coincident * size)) return false;
+  const Double4 gap[2] = {Double4(center) + over, Double4(center) - over};
+  const unsigned near = bits_of(gap[0] <= contacts.margin) | bits_of(gap[1] <= contacts.margin) << 4;
+  const std::uint32_t first = upright > 0 ? Feature::rim : 0;
+  contacts.start();
+  const auto put = [&](unsigned k, unsigned place) DYN_INLINE_LAMBDA {
+    contacts.put(int(place), k < 4 ? middle + corner[k] : middle - corner[k - 4], gap[k / 4][k % 4], first + k);
+  };
+  put(0, 0);
+  // no branch for a corner: the next near one takes the place of one that is not
+  if (near != 1)
+    for (unsigned k = 1, place = near & 1; k < Feature::rim; place += near >> k++ & 1) put(k, place);
+  out.count = std::popcount(near);
+  return true;
+}
+
 }  // namespace detail
 
 // Lower bound of the height of a shape whose origin lies at a height above a plane with the normal m in the shape's axes.
@@ -79,8 +155,6 @@ double lowest_corner(const S& s, const Vec& m, double height) {
   if constexpr (S::type == shape::Type::Sphere) return height;
   if constexpr (S::type == shape::Type::Box) return height - dot(sizes(m), s.half);
   if constexpr (S::type == shape::Type::Capsule) return height - std::abs(m[2]) * s.half;
-  if constexpr (S::type == shape::Type::Cylinder)
-    return height - std::abs(m[2]) * s.half - std::sqrt(m[0] * m[0] + m[1] * m[1]) * s.r;
   if constexpr (S::type == shape::Type::Ellipsoid) return height - shape::norm(hadamard(s.semi, m));
   return height - s.extent();
 }
@@ -90,20 +164,21 @@ template <class S>
 bool plane_contacts(const shape::HalfSpace& plane, const Pose& P, const S& s, const Pose& X, bool plane_is_a, double margin,
                     Manifold& out) {
   constexpr double steep = 0.05;  // sine: a line seen end-on is a point (project)
-  const Vec &n = P.R.z, m = transpose_times(X.R, n);  // m: in the shape
+  const Vec& n = P.R.z;
   const double height = dot(n, X.p - P.p) - plane.radius - s.radius;
+  detail::PlaneContacts contacts = {n, s.radius, margin, plane_is_a, out};
+  if constexpr (S::type == shape::Type::Cylinder) return detail::cylinder_contacts(s, X, height, contacts);
+  const Vec m = transpose_times(X.R, n);  // in the shape
   if (lowest_corner(s, m, height) > margin) return clear(out), true;
   const double size = s.extent() + s.radius, same = same_point * size, eps = coincident * size;
-  detail::PlaneContacts contacts = {n, s.radius, margin, plane_is_a, out};
-  const auto start = [&] { out.count = 0, out.normal = plane_is_a ? n : -n; };
   if constexpr (S::type == shape::Type::Sphere) {
-    start();
+    contacts.start();
     contacts.add(X.p, height, 0);
   } else if constexpr (S::type == shape::Type::Box) {
     const Vec t = sizes(m), tilt = hadamard(m, s.half);
     const int i = t[0] >= t[1] && t[0] >= t[2] ? 0 : t[1] >= t[2] ? 1 : 2, j = i == 0 ? 1 : 0, k = i == 2 ? 1 : 2;
     if (s.half[j] < same || s.half[k] < same) return false;
-    start();
+    contacts.start();
     const double face = height - std::abs(tilt[i]), dj = tilt[j], dk = tilt[k];
     const bool upper = m[i] < 0;
     const Vec u = X.R[j] * s.half[j], v = X.R[k] * s.half[k], middle = X.p + X.R[i] * (upper ? s.half[i] : -s.half[i]);
@@ -115,43 +190,18 @@ bool plane_contacts(const shape::HalfSpace& plane, const Pose& P, const S& s, co
     const double rise = m[2] * s.half;
     const bool upright = 1 - m[2] * m[2] < steep * steep;
     if (s.half > 0 && !upright && steep * s.half < same) return false;
-    start();
+    contacts.start();
     if (!(s.half > 0 && upright && rise > 0)) contacts.add(X.p + end, height + rise, 0);
     if (s.half > 0 && !(upright && !(rise > 0))) contacts.add(X.p - end, height - rise, 1);
   } else if constexpr (S::type == shape::Type::Ellipsoid) {
-    start();
+    contacts.start();
     const Vec deepest = s.support(-m);
     contacts.add(X.act(deepest), height + dot(m, deepest), 0);
-  } else if constexpr (S::type != shape::Type::Cylinder) {
-    out.normal = plane_is_a ? n : -n;
-    return detail::facing_contacts(s, X, m, height, steep, same, eps, contacts);
   } else {
-    const double square = m[0] * m[0] + m[1] * m[1], rho = std::sqrt(square);
-    if (s.r < 4 * same || s.half < same) return false;
-    if (m[2] * m[2] >= square) {  // a cap
-      const double z = m[2] > 0 ? -s.half : s.half, lowest = height + m[2] * z, scale = s.r / rho;
-      const bool turned = rho > shape::Feature::tilted * std::abs(m[2]);
-      const double x = turned ? -m[0] * scale : s.r, y = turned ? -m[1] * scale : 0;
-      const double along = m[0] * x + m[1] * y, across = m[1] * x - m[0] * y;
-      constexpr double diagonal = shape::Feature::diagonal;
-      const double c[4] = {along, diagonal * (along + across), across, diagonal * (across - along)};
-      double deepest = 0;
-      for (const double fall : c) deepest = std::max(deepest, std::abs(fall));
-      if (rho * s.r - deepest > eps) return false;
-      start();
-      if (lowest - deepest > margin) return true;
-      const Vec u = X.R.x * x + X.R.y * y, v = X.R.y * x - X.R.x * y, center = X.p + X.R.z * z;
-      const Vec p[4] = {u, (u + v) * diagonal, v, (v - u) * diagonal};
-      const std::uint32_t first = m[2] > 0 ? shape::Feature::rim : 0;  // numbers as Cylinder::facing has them
-      for (std::uint32_t k = 0; k < 4; ++k) contacts.add(center + p[k], lowest + c[k], first + k);
-      for (std::uint32_t k = 0; k < 4; ++k) contacts.add(center - p[k], lowest - c[k], first + 4 + k);
-    } else {  // the line that faces the plane
-      start();
-      const double lowest = height - rho * s.r, rise = m[2] * s.half, scale = -s.r / rho;
-      const Vec middle = X.p + X.R.x * (m[0] * scale) + X.R.y * (m[1] * scale), end = X.R.z * s.half;
-      constexpr std::uint32_t first = 2 * shape::Feature::rim;
-      contacts.add(middle + end, lowest + rise, first), contacts.add(middle - end, lowest - rise, first + 1);
-    }
+    out.normal = plane_is_a ? n : -n;
+    if constexpr (S::type == shape::Type::Convex)
+      if (s.hull.vertices <= detail::few_vertices) return detail::hull_contacts(s, X, m, height, steep, same, eps, contacts);
+    return detail::facing_contacts(s, X, m, height, steep, same, eps, contacts);
   }
   return true;
 }

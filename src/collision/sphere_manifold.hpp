@@ -75,7 +75,7 @@ inline bool outside_box(const shape::Box& s, const Vec& p, const Vec& over, doub
 
 // The sphere has its centre at p. Returns false, with nothing written, where the part is not certain.
 template <class S>
-bool sphere_contact(const S& s, const Pose& X, const Vec& p, double radius, bool sphere_is_a, double margin, Manifold& out) {
+DYN_INLINE bool sphere_contact(const S& s, const Pose& X, const Vec& p, double radius, bool sphere_is_a, double margin, Manifold& out) {
   const Vec center = X.act_inverse(p);
   shape::Nearest near;
   std::uint32_t part = 0;

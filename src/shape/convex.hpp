@@ -1,6 +1,8 @@
 // A convex polytope with its faces and the neighbours of each vertex. The arrays lie elsewhere.
 #pragma once
 
+#include <bit>
+
 #include "shape/argmax.hpp"
 #include "shape/shape.hpp"
 
@@ -64,12 +66,21 @@ struct Convex : Solid<Convex> {
   Vec support(const Vec& d) const { return hull.vertex(last_ = hull.vertices <= search_all ? farthest(d) : climb(d)); }
   // Number of the vertex that support() returned last, as features have it.
   std::uint16_t support_number() const { return std::uint16_t(last_); }
+  // Number of a vertex of a face.
+  Index corner(Index face, Index k) const { return hull.face_vertices[hull.face_start[face] + k]; }
+  // Of hulls of at most 64 vertices: a bit for each one no higher than limit. Writes the heights offset + n.v, padded(vertices) of
+  // them, and makes the lowest of these vertices the last support vertex.
+  std::uint64_t vertices_below(double limit, const Vec& n, double offset, double* heights) const;
   // Whether that vertex, a support point of n, is the only one within `band` of its plane: no neighbour is.
   bool is_alone(const Vec& n, double band) const;
   Nearest nearest(const Vec& p) const;
   Flat flat(const Vec& n) const;
   void facing(const Vec& n, double band, Feature& f) const { facing_at(support(n), n, band, f); }
   void facing_at(const Vec& top, const Vec& n, double band, Feature& f) const;
+  // Number of the face at the last support vertex, at top, that faces n: the one with most corners that is_within(vertex) holds;
+  // of several, the one that faces n most. -1: none.
+  template <class F>
+  DYN_INLINE Index facing_face(const Vec& top, const Vec& n, F&& is_within) const;
   double extent() const { return hull.extent; }
   Inertia<double> solid() const;
 
@@ -102,6 +113,22 @@ inline Index Convex::farthest(const Vec& d) const {
     return x + ArgmaxBlock::load(hull.y + i) * d[1] + ArgmaxBlock::load(hull.z + i) * d[2];
   });
   return std::min(Index(best), hull.vertices - 1);
+}
+
+inline std::uint64_t Convex::vertices_below(double limit, const Vec& n, double offset, double* heights) const {
+  std::uint64_t below = 0;
+  for (Index i = 0; i < hull.vertices; i += argmax_lanes) {
+    const ArgmaxBlock x = ArgmaxBlock::load(hull.x + i) * n[0];
+    const ArgmaxBlock high = x + ArgmaxBlock::load(hull.y + i) * n[1] + ArgmaxBlock::load(hull.z + i) * n[2] + offset;
+    high.store(heights + i);
+    below |= std::uint64_t(bits_of(high <= limit)) << i;
+  }
+  below &= ~std::uint64_t(0) >> (64 - hull.vertices);  // without the padding
+  double least = infinity;
+  for_each_bit(below, [&](int k) {
+    if (heights[k] < least) least = heights[k], last_ = k;
+  });
+  return below;
 }
 
 // Nearest point over all faces; inside, the nearest face.
@@ -177,32 +204,38 @@ inline bool Convex::is_alone(const Vec& n, double band) const {
   return alone;
 }
 
-// Of the faces at the support point, takes the one with most corners in the band. Ties go to the one that faces n most.
-inline void Convex::facing_at(const Vec& top, const Vec& n, double band, Feature& f) const {
-  const double height = dot(top, n), on = 1e-9 * hull.extent;
+template <class F>
+DYN_INLINE Index Convex::facing_face(const Vec& top, const Vec& n, F&& is_within) const {
   Index best = -1;
   double most = 0;
-  const auto is_within = [&](Index v) { return height - (hull.x[v] * n[0] + hull.y[v] * n[1] + hull.z[v] * n[2]) <= band; };
   const auto consider = [&](Index k) {
     const double* const plane = hull.planes + 4 * k;
     const double slope = plane[0] * n[0] + plane[1] * n[1] + plane[2] * n[2];
     int within = 0;
     for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c) within += is_within(hull.face_vertices[c]);
     const double merit = slope > 0 ? within + slope / 2 : 0;  // half a cosine is less than a corner
-    if (merit > most) most = merit, best = k;
+    best = merit > most ? k : best, most = std::max(most, merit);
   };
-  const Index vertex = last_;
-  for (Index i = hull.neighbour_start[vertex]; vertex_faces && i < hull.neighbour_start[vertex + 1]; ++i)
-    consider(vertex_faces[i]);
+  if (vertex_faces) {
+    for (Index i = hull.neighbour_start[last_]; i < hull.neighbour_start[last_ + 1]; ++i) consider(vertex_faces[i]);
+    return best;
+  }
   // four planes at a time: few hold the top
-  for (Index k = 0; !vertex_faces && k < hull.faces; k += 4) {
+  for (Index k = 0; k < hull.faces; k += 4) {
     const auto plane = [&](Index i) { return Double4::load(hull.planes + 4 * std::min(k + i, hull.faces - 1)); };
     Double4 x, y, z, offset;
     transpose4(plane(0), plane(1), plane(2), plane(3), x, y, z, offset);
     const Double4 above = x * top[0] + y * top[1] + z * top[2];
     const unsigned valid = (1u << std::min<Index>(hull.faces - k, 4)) - 1;
-    for_each_bit(bits_of(offset - above <= on) & valid, [&](int i) { consider(k + i); });
+    for_each_bit(bits_of(offset - above <= 1e-9 * hull.extent) & valid, [&](int i) { consider(k + i); });
   }
+  return best;
+}
+
+inline void Convex::facing_at(const Vec& top, const Vec& n, double band, Feature& f) const {
+  const double height = dot(top, n);
+  const Index best = facing_face(
+      top, n, [&](Index v) { return height - (hull.x[v] * n[0] + hull.y[v] * n[1] + hull.z[v] * n[2]) <= band; });
   if (best < 0) return f.add(top, 0);
   const Index start = hull.face_start[best], corners = hull.face_start[best + 1] - start;
   const Index step = (corners + Feature::most - 1) / Feature::most;
