@@ -18,3 +18,14 @@ add_executable(dyn_soak EXCLUDE_FROM_ALL tests/soak/soak.cpp ${DYN_OBJECTS_plain
 target_include_directories(dyn_soak PRIVATE tests)
 target_link_libraries(dyn_soak PRIVATE dyn_flags dyn_warnings ${DYN_HOST_LIBRARIES})
 target_link_options(dyn_soak PRIVATE -sALLOW_MEMORY_GROWTH=1 -sENVIRONMENT=node -sEXIT_RUNTIME=1)
+
+# the npm package
+add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts VERBATIM
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/npm
+  COMMAND ${DYN_PYTHON} -B ${PROJECT_SOURCE_DIR}/capi/js/types.py ${PROJECT_SOURCE_DIR}/include/dyn.h ${PROJECT_SOURCE_DIR}/capi/js/classes.d.ts
+          ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts
+  DEPENDS ${PROJECT_SOURCE_DIR}/include/dyn.h ${PROJECT_SOURCE_DIR}/capi/js/types.py ${PROJECT_SOURCE_DIR}/capi/js/classes.d.ts)
+add_custom_target(dyn_types ALL DEPENDS ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts)
+install(FILES ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts ${PROJECT_BINARY_DIR}/bin/dyn_module.js ${PROJECT_BINARY_DIR}/bin/dyn_module.wasm ${PROJECT_SOURCE_DIR}/LICENSE
+  DESTINATION npm)
+install(FILES capi/js/package.json capi/js/README.md capi/js/libdyn.js capi/js/layout.js capi/js/marshal.js capi/js/live.js DESTINATION npm)
