@@ -166,5 +166,7 @@ class Dyn {
 
 // Compiles the module. options are Emscripten's: wasmBinary, locateFile, ...
 export async function load(options = {}) {
-  return new Dyn(await dynModule(options));
+  const node = globalThis.process?.versions?.node && !options.wasmBinary; // whose fetch reads no files
+  const wasmBinary = node ? await (await import("node:fs/promises")).readFile(new URL("./dyn_module.wasm", import.meta.url)) : options.wasmBinary;
+  return new Dyn(await dynModule({...options, ...(wasmBinary ? {wasmBinary} : {})}));
 }

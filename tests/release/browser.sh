@@ -24,7 +24,7 @@ cmake -S "$root" -B "$same" -G Ninja -DCMAKE_BUILD_TYPE=Release -DDYN_CORE_ONLY=
   "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG -Wno-maybe-uninitialized" >"$folder/log"
 cmake --build "$same" --target dyn_soak >"$folder/log"
 "$same/bin/dyn_soak" --hash --steps $steps >"$folder/hashes"
-node "$build/bin/dyn_soak.js" --hash --steps $steps | diff "$folder/hashes" -
+node --no-experimental-fetch "$build/bin/dyn_soak.js" --hash --steps $steps | diff "$folder/hashes" -
 echo "the hashes of $(wc -l <"$folder/hashes") scenes after $steps steps: the same"
 
 scene=$root/models/scenes/go2_stands.xml
