@@ -48,7 +48,7 @@ export class Model {
 }
 
 export class Data {
-  constructor(model, parts = model.dyn.Part.ALL) {
+  constructor(model, parts = model.dyn.Parts.ALL) {
     this.model = model;
     this.dyn = model.dyn;
     this.pointer = 0;
@@ -164,9 +164,20 @@ class Dyn {
   }
 }
 
+// In Node.js, whose fetch reads no files, and where Emscripten 3.1 takes names of CommonJS to be there.
+async function load_in_node(options) {
+  const {createRequire} = await import("node:module"), {readFile} = await import("node:fs/promises");
+  const names = {require: createRequire(import.meta.url), __dirname: "."};
+  const missing = Object.keys(names).filter((name) => !(name in globalThis));
+  for (const name of missing) globalThis[name] = names[name];
+  try {
+    return await dynModule({wasmBinary: await readFile(new URL("./dyn_module.wasm", import.meta.url)), ...options});
+  } finally {
+    for (const name of missing) delete globalThis[name];
+  }
+}
+
 // Compiles the module. options are Emscripten's: wasmBinary, locateFile, ...
 export async function load(options = {}) {
-  const node = globalThis.process?.versions?.node && !options.wasmBinary; // whose fetch reads no files
-  const wasmBinary = node ? await (await import("node:fs/promises")).readFile(new URL("./dyn_module.wasm", import.meta.url)) : options.wasmBinary;
-  return new Dyn(await dynModule({...options, ...(wasmBinary ? {wasmBinary} : {})}));
+  return new Dyn(await (globalThis.process?.versions?.node ? load_in_node(options) : dynModule(options)));
 }
