@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "base/aligned.hpp"
 #include "collision.hpp"
 #include "handles.hpp"
 
@@ -69,9 +70,9 @@ dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin
                 static_cast<long long>(pair_capacity), static_cast<long long>(max_pairs));
   if (const dynStatus s = check_margin(function, margin)) return s;
   constexpr std::size_t head = (sizeof(BroadPhase) + 63) / 64 * 64;
-  void* memory = std::aligned_alloc(64, head + BroadPhase::bytes(capacity, std::ptrdiff_t(pair_capacity)));
+  void* memory = allocate_aligned(64, head + BroadPhase::bytes(capacity, std::ptrdiff_t(pair_capacity)));
   dynBroadPhase* h = memory ? new_handle<dynBroadPhase>() : nullptr;
-  if (!h) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
+  if (!h) return free_aligned(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
   h->memory = memory;
   h->b = new (memory) BroadPhase(capacity, std::ptrdiff_t(pair_capacity), margin, static_cast<char*>(memory) + head);
   h->magic = live_broad_phase;
@@ -81,7 +82,7 @@ dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin
 
 void dyn_broad_phase_free(dynBroadPhase* broad_phase) {
   if (!broad_phase || broad_phase->magic != live_broad_phase) return;
-  std::free(broad_phase->memory);
+  free_aligned(broad_phase->memory);
   free_handle(broad_phase);
 }
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <new>
 
+#include "base/aligned.hpp"
 #include "guard.hpp"
 
 namespace dyn::capi {
@@ -31,7 +32,7 @@ class Pool {
       return h;
     }
     if (!left) {
-      auto* chunk = static_cast<char*>(std::aligned_alloc(64, chunk_bytes));
+      auto* chunk = static_cast<char*>(allocate_aligned(64, chunk_bytes));
       if (!chunk) return nullptr;
       std::memcpy(chunk, &chunks, sizeof chunks);  // leak checkers look for it
       chunks = chunk, left = per_chunk;

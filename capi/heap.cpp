@@ -30,16 +30,16 @@ std::string large_parts(const Model& m, dynParts asked) {
 
 template <class H>
 void free_with_memory(H* handle) {
-  std::free(handle->memory);
+  free_aligned(handle->memory);
   free_handle(handle);
 }
 // A handle with memory of its own. init(memory, size, handle): makes one in that memory.
 template <class H, class Init>
 dynStatus new_with_memory(const char* function, std::size_t size, H** out, Init&& init) {
   size = (size + 63) / 64 * 64;
-  void* const memory = std::aligned_alloc(64, size);
+  void* const memory = allocate_aligned(64, size);
   H* const handle = memory ? new_handle<H>() : nullptr;
-  if (!handle) return std::free(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
+  if (!handle) return free_aligned(memory), fail(DYN_ERROR_MEMORY, "%s: out of memory", function);
   H* inner = nullptr;
   init(memory, size, &inner);
   *handle = *inner;

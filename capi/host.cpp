@@ -18,7 +18,7 @@ dynStatus fail_of_exception() noexcept {
   } catch (const std::length_error&) {
     return fail(DYN_ERROR_LIMIT, "an array or a name is longer than memory can be: check the sizes that are passed");
   } catch (const std::filesystem::filesystem_error& e) {
-    return fail(DYN_ERROR_FILE, "file '%.300s': %s", e.path1().c_str(), std::strerror(e.code().value()));
+    return fail(DYN_ERROR_FILE, "file '%.300s': %s", e.path1().string().c_str(), std::strerror(e.code().value()));
   } catch (const std::exception& e) {
     return fail(DYN_ERROR_INTERNAL, "internal error: %s", e.what());
   } catch (...) {

@@ -1,7 +1,8 @@
 #include "thread_pool.hpp"
 
-#include <csignal>
 #include <unistd.h>
+
+#include <csignal>
 
 #include "dyn.h"
 
@@ -21,6 +22,7 @@ void look(const std::atomic<T>& x, T value) {
 
 // No signals for the threads of the library: they are the program's.
 class SignalsBlocked {
+#ifndef _WIN32  // which has none
  public:
   SignalsBlocked() {
     sigset_t all;
@@ -31,12 +33,13 @@ class SignalsBlocked {
 
  private:
   sigset_t before;
+#endif
 };
 
 }  // namespace
 
 ThreadPool::ThreadPool(int threads) : others(new std::thread[std::size_t(threads)]), process(getpid()) {
-  const SignalsBlocked blocked;
+  [[maybe_unused]] const SignalsBlocked blocked;
   try {
     for (; started < threads - 1; ++started) others[std::size_t(started)] = std::thread(&ThreadPool::serve, this, started + 1);
   } catch (...) {

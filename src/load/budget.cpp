@@ -9,7 +9,7 @@ namespace {
 constexpr int charges_between_checks = 64;  // of the clock
 
 double thread_seconds() {
-  std::timespec t{};
+  timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }

@@ -174,7 +174,7 @@ void charge(const Model& m, std::int64_t bytes, Budget& budget) {
 }
 
 struct Free {
-  void operator()(void* block) const { std::free(block); }
+  void operator()(void* block) const { free_aligned(block); }
 };
 
 }  // namespace

@@ -1,11 +1,9 @@
 #include "file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <system_error>
+
+#include "system.hpp"
 
 namespace dyn::load {
 
@@ -24,16 +22,16 @@ struct Descriptor {
 };
 
 // Refuses what is no regular file, and no pipe where one is allowed.
-void check_kind(const struct ::stat& s, const std::string& what, FileKind kind, const Report& report) {
+void check_kind(const FileInfo& s, const std::string& what, FileKind kind, const Report& report) {
   if (S_ISREG(s.st_mode) || (S_ISFIFO(s.st_mode) && kind == FileKind::Pipe)) return;
   if (S_ISDIR(s.st_mode)) report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of " + what + " in it");
   const char* is = S_ISFIFO(s.st_mode) ? "pipe" : S_ISSOCK(s.st_mode) ? "socket" : "device";
   report.fail(DYN_ERROR_FILE, 0, "this is a " + std::string(is) + ", no regular file: give the name of " + what);
 }
 
-struct ::stat stat_of(const std::string& path, const Report& report) {
-  struct ::stat s{};
-  if (::stat(path.c_str(), &s) != 0) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
+FileInfo stat_of(const std::string& path, const Report& report) {
+  FileInfo s{};
+  if (file_info(path, s) != 0) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
   return s;
 }
 
@@ -45,7 +43,7 @@ struct ::stat stat_of(const std::string& path, const Report& report) {
 
 std::uint64_t file_size(const std::string& path, const std::string& what) {
   const Report report(path, false);
-  const struct ::stat s = stat_of(path, report);
+  const FileInfo s = stat_of(path, report);
   check_kind(s, what, FileKind::Regular, report);
   return std::uint64_t(s.st_size);
 }
@@ -56,9 +54,9 @@ std::string read_file(const std::string& path, const std::string& what, FileKind
   check_kind(stat_of(path, report), what, kind, report);
   // a file that became a pipe meanwhile does not block
   const int flags = O_RDONLY | O_CLOEXEC | (kind == FileKind::Regular ? O_NONBLOCK : 0);
-  const Descriptor file(::open(path.c_str(), flags));
-  struct ::stat opened{};
-  if (file.fd < 0 || ::fstat(file.fd, &opened) != 0) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
+  const Descriptor file(open_file(path, flags));
+  FileInfo opened{};
+  if (file.fd < 0 || file_info(file.fd, opened) != 0) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
   check_kind(opened, what, kind, report);
   std::string text;
   if (S_ISREG(opened.st_mode)) {

@@ -1,5 +1,13 @@
 #include "mesh_module.hpp"
 
+#ifdef DYN_MESH_LINKED
+
+extern "C" const dyn::mesh::Module* dyn_mesh_module(std::uint32_t version);
+
+const dyn::mesh::Module& dyn::load::mesh_module() { return *dyn_mesh_module(mesh::module_version); }
+
+#else
+
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -71,3 +79,5 @@ const mesh::Module& mesh_module() {
 }
 
 }  // namespace dyn::load
+
+#endif

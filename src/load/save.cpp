@@ -1,16 +1,13 @@
 // Writes a model as text, and text to a file. An existing file stays unchanged until the new one is complete.
 #include "model/save.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 
 #include "report.hpp"
+#include "system.hpp"
 
 namespace dyn {
 
@@ -29,12 +26,12 @@ std::string target_of(const std::string& path) {
 }
 
 // Creates a new file beside the target.
-int open_temporary(const std::string& target, mode_t mode, std::string& part) {
+int open_temporary(const std::string& target, int mode, std::string& part) {
   constexpr int max_parts = 10000;  // concurrent saves, and leftovers of killed ones
   int file = -1;
   for (int k = 0; k < max_parts; ++k) {
     part = target + ".part" + std::to_string(k);
-    file = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    file = load::open_file(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (file >= 0 || errno != EEXIST) break;
   }
   return file;
@@ -85,19 +82,24 @@ void save_file(const Model& m, const std::string& path, bool strict, SaveReport&
     throw Error(DYN_ERROR_FILE, "file " + load::in_quotes(path) + ": " + what + ": " + why);
   };
   const std::string target = target_of(path);
-  struct stat old{};
-  const bool there = stat(target.c_str(), &old) == 0;
-  if (there && access(target.c_str(), W_OK) != 0) fail("cannot be written", std::strerror(errno));
+  load::FileInfo old{};
+  const bool there = load::file_info(target, old) == 0;
+  if (there && !load::is_writable(target)) fail("cannot be written", std::strerror(errno));
   if (there && !S_ISREG(old.st_mode)) fail("cannot be replaced", "it is not a regular file");
   std::string part;
   const int file = open_temporary(target, there ? old.st_mode & 0777 : 0666, part);
   if (file < 0) fail("cannot be written", std::strerror(errno));
-  if (there) fchmod(file, old.st_mode & 0777);  // undo umask; file systems without modes ignore it
-  const auto left = [&](const char* what, int why) { unlink(part.c_str()), fail(what, std::strerror(why)); };
-  int why = write_all(file, text) && fsync(file) == 0 ? 0 : errno;  // on disk before it replaces the old file
+  if (there) load::set_mode(file, old.st_mode & 0777);  // undo umask; file systems without modes ignore it
+  const auto left = [&](const char* what, int why) {
+    std::error_code ignored;
+    fs::remove(part, ignored), fail(what, std::strerror(why));
+  };
+  int why = write_all(file, text) && load::write_to_disk(file) == 0 ? 0 : errno;  // on disk before it replaces the old file
   if (close(file) != 0 && !why) why = errno;
   if (why) left("cannot be written", why);
-  if (std::rename(part.c_str(), target.c_str()) != 0) left("cannot be replaced", errno);
+  std::error_code failed;
+  fs::rename(part, target, failed);  // replaces, on Windows too
+  if (failed) left("cannot be replaced", failed.value());
 }
 
 }  // namespace dyn

@@ -15,7 +15,7 @@ namespace {
 bool mujoco_reads(const std::string& path) {
   const std::string kind = extension(path);
   if (kind != ".stl") return kind == ".obj" || kind == ".msh";
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(std::filesystem::path(path), std::ios::binary);
   unsigned char head[84];
   std::error_code none;
   if (!file.read(reinterpret_cast<char*>(head), sizeof head)) return false;

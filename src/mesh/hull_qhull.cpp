@@ -20,7 +20,11 @@ struct Qhull {
   qhT qh;
   char* said = nullptr;
   std::size_t said_size = 0;
+#ifdef _WIN32  // no streams in memory: what qhull says is lost, its status remains
+  std::FILE* log = std::fopen("NUL", "w");
+#else
   std::FILE* log = open_memstream(&said, &said_size);
+#endif
 
   Qhull() {
     if (!log) throw std::bad_alloc();
@@ -35,7 +39,7 @@ struct Qhull {
   }
   std::string message() {
     std::fflush(log);
-    std::string first(said, said_size);
+    std::string first(said ? said : "", said_size);
     first = first.substr(0, first.find('\n'));
     return first;
   }

@@ -3,8 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
+
+#include "base/aligned.hpp"
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -24,11 +25,11 @@ inline void ask_for_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] 
 #endif
 }
 
-// Null when there is no memory; std::free gives it back.
+// Null when there is no memory; free_aligned gives it back.
 inline void* allocate_block(std::size_t bytes) {
   const std::size_t boundary = bytes >= 2 * large_page ? large_page : 64;
   bytes = (bytes + boundary - 1) / boundary * boundary;
-  void* const block = std::aligned_alloc(boundary, bytes);
+  void* const block = allocate_aligned(boundary, bytes);
   if (block) ask_for_large_pages(block, bytes);
   return block;
 }
@@ -56,7 +57,7 @@ inline void free_zeros(void* block, std::size_t bytes) {
   if (bytes >= least_mapped) return void(munmap(block, bytes));
 #endif
   (void)bytes;
-  std::free(block);
+  free_aligned(block);
 }
 // Zeros, given back at the end; memory is null where there was none.
 struct Zeros {

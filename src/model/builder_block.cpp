@@ -18,7 +18,7 @@ std::atomic<std::uint64_t> next_id{1};
 
 }  // namespace
 
-void ModelDeleter::operator()(Model* m) const { std::free(m); }
+void ModelDeleter::operator()(Model* m) const { free_aligned(m); }
 
 void Compiler::allocate() {
   // capacity of the elimination tree, which takes the finished model

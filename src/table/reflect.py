@@ -7,6 +7,7 @@
   enums.inc      names and sentences of enumerations (capi/reflection.cpp)
   algorithms.inc rows of dynAlgorithm (algorithms.py)
   functions.inc  names of the functions (capi/level)
+  functions.def  the same, as what a library of Windows exports
   interface.inc  the whole interface as JSON, a C++ string (dyn_interface_json in dyn.h says what it holds)
 
 A comment that ends on the line above a declaration describes it; so does one that begins behind it on its last line.
@@ -295,9 +296,9 @@ def interface(header):
     yield f'R"json({text})json"'
 
 
-def write(path, rows):
+def write(path, first, rows):
     """Only where the text changes, so that what includes it is not built again for nothing."""
-    text = "// Made of dyn.h by src/table/reflect.py.\n" + "\n".join(rows) + "\n"
+    text = "\n".join([first, *rows]) + "\n"
     if not os.path.exists(path) or open(path, encoding="utf-8").read() != text:
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
@@ -309,7 +310,8 @@ def main(path, folder):
     tables = {"members": members, "names": names, "statuses": statuses, "enums": enumerations, "algorithms": algorithms.rows,
               "functions": functions, "interface": interface}
     for name, rows in tables.items():
-        write(os.path.join(folder, name + ".inc"), rows(header))
+        write(os.path.join(folder, name + ".inc"), "// Made of dyn.h by src/table/reflect.py.", rows(header))
+    write(os.path.join(folder, "functions.def"), "EXPORTS", (function["name"] for function in header.functions))
 
 
 if __name__ == "__main__":

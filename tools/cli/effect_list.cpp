@@ -76,21 +76,27 @@ int tendons_with_forces(const Robot& robot) {
 }  // namespace
 
 void add_effects_option(CLI::App& command, EffectOptions& options) {
-  std::string of_joints_and_links;
+  std::vector<std::string> of_joints_and_links;
   for (const auto& e : names())
-    if (std::has_single_bit(e.bits) && e.bits & DYN_EFFECT_ALL)
-      of_joints_and_links += (of_joints_and_links.empty() ? "" : ", ") + std::string(e.name);
-  command
-      .add_option("--effects", options.with,
-                  "Effects of joints and links: " + of_joints_and_links +
-                      ", separated by commas; stated: those of the file that its flags do not switch off; all (without "
-                      "sleeping), or none")
-      ->check(not_empty)
-      ->type_name("LIST")
-      ->capture_default_str();
-  command.add_option("--without", options.without, "Effects to leave out: any of those, gravity, contact, constraints")
-      ->check(not_empty)
-      ->type_name("LIST");
+    if (std::has_single_bit(e.bits) && e.bits & DYN_EFFECT_ALL) of_joints_and_links.push_back(e.name);
+  CLI::Option* const with = command
+                                .add_option("--effects", options.with,
+                                            "Effects of joints and links: " + join(of_joints_and_links) +
+                                                ", separated by commas; stated: those of the file that its flags do not switch off; "
+                                                "all (without sleeping), or none")
+                                ->check(not_empty)
+                                ->type_name("LIST")
+                                ->capture_default_str();
+  CLI::Option* const without =
+      command.add_option("--without", options.without, "Effects to leave out: any of those, gravity, contact, constraints")
+          ->check(not_empty)
+          ->type_name("LIST");
+  Values list{of_joints_and_links, true};
+  list.names.insert(list.names.end(), {"stated", "all", "none"});
+  complete(with, list);
+  list.names = of_joints_and_links;
+  list.names.insert(list.names.end(), {"gravity", "contact", "constraints"});
+  complete(without, list);
 }
 
 std::uint32_t parse_effects(const EffectOptions& options) {

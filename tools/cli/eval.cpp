@@ -399,14 +399,18 @@ void add_eval(CLI::App& app) {
   add_robot_options(*command, options->robot);
   std::vector<std::string> names;
   for (const auto& quantity : quantities()) names.push_back(quantity.name);
-  command->add_option("--compute", options->compute, "Quantities, separated by commas: " + join(names))
-      ->required()
-      ->allow_extra_args(false)
-      ->type_name("LIST");
+  complete(command->add_option("--compute", options->compute, "Quantities, separated by commas: " + join(names))
+               ->required()
+               ->allow_extra_args(false)
+               ->type_name("LIST"),
+           {names, true});
   add_state_options(*command, options->state, true);
   command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")
       ->check(not_empty);
-  command->add_option("--reference", options->reference, one_of("dynReference", &Choice::capital))->capture_default_str();
+  std::vector<std::string> references;
+  for (const Choice& c : choices("dynReference")) references.push_back(c.capital);
+  complete(command->add_option("--reference", options->reference, one_of("dynReference", &Choice::capital))->capture_default_str(),
+           {references});
   add_effects_option(*command, options->effects);
   add_contact_options(*command, options->contacts);
   command->callback([options] { run_eval(*options); });

@@ -27,8 +27,9 @@ std::string argument(const CLI::Option& o) {
   const std::string type = o.get_type_name();
   return o.get_type_size() == 0 ? "" : type.substr(0, type.find(':'));
 }
-// {none,hull}: what may follow, separated by spaces.
+// What may follow, separated by spaces: of complete(), or of a type such as {none,hull}.
 std::string choices_of(const CLI::Option& o) {
+  if (const Values* values = values_of(&o)) return join(values->names, " ");
   const std::string type = o.get_type_name();
   const std::size_t from = type.find('{'), to = type.find('}');
   std::string out = from < to && to != std::string::npos ? type.substr(from + 1, to - from - 1) : "";
@@ -36,6 +37,7 @@ std::string choices_of(const CLI::Option& o) {
     if (c == ',') c = ' ';
   return out;
 }
+bool takes_list(const CLI::Option& o) { return values_of(&o) && values_of(&o)->list; }
 bool takes_file(const CLI::Option& o) {
   const std::string a = argument(o);
   for (const char* name : {"FILE", "DIR", "OUT", "IN", "json"})
@@ -94,12 +96,14 @@ std::string bash(const CLI::App& app) {
       if (o->get_positional()) continue;
       words += (words.empty() ? "" : " ") + join(names(*o), " ");
       if (!choices_of(*o).empty())
-        values +=
-            "        " + join(names(*o), "|") + ") COMPREPLY=($(compgen -W '" + choices_of(*o) + "' -- \"$now\")); return ;;\n";
+        values += "        " + join(names(*o), "|") + ") " + (takes_list(*o) ? "_dyn_list" : "_dyn_one") + " '" + choices_of(*o) +
+                  "'; return ;;\n";
     }
     cases += "    " + c->get_name() + ")\n      case $before in\n" + values + "      esac\n      words='" + words + "' ;;\n";
   }
-  return "# bash completion of dyn\n_dyn() {\n  local now=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n  "
+  return "# bash completion of dyn\n_dyn_one() { COMPREPLY=($(compgen -W \"$1\" -- \"$now\")); }\n"
+         "_dyn_list() {  # the last of some with commas between\n  compopt -o nospace 2>/dev/null\n"
+         "  COMPREPLY=($(compgen -P \"${now%\"${now##*,}\"}\" -W \"$1\" -- \"${now##*,}\"))\n}\n_dyn() {\n  local now=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\n  "
          "COMPREPLY=()\n"
          "  if [ \"$COMP_CWORD\" = 1 ]; then COMPREPLY=($(compgen -W '" +
          all +
@@ -121,8 +125,9 @@ std::string zsh(const CLI::App& app) {
       for (const std::string& name : names(*o)) {
         cases += " \\\n      '" + name + "[" + text + "]";
         if (!argument(*o).empty())
-          cases += ":value:" +
-                   (choices_of(*o).empty() ? std::string(takes_file(*o) ? "_files" : " ") : "(" + choices_of(*o) + ")");
+          cases += ":value:" + (takes_list(*o)           ? "_sequence compadd - " + choices_of(*o)
+                                : !choices_of(*o).empty() ? "(" + choices_of(*o) + ")"
+                                                          : std::string(takes_file(*o) ? "_files" : " "));
         cases += "'";
       }
     }
@@ -141,7 +146,8 @@ std::string fish(const CLI::App& app) {
       for (const std::string& s : o->get_snames()) out += " -s " + s;
       for (const std::string& l : o->get_lnames()) out += " -l " + l;
       if (!argument(*o).empty()) out += takes_file(*o) ? " -r" : " -x";
-      if (!choices_of(*o).empty()) out += " -a '" + choices_of(*o) + "'";
+      if (takes_list(*o)) out += " -a '(__fish_complete_list , \"printf \\\"%s\\n\\\" " + choices_of(*o) + "\")'";
+      else if (!choices_of(*o).empty()) out += " -a '" + choices_of(*o) + "'";
       out += " -d '" + in_quotes(o->get_description()) + "'\n";
     }
   }

@@ -46,6 +46,11 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
+std::map<const CLI::Option*, Values>& completed() {
+  static std::map<const CLI::Option*, Values> all;
+  return all;
+}
+
 }  // namespace
 
 const std::vector<Choice>& choices(const char* type) {
@@ -84,7 +89,15 @@ int value_of(const char* type, const char* option, const std::string& name, cons
   bad_usage(std::string(option) + ": \"" + shown(name) + "\" is not " + one_of(type, form) + ".");
 }
 
+void complete(const CLI::Option* option, Values values) { completed()[option] = std::move(values); }
+
+const Values* values_of(const CLI::Option* option) {
+  const auto found = completed().find(option);
+  return found == completed().end() ? nullptr : &found->second;
+}
+
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
+  if (word.size() > 100) return "";
   std::size_t best = std::max<std::size_t>(2, word.size() / 4) + 1;
   std::string near;
   for (const std::string& name : names)

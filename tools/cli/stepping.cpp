@@ -101,10 +101,12 @@ void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator
 
 void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   add_robot_options(command, options.robot);
-  command.add_option("--integrator", options.integrator,
-                     one_of("dynIntegrator") + "; default: the nearest to the file's, else semi_implicit_euler");
-  command.add_option("--solver", options.solver, "Solver of contacts, limits and constraints: " + one_of("dynContactSolverType"))
-      ->capture_default_str();
+  complete(command.add_option("--integrator", options.integrator,
+                              one_of("dynIntegrator") + "; default: the nearest to the file's, else semi_implicit_euler"),
+           {names_of("dynIntegrator")});
+  complete(command.add_option("--solver", options.solver, "Solver of contacts, limits and constraints: " + one_of("dynContactSolverType"))
+               ->capture_default_str(),
+           {names_of("dynContactSolverType")});
   command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops; 0: 1e-4 of the largest velocity")
       ->check(decimal)
       ->capture_default_str();
@@ -119,11 +121,12 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
                   "Seconds of the solver in a step; then the best impulses act; 0: no limit, and repeatable results")
       ->check(decimal)
       ->capture_default_str();
-  command
-      .add_option("--contact-model", options.contact_model,
-                  "How contacts, limits and equalities give way: " + one_of("dynContactModel") +
-                      "; as_file: by the MJCF file's solref and solimp, for comparisons with MuJoCo")
-      ->capture_default_str();
+  complete(command
+               .add_option("--contact-model", options.contact_model,
+                           "How contacts, limits and equalities give way: " + one_of("dynContactModel") +
+                               "; as_file: by the MJCF file's solref and solimp, for comparisons with MuJoCo")
+               ->capture_default_str(),
+           {names_of("dynContactModel")});
   command.add_flag("--ground", options.ground, "Add the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
   command

@@ -11,6 +11,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1]
 CHECKOUT = PACKAGE.parents[1]
 SONAME = "libdyn.so.1"
+DLL = "dyn.dll"  # of Windows, with dyn.lib to link with
 MODULE = "libdyn_mesh.so"  # beside it, where qhull was there
 
 LINKED = f"INPUT({SONAME})\n"  # libdyn.so, a linker script: wheels hold no links
@@ -49,11 +50,12 @@ def installed(prefix):
 
 def fill(package, prefix):
     """Makes the folder. Of the installed tree only the library has to be there."""
-    folders = {file.parent for file in prefix.rglob(SONAME)}
+    found = [*prefix.rglob(SONAME), *prefix.rglob(DLL)]
+    folders = {file.parent for file in found}
     if len(folders) != 1:
-        raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an installed "
-                         "libdyn.")
-    libraries = folders.pop()
+        raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME} or {DLL}, not one: set DYN_PREFIX to an "
+                         "installed libdyn.")
+    libraries, windows = folders.pop(), found[0].name == DLL
     package.mkdir(parents=True)
     for pattern in ("*.py", "py.typed", "doors/*.py", "doors/native/*.c*"):
         for file in (PACKAGE / "libdyn").glob(pattern):
@@ -61,14 +63,15 @@ def fill(package, prefix):
             there.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(file, there)
     (package / "lib").mkdir()
-    for file in [libraries / SONAME, *libraries.glob(MODULE)]:
+    for file in [found[0], *libraries.glob(MODULE), *prefix.glob("lib/dyn.lib")]:
         shutil.copyfile(file, package / "lib" / file.name)  # the file, not the link
     if (prefix / "include/dyn.h").is_file():
         (package / "include").mkdir()
         for file in prefix.glob("include/dyn.h*"):
             shutil.copy(file, package / "include")
-        (package / "lib/libdyn.so").write_text(LINKED, encoding="ascii")
-        for_cmake(package / "lib/cmake/dyn", libraries / "cmake/dyn")
+        if not windows:
+            (package / "lib/libdyn.so").write_text(LINKED, encoding="ascii")
+        for_cmake(package / "lib/cmake/dyn", prefix / "lib/cmake/dyn" if windows else libraries / "cmake/dyn", windows)
     if (prefix / "bin/dyn").is_file():
         (package / "bin").mkdir()
         shutil.copy(prefix / "bin/dyn", package / "bin/dyn")
@@ -78,9 +81,12 @@ def fill(package, prefix):
     stubs(package)
 
 
-def for_cmake(folder, installed):
+def for_cmake(folder, installed, windows):
     folder.mkdir(parents=True)
-    (folder / "dynConfig.cmake").write_text(CMAKE, encoding="ascii")
+    config = CMAKE
+    if windows:
+        config = CMAKE.replace(SONAME, DLL).replace(f"IMPORTED_SONAME {DLL}", "IMPORTED_IMPLIB ${dyn_prefix}/lib/dyn.lib")
+    (folder / "dynConfig.cmake").write_text(config, encoding="ascii")
     for file in installed.glob("dynConfigVersion.cmake"):
         shutil.copy(file, folder)
 

@@ -32,7 +32,7 @@ models: Path = _first(*_checkout("models"), *(p / "share/dyn/models" for p in _p
 
 def command() -> str:
     """The command `dyn`: of DYN_CLI, beside the library, or in PATH."""
-    beside = _first(*(p / "bin/dyn" for p in _prefixes()))
+    beside = _first(*(p / "bin" / name for p in _prefixes() for name in ("dyn", "dyn.exe")))
     found = os.environ.get("DYN_CLI") or (str(beside) if beside else None) or shutil.which("dyn")
     if not found:
         raise LibraryError("the command dyn was not found: install it, or set DYN_CLI to its file.")

@@ -12,7 +12,8 @@ from . import errors
 
 MAJOR = 1  # of the interface that this package was written for
 
-_FILE = "libdyn.1.dylib" if sys.platform == "darwin" else "libdyn.so.1"
+_FILE = {"darwin": "libdyn.1.dylib", "win32": "dyn.dll"}.get(sys.platform, "libdyn.so.1")
+
 
 def _in_folder(folder: Path) -> Path | None:
     path = folder / _FILE

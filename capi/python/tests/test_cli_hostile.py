@@ -21,6 +21,10 @@ def short(x):
     [
         (["INFO", GO2], ['no subcommand "INFO"', "they are info"]),
         ([""], ['no subcommand ""']),
+        (["inf", GO2], ['did you mean "info"']),
+        (["info", GO2, "--floting"], ['no option "--floting"', 'did you mean "--floating"']),
+        (["sim", GO2, "--floating", "--grond=0"], ['no option "--grond"', 'did you mean "--ground"']),
+        (["info", GO2, "--zzzzzzzz"], ['no option "--zzzzzzzz"; dyn info --help']),
         (["%s%n"], ['no subcommand "%s%n"']),
         (["x" * 100000], ["no subcommand", "..."]),
         (["info", GO2, GO2, "--fixed"], ["not expected"]),

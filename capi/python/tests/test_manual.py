@@ -54,6 +54,8 @@ def test_bash_completes():
     assert completed(["dyn"], "acc") == ["accuracy"]
     assert set(completed(["dyn", "sim", "robot.urdf"], "--fl")) == {"--floating"}
     assert set(completed(["dyn", "info", "--collision-meshes"], "")) == {"none", "hull", "triangles", "auto"}
+    assert "rk4" in completed(["dyn", "sim", "--integrator"], "")
+    assert completed(["dyn", "eval", "--compute"], "tau,n") == ["tau,nle"]
 
 
 @pytest.mark.parametrize("shell, form", [("zsh", "zsh"), ("fish", "fish"), ("bash", "bash")])

@@ -1,7 +1,9 @@
 #include "collision/ccd.hpp"
 
 #include <ccd/ccd.h>
+#ifndef DYN_CCD_LINKED
 #include <dlfcn.h>
+#endif
 
 #include <algorithm>
 

@@ -10,7 +10,8 @@ const KEPT = 600; // of the plots: ten seconds
 export class Live {
   constructor({ head, robot, scene, overlays, inspector, side, footer, message }) {
     Object.assign(this, { head, robot, scene, overlays, inspector, message });
-    this.socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/[#?].*$/, "") + "ws");
+    // a page that simulates by itself (capi/js/live.js), or a server
+    this.socket = globalThis.dynSocket?.() ?? new WebSocket(location.href.replace(/^http/, "ws").replace(/[#?].*$/, "") + "ws");
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = (event) => this.#receive(event.data);
     this.socket.onclose = () => this.#say(
