@@ -90,16 +90,11 @@ void save_file(const Model& m, const std::string& path, bool strict, SaveReport&
   const int file = open_temporary(target, there ? old.st_mode & 0777 : 0666, part);
   if (file < 0) fail("cannot be written", std::strerror(errno));
   if (there) load::set_mode(file, old.st_mode & 0777);  // undo umask; file systems without modes ignore it
-  const auto left = [&](const char* what, int why) {
-    std::error_code ignored;
-    fs::remove(part, ignored), fail(what, std::strerror(why));
-  };
+  const auto left = [&](const char* what, int why) { load::remove_file(part), fail(what, std::strerror(why)); };
   int why = write_all(file, text) && load::write_to_disk(file) == 0 ? 0 : errno;  // on disk before it replaces the old file
   if (close(file) != 0 && !why) why = errno;
   if (why) left("cannot be written", why);
-  std::error_code failed;
-  fs::rename(part, target, failed);  // replaces, on Windows too
-  if (failed) left("cannot be replaced", failed.value());
+  if (const int failed = load::rename_file(part, target)) left("cannot be replaced", failed);
 }
 
 }  // namespace dyn

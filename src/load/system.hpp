@@ -5,8 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdio>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 #ifdef _WIN32
 #include <io.h>
@@ -27,6 +30,13 @@ inline int open_file(const std::string& path, int flags, int mode = 0) {
 inline bool is_writable(const std::string& path) { return ::_waccess(std::filesystem::path(path).c_str(), W_OK) == 0; }
 inline int write_to_disk(int file) { return ::_commit(file); }
 inline void set_mode(int, int) {}
+inline void remove_file(const std::string& path) { ::_wunlink(std::filesystem::path(path).c_str()); }
+// Replaces `to`. Returns 0, or an error number.
+inline int rename_file(const std::string& from, const std::string& to) {
+  std::error_code failed;
+  std::filesystem::rename(from, to, failed);
+  return failed.value();
+}
 #else
 using FileInfo = struct ::stat;
 inline int file_info(const std::string& path, FileInfo& out) { return ::stat(path.c_str(), &out); }
@@ -35,6 +45,8 @@ inline int open_file(const std::string& path, int flags, int mode = 0) { return 
 inline bool is_writable(const std::string& path) { return ::access(path.c_str(), W_OK) == 0; }
 inline int write_to_disk(int file) { return ::fsync(file); }
 inline void set_mode(int file, int mode) { ::fchmod(file, ::mode_t(mode)); }
+inline void remove_file(const std::string& path) { ::unlink(path.c_str()); }
+inline int rename_file(const std::string& from, const std::string& to) { return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno; }
 #endif
 
 }  // namespace dyn::load
