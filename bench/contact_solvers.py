@@ -12,7 +12,7 @@ libdyn: the call with all its checks of inputs). Without the wheel pin libdyn's 
 import argparse
 import sys
 import time
-from ctypes import byref
+from ctypes import byref, sizeof
 from pathlib import Path
 
 import numpy as np
@@ -83,7 +83,7 @@ class Ours:
         self.problem, self.name = _Problem(G, g, friction=mu), name
         self.solver, self.args = dyn.ContactSolver(len(g)), (G, g, mu)
         self.impulse, self.report, self.options = np.zeros(len(g)), abi.ContactReport(), abi.ContactOptions()
-        lib.dyn_contact_options_init(byref(self.options))
+        lib.dyn_contact_options_init(byref(self.options), sizeof(self.options))
         self.options.solver = dyn.ContactSolverType[name.upper()]
 
     def __call__(self, tolerance, iterations):

@@ -24,7 +24,7 @@ struct Recursion {
   std::size_t read, written;  // bytes a joint
 };
 constexpr Recursion recursions[] = {
-    {"fk", sizeof(SE3<double>) + 8, placement},
+    {"forward_kinematics", sizeof(SE3<double>) + 8, placement},
     {"rnea", sizeof(SE3<double>) + sizeof(Body) + 3 * 8, placement + sizeof(Force<double>) + 8},
     {"aba", sizeof(SE3<double>) + sizeof(Body) + 3 * 8,
      placement + sizeof(Motion<double>) + sizeof(Inertia<double>) + 2 * sizeof(Force<double>) + 3 * 8},
