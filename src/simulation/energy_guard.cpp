@@ -31,7 +31,7 @@ bool flies_alone(const Model& m, Index i) {
 }
 
 // Whether joints turn by more than guarded_motion rad, or slide by that share of the length scale. Free bodies keep their momentum,
-// and gain no energy up to half a turn.
+// and gain no energy up to a third of a turn.
 bool moves_far(const Model& m, const Data<double>& d, const double* v, double h) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // degrees of freedom by BodyType
   const double motion = d.step->guarded_motion;

@@ -215,9 +215,9 @@ bool Newton::frictionless(double tolerance) {
     for (Index i = 0; i < b.rows; ++i) rigid &= b.soft[i] == 0;
     for (Index i = 0; i < pressing(b); ++i) s.law[i][i] = 1 / min_compliance;
   });
-  std::fill_n(dy, x.rows, 0.0);
-  const double first = error(dy, g);
   if (!rigid) return false;
+  std::fill_n(dy, x.rows, 0.0);
+  const double first = error(dy, g);  // of no impulses
   if (error(y, c) <= tolerance * first) return true;
   double last = first;
   for (Index k = 0; k < max_steps; ++k) {
