@@ -117,7 +117,8 @@ void Reader::unread(const Element& e, std::initializer_list<std::string_view> at
   for (const tinyxml2::XMLNode* n = e.FirstChild(); n; n = n->NextSibling()) {
     if (const Element* c = n->ToElement()) {
       if (!among(children, c->Name()) && std::string_view(c->Name()) != part_name)
-        drop(line(*c), c->Name(), at(e) + ": element <" + shown(c->Name()) + "> is not used");
+        drop(line(*c), c->Name(), at(e) + ": element <" + shown(c->Name()) + "> is not used" +
+                                      (std::string_view(c->Name()).starts_with("xacro:") ? ": xacro did not know this macro" : ""));
     } else if (n->ToText()) {
       if (const auto words = split(n->Value()); !words.empty())
         drop(n->GetLineNum(), "", at(e) + ": the text '" + shown(words[0]) + "' is not used");

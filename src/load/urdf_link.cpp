@@ -90,7 +90,8 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
   reader.report.physics(line(e), reader.owner + ": mesh " + in_quotes(name) + " is not found" + tried);
 }
 
-void read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, bool physics, Shape& shape) {
+// Returns false for a shape that is not there: of sizes 0, as robots have on links without form, or a flat visual.
+bool read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, bool physics, Shape& shape) {
   const auto& names = form.attribute;
   shape.type = form.type, shape.size = {0, 0, 0};
   if (!names[1]) {
@@ -102,8 +103,11 @@ void read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, b
     reader.unread(g, {names[0], names[1], names[2] ? names[2] : names[0]}, {}, physics);
     for (size_t k = 0; k < form.sizes; ++k) shape.size[k] = reader.number(g, names[k]);
   }
+  const auto zeros = std::count(shape.size.begin(), shape.size.begin() + form.sizes, 0.0);
+  if (zeros > 0 && (!physics || zeros == std::ptrdiff_t(form.sizes))) return false;
   for (size_t k = 0; k < form.sizes; ++k) positive(reader, g, names[names[1] ? k : 0], shape.size[k]);
   for (size_t k = 0; k < form.sizes; ++k) shape.size[k] /= form.factor[k];
+  return true;
 }
 
 // Reads a <visual> or <collision>. Returns false if it holds no supported shape.
@@ -131,9 +135,8 @@ bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths&
 
   const std::string_view kind = g->Name();
   if (const auto form = shape_form(RobotFormat::Urdf, kind)) {
-    if (kind == "sphere" && reader.optional_number(*g, "radius") == 0)
-      return skip(*g, "a sphere of radius 0 is a point: not used");
-    read_sizes(*g, reader, *form, physics, shape);
+    if (!read_sizes(*g, reader, *form, physics, shape))
+      return skip(*g, "the <" + std::string(kind) + "> has a size of 0: not used");
   } else if (kind == "mesh") {
     read_mesh(*g, reader, shape, meshes);
   } else {

@@ -15,6 +15,14 @@ constexpr size_t max_elements = 5000000;  // about 1 GB in memory
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 constexpr std::string_view name_end = " \t\r\n/>";
 
+// What xacro always replaces: the file did not run through it. Of a macro that it does not know it leaves the call.
+bool is_xacro_definition(std::string_view element) {
+  for (const std::string_view name : {"xacro:macro", "xacro:include", "xacro:property", "xacro:arg", "xacro:if", "xacro:unless",
+                                      "xacro:insert_block", "xacro:call", "xacro:element", "xacro:attribute"})
+    if (element == name) return true;
+  return false;
+}
+
 // Scans the markup of a text: comments, declarations, tags.
 struct Markup {
   enum Kind { end, other, doctype, open, close, unclosed };
@@ -154,7 +162,7 @@ std::int64_t check_xml(const std::string& text, const Report& report, int deepes
         if (m.attributes > max_attributes)
           fail(DYN_ERROR_LIMIT, m.begin,
                "an element has more than " + std::to_string(max_attributes) + " attributes, which is the limit");
-        if (m.name.starts_with("xacro:"))
+        if (is_xacro_definition(m.name))
           fail(DYN_ERROR_UNSUPPORTED, m.begin,
                "<" + shown_name(m.name) +
                    "> is a xacro macro: run xacro first (xacro FILE > robot.urdf) and load its output");

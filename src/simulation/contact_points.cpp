@@ -174,19 +174,39 @@ struct Search {
       return is_active(f) && ((x == a && y == b) || (x == b && y == a));
     });
   }
-  // Bound on the speed of points of one shape as the other sees them. Along a half space nothing passes.
+  // Velocity of the center of a shape as another one sees it that moves with `by`, and a bound on what turning adds for its points.
+  struct Seen {
+    Vec3<double> center;
+    double turning;
+  };
+  Seen seen(Index by, Index geom) const {
+    const Geom &g = d.geoms[geom], &from = d.geoms[by];
+    const Vec3<double>& center = d.geom_poses[geom].p;
+    const Vec3<double> turning = d.step->root_velocity[g.body].angular - d.step->root_velocity[from.body].angular;
+    return {velocity_at(d, g.body, center) - velocity_at(d, from.body, center),
+            g.shape.type == shape::Type::Sphere ? 0 : shape::norm(turning) * g.bounding_radius};
+  }
+  // The least f(by, geom) of the two, where what `by` sees is bounded.
+  template <class F>
+  double least_seen(Index ia, Index ib, F&& f) const {
+    if (!(d.geoms[ia].bounding_radius < shape::infinity)) return f(ia, ib);
+    if (!(d.geoms[ib].bounding_radius < shape::infinity)) return f(ib, ia);
+    return std::min(f(ia, ib), f(ib, ia));
+  }
+  // Bound on the speed of points of one shape as the other sees them.
+  double relative_speed(Index ia, Index ib) const {
+    return least_seen(ia, ib, [&](Index by, Index geom) {
+      const Seen x = seen(by, geom);
+      return shape::norm(x.center) + x.turning;
+    });
+  }
+  // The same of what passes. Along a half space nothing does.
   double passing_speed(Index ia, Index ib) const {
-    const auto seen = [&](Index by, Index geom) {
-      const Geom &g = d.geoms[geom], &from = d.geoms[by];
-      const Vec3<double>& center = d.geom_poses[geom].p;
-      const Vec3<double> u = velocity_at(d, g.body, center) - velocity_at(d, from.body, center);
-      const Vec3<double> turning = d.step->root_velocity[g.body].angular - d.step->root_velocity[from.body].angular;
-      const bool flat = from.shape.type == shape::Type::HalfSpace;
-      return (!flat ? shape::norm(u) : pressed(ia, ib) ? 0 : std::abs(dot(d.geom_poses[by].R.z, u))) + (g.shape.type == shape::Type::Sphere ? 0 : shape::norm(turning) * g.bounding_radius);
-    };
-    if (!(d.geoms[ia].bounding_radius < shape::infinity)) return seen(ia, ib);
-    if (!(d.geoms[ib].bounding_radius < shape::infinity)) return seen(ib, ia);
-    return std::min(seen(ia, ib), seen(ib, ia));
+    return least_seen(ia, ib, [&](Index by, Index geom) {
+      const Seen x = seen(by, geom);
+      const bool flat = d.geoms[by].shape.type == shape::Type::HalfSpace;
+      return (!flat ? shape::norm(x.center) : pressed(ia, ib) ? 0 : std::abs(dot(d.geom_poses[by].R.z, x.center))) + x.turning;
+    });
   }
 
   // Whether a plane separates the shapes where they are apart, and support points tell how far.
@@ -201,11 +221,12 @@ struct Search {
     // impulses change velocities within the step, so shapes as near as this always count
     const double smaller = std::min(a.bounding_radius, b.bounding_radius),
                  near = std::min(search::near * smaller, contact_margin(w, h, fast, smaller));
-    const double margin = near + search::speed_margin * h * (w.speeds[ia] + w.speeds[ib]);
+    double margin = near + search::speed_margin * h * (w.speeds[ia] + w.speeds[ib]);
     if (!(near < shape::infinity) ||
         (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body)))
       return;
     double bound = collision::distance_lower_bound(a, A, b, B);
+    if (bound <= margin) margin = std::min(margin, near + search::speed_margin * h * relative_speed(ia, ib));
     if (bound <= margin) bound = std::max(bound, w.clearances.bound(ia, ib));
     if (bound <= margin) bound = std::max(bound, w.clearances.bound_along_axis(ia, ib, d.geoms, d.geom_poses, margin));
     Index pair = -1;

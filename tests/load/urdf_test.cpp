@@ -245,6 +245,16 @@ TEST(Urdf, ColoursOfShapes) {
   EXPECT_TRUE(l.reports("3 x <material> without a colour", DYN_REPORT_LEVEL_INFO, 1));
 }
 
+// Robots of MATLAB's and Valkyrie's packages have them.
+TEST(Urdf, VisualsOfNoSizeAndCallsThatXacroLeftAreNotUsed) {
+  const Loaded l = good(robot(link("a", solid + "<visual><geometry><box size=\"0 0 0\"/></geometry></visual>"
+                                                "<visual><geometry><box size=\"1 1 0\"/></geometry></visual>") +
+                              "<xacro:sensors prefix=\"left\"/>"));
+  EXPECT_EQ(0, dyn_model_nshapes(l.model.get()));
+  EXPECT_TRUE(l.reports("<box> has a size of 0: not used", DYN_REPORT_LEVEL_WARNING, 2));
+  EXPECT_TRUE(l.reports("<xacro:sensors> is not used: xacro did not know this macro", DYN_REPORT_LEVEL_DROPPED, 3));
+}
+
 TEST(Urdf, Shapes) {
   const std::string in = "<origin xyz=\"0 0 1\"/>";
   const Loaded l =

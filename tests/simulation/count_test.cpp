@@ -43,6 +43,24 @@ TEST(StepInstructions, FarShapesAddNothing) {
         << boxes;
 }
 
+// Only how fast shapes approach each other counts: robots run, fall and ride.
+TEST(StepInstructions, SpeedThatShapesShareAddsLittle) {
+  std::string row;
+  for (int k = 0; k < 8; ++k)
+    row += "<body pos='" + std::to_string(0.25 * k) + " 0 0' euler='10 20 30'><freejoint/><geom type='cylinder' size='.08 .08'/></body>";
+  long steps[2];
+  for (const int fast : {0, 1}) {
+    Counted c(bench::scene(row, "0 0 0"), awake);
+    ASSERT_EQ("", c.error);
+    std::vector<double> v(std::size_t(dyn_model_nv(c.m)), 0.0);
+    for (std::size_t k = 2; fast && k < v.size(); k += 6) v[k] = 60;  // all turned alike
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(c.m, c.d, nullptr, v.data(), nullptr, nullptr)) << dyn_last_error();
+    steps[fast] = c.step();
+    SKIP_UNCOUNTED(steps[fast]);
+  }
+  EXPECT_LE(steps[1], 2 * steps[0]);  // 7.6 times with the speeds themselves
+}
+
 TEST(StepInstructions, InactiveLimitsAddNothing) {
   const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
   SKIP_UNCOUNTED(alone);

@@ -205,8 +205,11 @@ def test_small_things_do_not_refuse_a_model():
     model = dyn.load_string("""<mujoco><worldbody><body><freejoint/><geom size=".1"/></body><body><joint name="b" type="ball"/><geom size=".1"/></body></worldbody>
         <keyframe><key name="k" qpos="1 2 3 0 0 0 0 0 0 0 0"/></keyframe></mujoco>""")
     assert list(model.configuration("k")) == [1, 2, 3, 0, 0, 0, 1, 0, 0, 0, 1]
-    with pytest.warns(dyn.LoadWarning, match="radius 0"):
-        assert len(dyn.load_string(chain(1, shape='<sphere radius="0"/>'), base="fixed").shapes) == 0
+    for shape in ('<sphere radius="0"/>', '<box size="0 0 0"/>', '<cylinder radius="0" length="0"/>'):
+        with pytest.warns(dyn.LoadWarning, match="size of 0"):
+            assert len(dyn.load_string(chain(1, shape=shape), base="fixed").shapes) == 0
+    with pytest.raises(dyn.InvalidRobotError, match="box> size is 0"):  # a floor, perhaps
+        dyn.load_string(chain(1, shape='<box size="1 1 0"/>'), base="fixed")
 
 
 def test_joints_without_mass_load_and_forward_dynamics_names_them(tmp_path):
