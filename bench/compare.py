@@ -139,7 +139,7 @@ def make_models(specs, tmp, python, timeout):
     return models
 
 
-def parse(text, what):
+def parse(text, what, figure="ns_median"):
     start = text.find("{")
     try:
         out = json.loads(text[start:] if start >= 0 else text)
@@ -148,10 +148,10 @@ def parse(text, what):
         raise RuntimeError(f"{what}: no valid JSON report ({e})")
     best = {}
     for row in ROWS:
-        found = [(rows[n]["ns_median"], rows[n].get("ns_min"), n)
+        found = [(rows[n][figure], rows[n].get("ns_min"), n)
                  for n in VARIANTS.get(row, [row])
-                 if n in rows and isinstance(rows[n].get("ns_median"), (int, float))
-                 and rows[n]["ns_median"] > 0]
+                 if n in rows and isinstance(rows[n].get(figure), (int, float))
+                 and rows[n][figure] > 0]
         best[row] = min(found) if found else None
     return out, best
 

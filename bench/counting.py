@@ -1,4 +1,5 @@
 """Numbers that count what is done with them, and vectors, matrices and motions of them. See flops.py."""
+import math
 
 
 class Count:
@@ -38,6 +39,12 @@ class N:
     def __truediv__(self, b):
         Count.mul += 1
         return N(self.x / b.x)
+
+    def cos(self):
+        return N(math.cos(self.x))
+
+    def sin(self):
+        return N(math.sin(self.x))
 
     def __neg__(self):
         return N(-self.x)

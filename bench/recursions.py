@@ -1,6 +1,4 @@
-"""The recursions that flops.py counts: f(bodies, gravity, q, ...), vectors in world axes. Sources there."""
-import math
-
+"""The recursions that flops.py counts, of any numbers: f(bodies, gravity, q, ...), vectors in world axes. Sources there."""
 from counting import (N, Count, O3, WORLD, congruence, cross, dot, dot6, force_cross, minus, mm, mminus, motion_cross, mplus, mv,
                       neg, outer, plus, plus6, skew, splus, symmetric, times, times6, transposed, tv)
 
@@ -12,7 +10,7 @@ def place(bodies, q):
         x, y, z = b.Xr
         t = b.Xp
         if b.kind == "revolute":
-            c, s = N(math.cos(q[b.idx_q].x)), N(math.sin(q[b.idx_q].x))
+            c, s = q[b.idx_q].cos(), q[b.idx_q].sin()
             x, y = plus(times(x, c), times(y, s)), minus(times(y, c), times(x, s))
         elif b.kind == "prismatic":
             t = plus(t, times(z, q[b.idx_q]))
@@ -23,7 +21,7 @@ def place(bodies, q):
             n = times((a, b2, c), 2)
             aa, bb, cc = a * n[0], b2 * n[1], c * n[2]
             ab, ac, bc, wa, wb, wc = a * n[1], a * n[2], b2 * n[2], w * n[0], w * n[1], w * n[2]
-            one = N(1)
+            one = type(w)(1)
             x, y, z = mm(b.Xr, ((one - (bb + cc), ab + wc, ac - wb), (ab - wc, one - (aa + cc), bc + wa),
                                 (ac + wb, bc - wa, one - (aa + bb))))
         b.r = mv(R, t)
@@ -100,9 +98,9 @@ def crba(bodies, g, q):
     relative(bodies)
     for b in bodies:
         m, r, h = b.m, b.rel, mv(b.R, b.h)
-        k = h if r == O3 else plus(h, times(r, m))
+        k = h if r is O3 else plus(h, times(r, m))
         I = congruence(b.R, b.I)
-        if r != O3:
+        if r is not O3:
             both = dot(r, plus(h, k))
             I = symmetric(lambda i, j: I[j][i] - (r[i] * h[j] + k[i] * r[j]) + (both if i == j else 0))
         b.Y, b.S = [m, k, I], columns(b)
@@ -224,9 +222,9 @@ def rnea_derivatives(bodies, g, q, v, a):
         # moments and their rates
         m, r = b.m, b.rel
         Rh, A = mv(b.R, b.h), mm(b.R, b.P)
-        h = Rh if r == O3 else plus(Rh, times(r, m))
+        h = Rh if r is O3 else plus(Rh, times(r, m))
         P = symmetric(lambda i, j: dot([A[k][i] for k in range(3)], [b.R[k][j] for k in range(3)]))
-        if r != O3:
+        if r is not O3:
             P = symmetric(lambda i, j: P[j][i] + (r[i] * Rh[j] + h[i] * r[j]))
         p = plus(times(vi[0], m), cross(vi[1], h))
         V = tuple(plus(cross(vi[1], P[j]), times(vi[0], h[j])) for j in range(3))

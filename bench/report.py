@@ -5,8 +5,8 @@ Usage:  report.py [--sections speed,levels,instructions,scaling,python] [--dyn E
                   [--runs N] [--seconds S] [--json FILE]
 
   speed         time of every algorithm over that of the fastest build of Pinocchio (compare.py), and its plot (plot.py)
-  levels        the same for each instruction set that the library carries, over Pinocchio compiled for it; and what lanes bring
-                to a batch (lanes.py)
+  levels        the same for each instruction set that the library carries, over Pinocchio compiled for it; on aarch64
+                instructions under an emulator (aarch64.py); and what lanes bring to a batch (lanes.py)
   instructions  instructions of a call, by single steps (dyn_bench --count), beside time and operations counted from the
                 formulas (flops.py)
   scaling       cost per joint on chains of up to 10,000 joints, beside that of moving the same bytes (dyn_stream); derivatives
@@ -32,6 +32,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import aarch64
 import compare
 import pages
 
@@ -45,6 +46,7 @@ MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating", "
 COUNTED = ["forward_kinematics", "rnea", "aba", "crba", "rnea_derivatives"]
 # an instruction set of libdyn (DYN_LEVEL), and the names of Pinocchio's builds for it
 LEVELS = [("x86-64-v4", "*-native"), ("x86-64-v3", "*-v3"), ("plain", "*_O3")]
+AARCH64, AARCH64_BAR = "aarch64, instructions", 0.55  # geometric mean
 LISTED = ["forward_kinematics", "rnea", "aba", "crba", "minv", "rnea_derivatives", "aba_derivatives"]
 SHAPES = [("chain of 100", ("chain", "100")), ("chain of 1,000", ("chain", "1000")), ("star of 100", ("star", "100")),
           ("star of 1,000", ("star", "1000")), ("binary tree of 1,000 leaves", ("tree", "1999", "--branching", "2"))]
@@ -138,11 +140,26 @@ def level(args, tmp, name, builds):
     return {"ratios": {row: r for row, r in ratios.items() if r}, "gains": lanes["gains"]}
 
 
+def on_aarch64(args, tmp):
+    """The column's name, its ratios (none without the programs that it takes), and the sentence about it."""
+    if missing := aarch64.missing():
+        return {}, f"There is no column of aarch64: this machine has no {' and no '.join(missing)}."
+    ratios = aarch64.ratios(MODELS, tmp, args.python, args.dyn.resolve().parent / "dyn")
+    mean = geometric_mean([x for r in ratios.values() for x in r.values()])
+    return {AARCH64: ratios}, (
+        "The column of aarch64 has instructions of a call, counted under qemu-user. They are no times. Pinocchio's are those of the "
+        "build that takes fewer, by g++ or clang++ with `-O3` (`bench/peers/build_pinocchio.py --aarch64`). The column's bar is a mean "
+        f"of {AARCH64_BAR}; figures above it are bold. The mean is {mean:.2f}{'' if mean <= AARCH64_BAR else ', above the bar'}.")
+
+
 def levels(args, tmp):
     figures = {name: found for name, builds in LEVELS if (found := level(args, tmp, name, builds))}
-    every = {name: [(x, row, n) for row, r in f["ratios"].items() for n, x in r.items()] for name, f in figures.items()}
+    board, said = on_aarch64(args, tmp)
+    columns = {**{name: f["ratios"] for name, f in figures.items()}, **board}
+    every = {name: [(x, row, n) for row, r in f.items() for n, x in r.items()] for name, f in columns.items()}
     mean = lambda values: f"{geometric_mean(list(values)):.2f}"
-    ratios = [[f"`{row}`"] + [mean(f["ratios"][row].values()) for f in figures.values()] for row in LISTED]
+    cell = lambda name, x: f"**{x}**" if name == AARCH64 and float(x) > AARCH64_BAR else x
+    ratios = [[f"`{row}`"] + [cell(name, mean(f[row].values())) for name, f in columns.items()] for row in LISTED]
     ratios.append(["**all algorithms**"] + [f"**{mean(x for x, _, _ in e)}**" for e in every.values()])
     ratios.append(["largest"] + [f"{x:.2f} (`{row}`, {NAMES[n]})" for x, row, n in map(max, every.values())])
     ratios.append(["above 1"] + [f"{sum(x > 1 for x, _, _ in e)} of {len(e)}" for e in every.values()])
@@ -152,11 +169,11 @@ def levels(args, tmp):
     text = ("The library carries a build for each instruction set and takes the best that the processor has "
             "(`DYN_LEVEL` chooses another). Time of libdyn over that of the faster of g++'s and clang++'s build of Pinocchio for "
             "the same instruction set; plain is SSE2. Geometric means over the robots of the table of "
-            "[algorithms](measured_speed.md).\n\n" + compare.table(["algorithm", *figures], ratios)
+            f"[algorithms](measured_speed.md). {said}\n\n" + compare.table(["algorithm", *columns], ratios)
             + "\n\nHow many times as fast a batch of 1,000 states is on one thread in lanes as one by one (`exact=True`): arm, "
             "quadruped, humanoid. 1.00: it is not done in lanes, because its results take longer to write.\n\n"
             + compare.table(["algorithm", *figures], gains))
-    return text, figures
+    return text, {**figures, **board}
 
 
 def dyn_bench(args, urdf, base, *more):

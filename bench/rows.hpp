@@ -35,6 +35,12 @@ class Robot {
   const int nq, nv;
   std::vector<Row> rows;
 
+  // state k: q, v, a, tau
+  const double* Q(int k) const { return q.data() + std::ptrdiff_t(k % states) * nq; }
+  const double* V(int k) const { return v.data() + std::ptrdiff_t(k) * nv; }
+  const double* A(int k) const { return a.data() + std::ptrdiff_t(k) * nv; }
+  const double* U(int k) const { return tau.data() + std::ptrdiff_t(k) * nv; }
+
  private:
   void add_kinematics();
   void add_dynamics();
@@ -46,11 +52,6 @@ class Robot {
   void add(const char* name, std::function<void(int)> call, std::function<void()> prepare = nullptr) {
     rows.push_back({name, std::move(call), std::move(prepare)});
   }
-
-  const double* Q(int k) const { return q.data() + std::ptrdiff_t(k % states) * nq; }
-  const double* V(int k) const { return v.data() + std::ptrdiff_t(k) * nv; }
-  const double* A(int k) const { return a.data() + std::ptrdiff_t(k) * nv; }
-  const double* U(int k) const { return tau.data() + std::ptrdiff_t(k) * nv; }
 
   const dynModel* m;
   dynData* d = nullptr;

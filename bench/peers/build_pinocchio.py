@@ -2,7 +2,7 @@
 """Build pinocchio_bench against the headers of the PyPI wheel 'pin'.
 
 Usage:  build_pinocchio.py [--venv DIR] [--out DIR] [--pin-version V] [--eigen DIR]
-                           [--jobs N] [--force] [--timeout S]
+                           [--jobs N] [--force] [--timeout S] [--aarch64]
 
   --venv DIR     Python environment that holds the wheels (default: build/peers under the project).
                  Created, and pin, mujoco, example-robot-data and matplotlib installed in it, when missing.
@@ -13,6 +13,8 @@ Usage:  build_pinocchio.py [--venv DIR] [--out DIR] [--pin-version V] [--eigen D
                  the system's /usr/include/eigen3.
   --jobs N       compilations at the same time (default 1)
   --force        rebuild even if nothing changed
+  --aarch64      instead, into OUT/aarch64: for ARM Linux by cross compilers (aarch64-linux-gnu-g++, clang++), with -O3;
+                 --count there takes qemu-aarch64 with the plugin tests/boards/linux/instructions.c
 
 Compilers: g++ and clang++ (override with the environment variables GXX and CLANGXX), each with
 -O3, -O3 -march=native and, on x86-64, -O3 -march=x86-64-v3; a compiler that is missing is skipped with a message. Prints the
@@ -33,7 +35,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parent.parent
-SOURCES = sorted(HERE.glob("pinocchio_*.cpp"))
+SOURCES = [*sorted(HERE.glob("pinocchio_*.cpp")), HERE.parent / "count.cpp"]
 HEADERS = sorted(HERE.glob("pinocchio_*.hpp"))
 # What Pinocchio's CMake target pinocchio_headers defines.
 DEFINES = [
@@ -47,6 +49,11 @@ COMPILERS = [("clang", os.environ.get("CLANGXX", "clang++")), ("gcc", os.environ
 FLAGS = [("O3", ["-O3"]), ("O3-native", ["-O3", "-march=native"])]
 if platform.machine() == "x86_64":
     FLAGS.append(("O3-v3", ["-O3", "-march=x86-64-v3"]))
+
+
+AARCH64_SOURCES = [*SOURCES[:-1], HERE.parent / "emulated/count.cpp"]
+AARCH64_COMPILERS = [("clang", os.environ.get("CLANGXX", "clang++")), ("gcc", "aarch64-linux-gnu-g++")]
+AARCH64_FLAGS = {"clang": ["--target=aarch64-linux-gnu", "-O3"], "gcc": ["-O3"]}
 
 
 def say(text):
@@ -123,7 +130,7 @@ def run_compiler(command, timeout):
         raise RuntimeError(f"failed: {shlex.join(command)}\n{done.stderr[-4000:]}")
 
 
-def build(name, compiler, flags, includes, out, args, version):
+def build(name, compiler, flags, sources, includes, out, args, version):
     exe = out / f"pinocchio_bench_{name}"
     objects = out / "obj"
     objects.mkdir(parents=True, exist_ok=True)
@@ -139,7 +146,7 @@ def build(name, compiler, flags, includes, out, args, version):
     start = time.time()
     longest = 0.0
     files = []
-    for source in SOURCES:
+    for source in sources:
         key = hashlib.sha256("\0".join([source.read_text()] + shared).encode()).hexdigest()
         obj, stamp = (objects / f"{name}_{source.stem}.{end}" for end in ("o", "key"))
         files.append(str(obj))
@@ -152,7 +159,7 @@ def build(name, compiler, flags, includes, out, args, version):
     if not longest and exe.is_file() and exe.stat().st_mtime >= max(os.path.getmtime(f) for f in files):
         say(f"{name}: up to date")
         return exe
-    run_compiler([compiler] + files + ["-o", str(exe)], args.timeout)
+    run_compiler([compiler] + flags + files + ["-o", str(exe)], args.timeout)
     say(f"{name}: built in {time.time() - start:.0f} s (longest compilation {longest:.0f} s)")
     return exe
 
@@ -166,10 +173,12 @@ def main():
     p.add_argument("--jobs", type=int, default=1)
     p.add_argument("--force", action="store_true")
     p.add_argument("--timeout", type=float, default=1800, help="seconds per compilation")
+    p.add_argument("--aarch64", action="store_true")
     args = p.parse_args()
 
-    found = [(n, c) for n, c in COMPILERS if shutil.which(c)]
-    for n, c in COMPILERS:
+    compilers = AARCH64_COMPILERS if args.aarch64 else COMPILERS
+    found = [(n, c) for n, c in compilers if shutil.which(c)]
+    for n, c in compilers:
         if not shutil.which(c):
             say(f"compiler '{c}' not found: its builds are skipped")
     if not found:
@@ -190,12 +199,15 @@ def main():
         die(f"Pinocchio {version} found, 4.x expected")
     eigen = find_eigen(args.eigen, python, prefix, out)
     say(f"Pinocchio {version}, Eigen in {eigen}")
+    builds = [(f"{n}_{f}", c, flags, SOURCES) for n, c in found for f, flags in FLAGS]
+    if args.aarch64:
+        out = out / "aarch64"
+        builds = [(f"{n}_O3", c, AARCH64_FLAGS[n], AARCH64_SOURCES) for n, c in found]
     includes = ["-isystem", str(eigen), "-isystem", str(prefix / "include")]
 
     built = []
     with concurrent.futures.ThreadPoolExecutor(max(1, args.jobs)) as pool:
-        jobs = [(f"{n}_{f}", pool.submit(build, f"{n}_{f}", c, flags, includes, out, args, version))
-                for n, c in found for f, flags in FLAGS]
+        jobs = [(b[0], pool.submit(build, *b, includes, out, args, version)) for b in builds]
         for name, job in jobs:
             try:
                 built.append(job.result())

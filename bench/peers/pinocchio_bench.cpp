@@ -1,7 +1,7 @@
 // pinocchio_bench - times Pinocchio's algorithms on one model, for comparison with libdyn.
 //
 // Usage:  pinocchio_bench MODEL.txt [--seconds S] [--rounds R] [--only a,b,c]
-//                         [--states FILE] [--write-states FILE] [--results]
+//                         [--states FILE] [--write-states FILE] [--results] [--count]
 //
 //   MODEL.txt            model dump written by dump_model.py (see there for the format)
 //   --seconds S          approximate time spent per row, over all rounds (default 0.25)
@@ -12,6 +12,7 @@
 //   --write-states FILE  write the states used, in the same format
 //   --results            instead of timing, print the results for state 0 (to check that the model
 //                        read here is the model dumped)
+//   --count              instead of times, "instructions" of a call
 //
 // Output: JSON on stdout,
 //   {"library","version","compiler","flags","model","nq","nv",
@@ -39,6 +40,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
+
+#include "../count.hpp"
 
 #ifndef BENCH_FLAGS
   #define BENCH_FLAGS "unknown"
@@ -82,6 +85,23 @@ void timeRound(Row & row, double budget)
   while (now() < end || times.size() < 3);
   row.best = std::min(row.best, *std::min_element(times.begin(), times.end()));
   row.medians.push_back(median(times));
+}
+
+// Of the call with state 0: two calls less one, without the loop's clock.
+long countCall(Row & row)
+{
+  if (row.prepare) row.prepare();
+  const auto calls = [&](long n) {
+    const long count = bench::instructions([&] {
+      int next = (1 - int(n)) & (kStates - 1);
+      row.run(n, next);
+    });
+    if (count < 0) throw std::runtime_error("--count: this system does not let a process trace its child");
+    return count;
+  };
+  int next = 0;
+  row.run(kStates, next);
+  return calls(2) - calls(1);
 }
 
 // ---------------------------------------------------------------------------------- output
@@ -196,7 +216,7 @@ void printResults(const Loaded & m, Bench & b)
 {
   std::fprintf(
     stderr, "usage: pinocchio_bench MODEL.txt [--seconds S] [--rounds R] [--only a,b,c]\n"
-            "                       [--states FILE] [--write-states FILE] [--results]\n");
+            "                       [--states FILE] [--write-states FILE] [--results] [--count]\n");
   std::exit(2);
 }
 
@@ -205,7 +225,7 @@ int run(int argc, char ** argv)
   std::string path, statesIn, statesOut, only;
   double seconds = 0.25;
   int rounds = 5;
-  bool results = false;
+  bool results = false, counting = false;
   for (int i = 1; i < argc; ++i)
   {
     const std::string a = argv[i];
@@ -225,6 +245,8 @@ int run(int argc, char ** argv)
       statesOut = value();
     else if (a == "--results")
       results = true;
+    else if (a == "--count")
+      counting = true;
     else if (a.rfind("--", 0) == 0 || !path.empty())
       usage();
     else
@@ -270,7 +292,7 @@ int run(int argc, char ** argv)
     if (rows.empty()) throw std::runtime_error("--only names no known row");
   }
 
-  for (int r = 0; r < rounds; ++r)
+  for (int r = 0; r < rounds && !counting; ++r)
     for (Row & row : rows)
       if (row.supported) timeRound(row, seconds / rounds);
 
@@ -280,7 +302,9 @@ int run(int argc, char ** argv)
   {
     const Row & r = rows[i];
     const char * end = i + 1 < rows.size() ? "," : "";
-    if (r.supported)
+    if (counting && r.supported)
+      std::printf("  {\"name\": \"%s\", \"instructions\": %ld}%s\n", r.name.c_str(), countCall(rows[i]), end);
+    else if (r.supported)
       std::printf(
         "  {\"name\": \"%s\", \"ns_median\": %.2f, \"ns_min\": %.2f}%s\n", r.name.c_str(),
         median(r.medians), r.best, end);
