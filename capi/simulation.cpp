@@ -1,10 +1,15 @@
 // Steps.
+#include <numeric>
+
 #include "collision.hpp"
 #include "deadline.hpp"
 #include "algorithm/actuators.hpp"
+#include "algorithm/configuration.hpp"
 #include "integrator/stepping.hpp"
+#include "integrator/tuning.hpp"
 #include "shape/material.hpp"
 #include "simulation/ledger.hpp"
+#include "simulation/step.hpp"
 #include "simulation/workspace.hpp"
 #include "reflection.hpp"
 #include "steps.hpp"
@@ -255,6 +260,39 @@ dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepRepo
   if (!call || !call.required("report", report)) return call.status;
   if (const dynStatus s = check_struct(call.function, "report", report)) return s;
   write_struct(call.d().step->report, report);
+  return DYN_OK;
+}
+
+dynStatus dyn_data_error_bar(const dynModel* model, dynData* data, dynData* finer, dynErrorBar* bar) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_error_bar");
+  if (!call || !call.required("bar", bar)) return call.status;
+  if (const dynStatus s = check_struct(call.function, "bar", bar)) return s;
+  const Call second(model, finer, DYN_PART_SIMULATION, call.function);
+  if (!second) return second.status;
+  const Model& m = call.m();
+  const Data<double>&d = call.d(), &x = second.d();
+  const dynStepOptions &a = d.step->options, &b = x.step->options;
+  const double ratio = b.accuracy > 0 ? (a.accuracy > 0 ? b.accuracy / a.accuracy : 0) : a.accuracy > 0 ? HUGE_VAL : b.dt / a.dt;
+  if (!(ratio <= 0.5))
+    return fail(DYN_ERROR_ARGUMENT,
+                "%s: finer has dt %g s and accuracy %g, data %g s and %g: give finer at most half the dt, or half the accuracy",
+                call.function, b.dt, b.accuracy, a.dt, a.accuracy);
+  if (!(std::abs(d.time[0] - x.time[0]) <= 1e-9 * std::max(1.0, std::abs(d.time[0]))))
+    return fail(DYN_ERROR_ARGUMENT, "%s: data is at %.9g s and finer at %.9g s: advance both by the same durations", call.function,
+                d.time[0], x.time[0]);
+  const double factor = integrator::tuning::error_bar / (1 - ratio), tenth = integrator::tuning::lost;
+  double* const apart = call.d().backup;  // this call replaces no input
+  difference(m, x.q, d.q, apart);
+  const auto rounding = [](const double* of, Index n) {
+    return integrator::tuning::rounding_bar * std::accumulate(of, of + n, 1.0, [](double a, double x) { return std::max(a, std::abs(x)); });
+  };
+  dynErrorBar out{sizeof out, 0, rounding(d.q, m.n.nq), rounding(d.v, m.n.nv)};
+  for (Index k = 0; k < m.n.nv; ++k) {
+    const double q = factor * std::abs(apart[k]), v = factor * std::abs(d.v[k] - x.v[k]);
+    out.q = std::max(out.q, q), out.v = std::max(out.v, v);
+    out.lost |= !(q <= tenth * (simulation::is_length(m, k) ? d.step->length : 1));
+  }
+  write_struct(out, bar);
   return DYN_OK;
 }
 

@@ -2552,7 +2552,7 @@ typedef struct dynStepReport {
   int64_t evaluations;     /* of forward dynamics */
   double time;             /* s, advanced */
   double smallest_dt;      /* s */
-  double error_estimate;   /* sum of the steps' estimated errors; 0 from integrators without an estimate */
+  double error_estimate;   /* sum of the steps' estimated errors; 0 if there are none: see dyn_data_error_bar */
   /* largest in a step: contact points, active rows, groups of bodies that they join */
   int32_t contacts, rows, islands;
   int32_t dropped;         /* contact points beyond the capacity, the shallowest, in all steps */
@@ -2566,6 +2566,19 @@ typedef struct dynStepReport {
 } dynStepReport;
 /* Writes the report on the last call. */
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
+
+/* Bounds on the error of a state. */
+typedef struct dynErrorBar {
+  uint32_t struct_size;
+  int32_t lost; /* 1: motion has amplified errors to a tenth of a rad, or of the model's length, and more */
+  double q, v;  /* of the largest entry of dyn_difference (m, rad), and of v (m/s, rad/s) */
+} dynErrorBar;
+/* Bounds the error of data's state by a second run. finer, of the same model, began like it (dyn_data_copy),
+   was driven alike, and is at the same time. Its steps are at most half as long, or for at most half the
+   accuracy. The bounds are 4 / (1 - r) times what the two differ by, r the ratio of dt or of accuracy; 4 times
+   where finer alone has an accuracy. They hold for at least 95 of 100 states of random scenes, with and
+   without contact, and are 5 times the error in the median. After `lost` they say nothing. */
+DYN_API dynStatus dyn_data_error_bar(const dynModel* model, dynData* data, dynData* finer, dynErrorBar* bar);
 
 /* Error ledger: energy and momentum over the steps of the last call. The defects are the steps' error. Work
    in J. Impulses of contacts, limits and constraints, and of forces at joints in an Euler step: times the

@@ -1127,6 +1127,13 @@ class Data {
     check(dyn_data_step_report(m(), get(), &report));
     return report;
   }
+  // Bounds on the error of this state, by a run with finer steps that began alike.
+  dynErrorBar error_bar(Data& finer) {
+    dynErrorBar bar{};
+    bar.struct_size = sizeof bar;
+    check(dyn_data_error_bar(m(), get(), finer.get(), &bar));
+    return bar;
+  }
   // Where energy and momentum went in them, with the option `ledger`.
   dynErrorLedger ledger() const {
     dynErrorLedger out{};

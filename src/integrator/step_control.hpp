@@ -47,6 +47,19 @@ struct RoundingFloor {
   }
 };
 
+// Error that the contact solver's tolerance leaves in velocities: shorter steps do not lower it, and would never end.
+struct SolverNoise {
+  double level = 0;
+  double rejected = 0, tried = 0;  // error and length of the last step, if it was rejected
+
+  void accept() { level /= 2, tried = 0; }
+  // most: above it an error is no noise.
+  void reject(double error, double h, double most) {
+    if (h < tried && error <= most && error * tried > rejected * h) level = std::max(level, error);
+    rejected = error, tried = h;
+  }
+};
+
 // First step: 1/100 of the time scale of y, corrected by the second derivative (same book, II.4).
 template <class T>
 Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T tolerance, T longest, T& h) {

@@ -156,6 +156,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       std::max(tuning::smallest_share * std::min(accuracy, 1.0) * std::min(duration, 1.0), tuning::smallest * duration);
   const double longer = std::max(1.0, std::cbrt(tuning::accuracy_scale * accuracy));  // of order 3
   double h = std::min(duration, tuning::first_step * longer), t = 0;
+  SolverNoise noise;
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * tuning::shortest_step)) return no_step_left;
@@ -171,7 +172,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       joint = euler_step(m, d, s, h, false);
       report.evaluations += 2, error = std::min(allowed, depth);
     } else if (rows) {
-      allowed = std::max(allowed, tuning::closed_error * closed), power = 1.0 / Extrapolated::order;
+      allowed = std::max({allowed, tuning::closed_error * closed, noise.level}), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
     } else {
@@ -197,13 +198,14 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       record_ledger_step(m, d, h);
+      noise.accept();
       if (!rows && !sunk) note_smooth_forces(m, d);
       if (cut) {  // the step was cut at an event: continue with the length before
         h = whole;
         continue;
       }
     } else {
-      if (rows) extrapolated.restore();
+      if (rows) extrapolated.restore(), noise.reject(error, h, std::min(accuracy, tuning::solver_noise * std::max(1.0, largest(d.v, m.n.nv))));
       else s.undo(m, d);
       ++report.rejected;
       if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 &&

@@ -226,8 +226,8 @@ struct Search {
         (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body)))
       return;
     double bound = collision::distance_lower_bound(a, A, b, B);
-    if (bound <= margin) margin = std::min(margin, near + search::speed_margin * h * relative_speed(ia, ib));
     if (bound <= margin) bound = std::max(bound, w.clearances.bound(ia, ib));
+    if (bound <= margin) margin = std::min(margin, near + search::speed_margin * h * relative_speed(ia, ib));
     if (bound <= margin) bound = std::max(bound, w.clearances.bound_along_axis(ia, ib, d.geoms, d.geom_poses, margin));
     Index pair = -1;
     const bool near_enough = bound <= margin && is_tested(pair);

@@ -232,7 +232,7 @@ TEST(Handles, TablesAreComplete) {
           "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
           "dyn_data_reset",
           // tests/simulation
-          "dyn_model_state_size", "dyn_data_save_state", "dyn_data_restore_state", "dyn_data_copy", "dyn_data_step_contacts", "dyn_data_ledger",
+          "dyn_model_state_size", "dyn_data_save_state", "dyn_data_restore_state", "dyn_data_copy", "dyn_data_step_contacts", "dyn_data_ledger", "dyn_data_error_bar",
           "dyn_data_set_shape_material", "dyn_data_shape_material",
           // tests/simulation/step_derivatives_test.cpp
           "dyn_step_derivative_options_init", "dyn_step_derivatives_init",

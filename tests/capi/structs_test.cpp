@@ -10,7 +10,7 @@ namespace {
 // A robot with one of everything.
 struct Robot {
   Model m = make();
-  Data d{m};
+  Data d{m}, finer{m};  // finer: in shorter steps
   Surfaces surfaces;
   dynContactSolver* solver = nullptr;
   dynBatch* batch = nullptr;
@@ -24,6 +24,10 @@ struct Robot {
     EXPECT_EQ(DYN_OK, dyn_batch_new(m, 0, 1, &batch));
     EXPECT_EQ(DYN_OK, dyn_planner_new(m, 2, DYN_PLAN_INPUT_CONTROL, &planner));
     EXPECT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr));
+    dynStepOptions steps;
+    dyn_step_options_init(&steps);
+    steps.dt /= 2;
+    EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, finer, &steps));
   }
   ~Robot() { dyn_contact_solver_free(solver), dyn_batch_free(batch), dyn_planner_free(planner); }
 
@@ -215,6 +219,7 @@ const std::map<std::string, Row> rows = {
             return dyn_step_derivatives(r.m, r.d, nullptr, &out);),
     WRITTEN(dynPlanReport, steps, dynPlanOutput out; dyn_plan_output_init(&out); out.report = s; dynPlanProblem problem;
             dyn_plan_problem_init(&problem); return dyn_planner_solve(r.planner, r.m, r.d, &problem, nullptr, &out);),
+    WRITTEN(dynErrorBar, v, return dyn_data_error_bar(r.m, r.d, r.finer, s);),
     WRITTEN(dynErrorLedger, cone, return dyn_data_ledger(r.m, r.d, s);),
     WRITTEN(dynMeshInfo, area, return dyn_mesh_info(r.surfaces.field, s);),
     WRITTEN(dynMeshArrays, planes, return dyn_mesh_arrays(r.surfaces.field, s);),

@@ -105,7 +105,7 @@ from .planner import Plan, PlanCost, Planner, PlanPoint
 from .recording import Recording
 from .simulate import Simulation, Trajectory
 from .sensor import Sensor
-from .simulation import ContactForce, ErrorLedger, StepReport
+from .simulation import ContactForce, ErrorBar, ErrorLedger, StepReport
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo, FieldInfo
 from .tendon import Tendon, TendonElement, TendonPath
 from .variation import vary, with_inertial_parameters
@@ -117,7 +117,7 @@ __all__ = [
     "ALGORITHMS", "Actuator", "AlgorithmInfo", "ArgumentError", "BaseChoiceError", "Batch", "BroadPhase", "Builder", "BusyError",
     "Camera", "CancelledError", "Centroidal", "ClosestPoint", "ConeQp", "Contact", "ContactForce", "ContactReport", "ContactSolution",
     "ContactSolver", "ContactWarning",
-    "Data", "DcMotor", "DisabledPair", "Distance", "Error", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "ForceLimit", "FrameInfo",
+    "Data", "DcMotor", "DisabledPair", "Distance", "Error", "ErrorBar", "ErrorLedger", "FIELDS", "FieldInfo", "FileError", "ForceLimit", "FrameInfo",
     "HandleError", "Impact", "InternalError", "InvalidRobotError", "JointInfo", "LOCAL", "LOCAL_WORLD_ALIGNED", "LibraryError",
     "LimitError", "LoadError", "LoadWarning", "Material", "Mesh", "MeshInfo", "Model", "ModelError", "Muscle",
     "NonFiniteError", "NumericError", "OutOfMemoryError", "Pair", "Parameter", "ParseError", "PartError", "Placement",

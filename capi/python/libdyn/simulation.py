@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .arrays import Numbers
+    from .data import Data
     from .enums import ContactModelLike, ContactSolverTypeLike, DerivativeMethodLike, IntegratorLike
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
@@ -63,6 +64,16 @@ class StepReport(NamedTuple):
     unsolved: int
     """Islands whose residual stayed above the tolerance, in all steps: iterations or time were not enough, or equalities
     contradict one another."""
+
+
+class ErrorBar(NamedTuple):
+    """Bounds on the error of a state, by a run with finer steps."""
+
+    q: float
+    """Of the largest entry of difference, m or rad."""
+    v: float
+    lost: bool
+    """Motion has amplified errors to a tenth of a rad, or of the model's length, and more: the bounds say nothing."""
 
 
 class ErrorLedger(NamedTuple):
@@ -357,6 +368,19 @@ class SimulationCalls(DataHandle):
         r = abi.StepReport()
         check(lib.dyn_data_step_report(self._m, self._d, byref(r)))
         return StepReport(*(getattr(r, name) for name in StepReport._fields))
+
+    def error_bar(self, finer: Data) -> ErrorBar:
+        """Bounds on the error of this state, by that of finer, which began like it, was driven alike, and is at the same time, with
+        at most half the dt or half the accuracy.
+
+            finer = data.copy()
+            finer.set_step_options(dt=5e-4)
+            data.advance(1.0), finer.advance(1.0)
+            bar = data.error_bar(finer)
+        """
+        bar = abi.ErrorBar()
+        check(lib.dyn_data_error_bar(self._m, self._d, finer._d, byref(bar)))
+        return ErrorBar(bar.q, bar.v, bool(bar.lost))
 
     @property
     def ledger(self) -> ErrorLedger:
