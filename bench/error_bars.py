@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Error bars (dyn_data_error_bar) beside the errors, on scenes drawn from seeds: chains, falling chains and bodies.
 
-    python bench/error_bars.py [--scenes 500] [--first 0] [--write]
+    python bench/error_bars.py [--scenes 100] [--first 0] [--write]
 
 capi/python/tests/error_scenes.py draws the scenes. The error is the distance from steps for an accuracy of 1e-6.
 
@@ -34,7 +34,7 @@ def row(name, runs):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=500)
+    parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()

@@ -2552,7 +2552,7 @@ typedef struct dynStepReport {
   int64_t evaluations;     /* of forward dynamics */
   double time;             /* s, advanced */
   double smallest_dt;      /* s */
-  double error_estimate;   /* sum of the steps' estimated errors; 0 if there are none: see dyn_data_error_bar */
+  double error_estimate;   /* sum of the steps' estimated errors; 0 if there are none (dyn_data_error_bar) */
   /* largest in a step: contact points, active rows, groups of bodies that they join */
   int32_t contacts, rows, islands;
   int32_t dropped;         /* contact points beyond the capacity, the shallowest, in all steps */
@@ -2575,8 +2575,8 @@ typedef struct dynErrorBar {
 } dynErrorBar;
 /* Bounds the error of data's state by a second run. finer, of the same model, began like it (dyn_data_copy),
    was driven alike, and is at the same time. Its steps are at most half as long, or for at most half the
-   accuracy. The bounds are 4 / (1 - r) times what the two differ by, r the ratio of dt or of accuracy; 4 times
-   where finer alone has an accuracy. They hold for at least 95 of 100 states of random scenes, with and
+   accuracy. The bounds are 4 / (1 - r) times what the two differ by, r the ratio of dt or of accuracy; 4
+   times where finer alone has an accuracy. They hold for at least 95 of 100 states of random scenes, with and
    without contact, and are 5 times the error in the median. After `lost` they say nothing. */
 DYN_API dynStatus dyn_data_error_bar(const dynModel* model, dynData* data, dynData* finer, dynErrorBar* bar);
 

@@ -13,7 +13,7 @@ inline constexpr double first_change = 0.01;          // of the time scale of y:
 inline constexpr int first_gain = 4;                  // which bounds the first step: by first_change of the accuracy, times this
 
 // Contact (step_control.hpp).
-inline constexpr double solver_noise = 1e-7;          // of the speed, at most the accuracy: a hundred times the residual of the solver
+inline constexpr double solver_noise = 1e-7;          // of the speed, at most the closed gap: a hundred residuals of the solver
 
 // Error bars (dyn_data_error_bar): measured on random scenes, bench/error_bars.py
 inline constexpr double error_bar = 4;                // of what a run differs by from one that is exact

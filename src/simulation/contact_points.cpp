@@ -227,7 +227,8 @@ struct Search {
       return;
     double bound = collision::distance_lower_bound(a, A, b, B);
     if (bound <= margin) bound = std::max(bound, w.clearances.bound(ia, ib));
-    if (bound <= margin) margin = std::min(margin, near + search::speed_margin * h * relative_speed(ia, ib));
+    if (bound <= margin && margin > 2 * near)  // slower shapes: it would cost more than it saves
+      margin = std::min(margin, near + search::speed_margin * h * relative_speed(ia, ib));
     if (bound <= margin) bound = std::max(bound, w.clearances.bound_along_axis(ia, ib, d.geoms, d.geom_poses, margin));
     Index pair = -1;
     const bool near_enough = bound <= margin && is_tested(pair);
