@@ -148,7 +148,7 @@ class Blackbox {
   std::vector<Entry> last_;
 };
 
-// By the same simulation at half the step, or for a tenth of the accuracy (dyn_data_error_bar).
+// By the same simulation at half the step, or for a third of the accuracy (dyn_data_error_bar).
 dynErrorBar error_bar(const Robot& robot, const Data& data, const State& start, const SimOptions& options,
                       const ContactSolver& solver, std::uint32_t effects, const Schedule& schedule, const Drive* drive) {
   const bool adaptive = options.accuracy > 0;
@@ -158,7 +158,7 @@ dynErrorBar error_bar(const Robot& robot, const Data& data, const State& start, 
   const double* time = state_view(robot, fine, "time");
   Progress progress(schedule.steps);
   for (long long i = 0; i < schedule.steps; ++i) {
-    const double h = schedule.length(i), accuracy = options.accuracy * h / options.duration / 10;
+    const double h = schedule.length(i), accuracy = options.accuracy * h / options.duration / 3;
     const int parts = adaptive ? 1 : 2;
     set_stepping(robot, fine, integrator, h / parts, accuracy, {solver.type, solver.tolerance});
     for (int part = 0; part < parts; ++part) {
@@ -351,7 +351,7 @@ void run_sim(const SimOptions& given) {
     answer["error_estimate"] = nullptr, answer["error_estimate_method"] = "not asked for";
   } else {
     answer["error_estimate"] = nullptr;
-    answer["error_estimate_method"] = adaptive ? "bound by a run for a tenth of the accuracy" : "bound by a run at half the step";
+    answer["error_estimate_method"] = adaptive ? "bound by a run for a third of the accuracy" : "bound by a run at half the step";
     try {
       const dynErrorBar bar = error_bar(robot, data, start, options, solver, on, schedule, drive.get());
       if (bar.lost)
