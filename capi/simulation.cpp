@@ -284,7 +284,8 @@ dynStatus dyn_data_error_bar(const dynModel* model, dynData* data, dynData* fine
   double* const apart = call.d().backup;  // this call replaces no input
   difference(m, x.q, d.q, apart);
   const auto rounding = [](const double* of, Index n) {
-    return integrator::tuning::rounding_bar * std::accumulate(of, of + n, 1.0, [](double a, double x) { return std::max(a, std::abs(x)); });
+    const auto larger = [](double most, double number) { return std::max(most, std::abs(number)); };
+    return integrator::tuning::rounding_bar * std::accumulate(of, of + n, 1.0, larger);
   };
   dynErrorBar out{sizeof out, 0, rounding(d.q, m.n.nq), rounding(d.v, m.n.nv)};
   for (Index k = 0; k < m.n.nv; ++k) {

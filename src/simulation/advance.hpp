@@ -205,8 +205,12 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
         continue;
       }
     } else {
-      if (rows) extrapolated.restore(), noise.reject(error, h, std::min(closed, tuning::solver_noise * std::max(1.0, largest(d.v, m.n.nv))));
-      else s.undo(m, d);
+      if (rows) {
+        extrapolated.restore();
+        noise.reject(error, h, std::min(closed, tuning::solver_noise * std::max(1.0, largest(d.v, m.n.nv))));
+      } else {
+        s.undo(m, d);
+      }
       ++report.rejected;
       if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 &&
           d.step->overshoot_time < h) {  // the contact was found too late

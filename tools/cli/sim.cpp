@@ -346,7 +346,7 @@ void run_sim(const SimOptions& given) {
       adaptive && integrator.id != DYN_INTEGRATOR_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
   answer["solver"] = rows_max > 0 ? options.solver : "none";
   answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : schedule.length(0);
-  if (adaptive) answer["accuracy"] = options.accuracy;
+  if (adaptive) answer["accuracy"] = options.accuracy, answer["step_errors"] = estimate;
   if (options.no_error_estimate) {
     answer["error_estimate"] = nullptr, answer["error_estimate_method"] = "not asked for";
   } else {
@@ -418,7 +418,7 @@ void add_sim(CLI::App& app) {
       ->check(not_empty);
   command->add_flag("--profile", options->profile, "Measure each effect, as dyn effects does");
   command->add_flag("--ledger", options->ledger, "Print energy and momentum by source, and their defects");
-  command->add_flag("--no-error-estimate", options->no_error_estimate, "Skip the second run, at half the step");
+  command->add_flag("--no-error-estimate", options->no_error_estimate, "Skip the second, finer run");
   command->callback([options, accuracy] {
     options->dt_given = !std::isnan(options->dt), options->accuracy_given = accuracy->count() > 0;
     run_sim(*options);
