@@ -97,7 +97,7 @@ void change_arrays(const Model& m, StepChange& x, F&& f) {
 
 // Calls f(array, numbers) for each. Matrices lie row by row: force nv x (q, v, controls), flight nv x 18, state nv x (q, v, tau),
 // J and Z rows x nv, K rows x rows, E rows x 2 nv (by q and v), wanted, lambda and rest rows x (q, v, tau), displacement nv x
-// (q, v, tau), or forces of a row.
+// (q, v, tau), or forces of a row, G rows x rows, or vectors that the rows do not determine.
 template <class F>
 void jacobian_arrays(const Model& m, std::ptrdiff_t columns, JacobianArrays& x, F&& f) {
   const std::ptrdiff_t nv = m.n.nv, rows = jacobian_rows(m), exact = exact_corrections(m);

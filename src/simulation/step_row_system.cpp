@@ -126,7 +126,7 @@ void StepJacobian::transpose_rows() const {
 bool StepJacobian::is_determined() const {
   const Index open = rows - system.rank;
   if (open == 0) return true;
-  double *const null = y.rest, *const motion = y.wanted;
+  double *const null = y.G, *const motion = y.wanted;
   for (Index r = 0; r < open; ++r) {
     double* const own = null + rows * r;
     system.null_vector(system.rank + r, own);

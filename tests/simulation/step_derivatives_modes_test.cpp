@@ -56,6 +56,24 @@ TEST(StepDerivatives, TheLargestFrictionIsASwitch) {
     }
 }
 
+// Twelve feet in the ground hold one degree of freedom: their forces are open in 35 ways of 36, its motion in none.
+TEST(StepDerivatives, ManyFeetHoldOneDegreeOfFreedom) {
+  std::string text = "<mujoco><worldbody><geom type='plane' size='1 1 1'/><body><joint type='slide' axis='0 0 1'/>";
+  for (int k = 0; k < 12; ++k)
+    text += "<geom type='sphere' size='0.1' mass='1' pos='" + std::to_string(0.5 * k) + " 0 0.1'/>";
+  text += "</body></worldbody></mujoco>";
+  for (const double overlap : {1e-9, 1e-5, 1e-3, 1e-2}) {
+    SCOPED_TRACE(overlap);
+    dynModel* m = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_model_load_string(text.c_str(), nullptr, &m)) << dyn_last_error();
+    Stepper run{Model(m)};
+    run.set({-overlap}, {});
+    const Derivatives x = run.agree(1e-6, overlap > 1e-6, 1e-9);
+    ASSERT_EQ(12u, x.modes.size());
+    EXPECT_NEAR(0, x.A[3], 1e-12);  // of v' by v
+  }
+}
+
 // Slower than 1e-9 m/s is rounding.
 TEST(StepDerivatives, SlidingByNanometresIsSliding) {
   constexpr double mu = 0.4;
