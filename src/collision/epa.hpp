@@ -304,6 +304,13 @@ class Epa {
       const Vertex& x = w_.vertex[w_.face[f].at[nearest.at[i]]];
       r_.a += x.a * nearest.weight[i], r_.b += x.b * nearest.weight[i];
     }
+    // a curved rim of a flat face reaches beyond its triangles, and the foot may lie there
+    if (shape::norm(r_.a - r_.b - foot) <= 1e-7 * offset + 8 * rounding_) return;
+    Refined p;
+    if (on_face(d_, r_.normal, p) && dot(p.normal, r_.normal) > 1 - 1e-12)
+      r_.a = p.a, r_.b = p.b;
+    else
+      r_.unique = false;
   }
 };
 
