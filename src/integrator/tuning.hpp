@@ -52,7 +52,7 @@ inline constexpr double smallest_share = 1e-3;        // of accuracy and duratio
 inline constexpr double smallest = 10 * shortest_step;  // or of the duration: time still tells such steps apart
 inline constexpr double arrival = 0.02;               // of the closed gap: steps to an event end this much behind it
 inline constexpr double closed_error = 0.2;           // of the closed gap: error that is allowed while rows act
-inline constexpr double solver_share = 0.01, solver_floor = 1e-14;  // of the closed gap over the speed: tolerance; its rounding
+inline constexpr double solver_share = 1e-3, solver_floor = 1e-14;  // of the closed gap over the speed: tolerance; its rounding
 
 // Constraints (constrained_motion.hpp).
 inline constexpr double open_rows = 1e-3;             // of the rows' reach (m) or rad: larger errors close first, at order 1
