@@ -12,9 +12,6 @@ inline constexpr double max_factor_rows = 2, max_factor_contacts = 3;  // smalle
 inline constexpr double first_change = 0.01;          // of the time scale of y: probe of the second derivative,
 inline constexpr int first_gain = 4;                  // which bounds the first step: by first_change of the accuracy, times this
 
-// Contact (step_control.hpp).
-inline constexpr double solver_noise = 1e-7;          // of the speed, at most the closed gap: a hundred residuals of the solver
-
 // Error bars (dyn_data_error_bar): measured on random scenes, bench/error_bars.py
 inline constexpr double error_bar = 4;                // of what a run differs by from one that is exact
 inline constexpr double rounding_bar = 1e-12;         // of the state, and m or rad: runs that agree may round alike

@@ -207,7 +207,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     } else {
       if (rows) {
         extrapolated.restore();
-        noise.reject(error, h, std::min(closed, tuning::solver_noise * std::max(1.0, largest(d.v, m.n.nv))));
+        noise.reject(error, h, closed);
       } else {
         s.undo(m, d);
       }
