@@ -2455,8 +2455,10 @@ DYN_API dynStatus dyn_sensor_delay(const dynModel* model, const double* times, c
      v_free = v + dt ddq      v' = v_free + M^-1 J' lambda, with c_n >= -gap / dt
      q' = q (+) (dt v' + M^-1 J' mu)
    (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law.) mu removes half of an overlap
-   in a step, at most 1 m/s for bodies of 20 cm, and leaves v' unchanged. Such steps have order 1: the other
-   integrators then step as IMPLICIT_FAST. Steps with permanent constraints alone keep their orders. Free
+   in a step, at most 1 m/s for bodies of 20 cm, and leaves v' unchanged. Such steps have order 1. The other
+   integrators have order 3 there while contacts and limits last: such a step is made in one, two and three
+   parts and extrapolated. Where something meets or parts, in islands of more than 24 rows, and with a
+   time_budget they step as IMPLICIT_FAST. Steps with permanent constraints alone keep their orders. Free
    flyers keep their momentum. */
 typedef enum dynIntegrator {
   /* Order 1; damping, friction, and springs with h^2 k > I / 4 are implicit: no coefficient is too large. */

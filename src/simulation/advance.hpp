@@ -109,37 +109,56 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   return 0;
 }
 
-// Returns whether contacts, limits, dry friction or open constraints act in a step of h, so that smooth methods lose their order.
-// until: time at which the first open gap reaches `closed` at its current speed, or shapes may have passed each other, capped at
-// h. depth: of the deepest contact.
+// What a step of h meets so that smooth methods lose their order.
 template <class T>
-bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until, T& depth) {
-  until = h, depth = 0;
-  if constexpr (std::is_same_v<T, double>) {
-    d.step->time_to_pass = HUGE_VAL;
-    if (!simulation::has_constraints(m, d) || constrained_forward_dynamics(m, d)) return false;
-    if (is_open(m, d)) return true;
-    if (!simulation::may_jump(m, d)) return false;
-    for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
-    bool jumps = false;
-    const T* const v = d.expand(m, static_cast<const T*>(d.v), d.ax);
-    for (Index k = 0, slots = simulation::find_constraints(m, d, s.y, h); k < slots; ++k) {
-      const simulation::ActiveConstraint& x = d.step->active[k];
-      if (x.kind == simulation::RowKind::Equality) continue;
-      jumps = true;
-      if (x.kind == simulation::RowKind::Contact) depth = std::max(depth, -simulation::gap_of(*d.step, x));
-      const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::approach_speed(m, d, x, v);
-      if (gap > 0 && gap < until * fast) until = (gap + T(tuning::arrival) * closed) / fast;  // slightly longer, to arrive
-    }
-    until = std::min(until, d.step->time_to_pass);
-    return jumps;
+struct Events {
+  bool jumps = false;  // contacts, limits, dry friction or open constraints act
+  T until;  // time, at most h, at which the first open gap reaches `closed` at its speed, or shapes may have passed each other
+  T depth = T(0), beyond = T(0);  // of the deepest contact; the same of limits, too
+  T closing = T(0);  // largest speed at which closed gaps close
+  Index rows = 0;    // of the largest island
+};
+inline double gravity_fall(const Data<double>& d, double h) { return shape::norm(load3(d.world_gravity)) * h * h / 2; }
+// Gap that counts as closed in steps of h.
+template <class T>
+T lasting_gap(const Model& m, const Data<T>& d, T h) {
+  if constexpr (std::is_same_v<T, double>)
+    return std::max({tuning::lasting_gap * gravity_fall(d, h), simulation::tuning::slop * (d.step ? d.step->length : 1),
+                     tuning::closed_rounding * RoundingFloor<double>::of_state(m, d)});
+  else return T(0);
+}
+inline Index most_island_rows(const simulation::Workspace& w, Index slots) {
+  Index most = 0, rows = 0;
+  for (Index k = 0; k < slots; ++k) {
+    const simulation::ActiveConstraint& x = w.active[w.order[k]];
+    rows = x.rows + (k > 0 && w.active[w.order[k - 1]].island == x.island ? rows : 0), most = std::max(most, rows);
   }
-  return false;
+  return most;
 }
 template <class T>
-bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
-  T until, depth;
-  return meets_constraints(m, d, s, h, T(0), until, depth);
+Events<T> find_events(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed) {
+  Events<T> x{.until = h};
+  if constexpr (std::is_same_v<T, double>) {
+    d.step->time_to_pass = HUGE_VAL;
+    if (!simulation::has_constraints(m, d) || constrained_forward_dynamics(m, d)) return x;
+    if (is_open(m, d)) return x.jumps = true, x;
+    if (!simulation::may_jump(m, d)) return x;
+    for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
+    const T* const v = d.expand(m, static_cast<const T*>(d.v), d.ax);
+    const Index slots = simulation::find_constraints(m, d, s.y, h);
+    for (Index k = 0; k < slots; ++k) {
+      const simulation::ActiveConstraint& a = d.step->active[k];
+      if (a.kind == simulation::RowKind::Equality) continue;
+      x.jumps = true;
+      x.beyond = std::max(x.beyond, -simulation::gap_of(*d.step, a));
+      if (a.kind == simulation::RowKind::Contact) x.depth = std::max(x.depth, -simulation::gap_of(*d.step, a));
+      const T gap = simulation::gap_of(*d.step, a) - closed, fast = simulation::approach_speed(m, d, a, v);
+      if (!(gap > 0)) x.closing = std::max(x.closing, fast);
+      if (gap > 0 && gap < x.until * fast) x.until = (gap + T(tuning::arrival) * closed) / fast;  // slightly longer, to arrive
+    }
+    x.until = std::min(x.until, d.step->time_to_pass), x.rows = most_island_rows(*d.step, slots);
+  }
+  return x;
 }
 
 // The same where velocities may jump. Steps without contact use the tableau.
@@ -148,7 +167,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
                               dynStepReport& report) {
   const double closed =
       std::max(tuning::closed_share * accuracy, tuning::closed_rounding * RoundingFloor<double>::of_state(m, d));
-  Extrapolated extrapolated(m, d, s, closed);
+  Extrapolated extrapolated(m, d, s, closed, simulation::tuning::reopen_factor * closed);
   const double deep =
       tuning::deep * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
   // with active rows: below it errors no longer fall
@@ -160,17 +179,16 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * tuning::shortest_step)) return no_step_left;
-    double until, depth, ignored;
-    const bool rows = meets_constraints(m, d, s, h, closed, until, depth),
-               near = d.step->time_to_pass<HUGE_VAL, sunk = depth> deep;
-    h = std::min(h, sunk ? tuning::push_step * longer : std::max(until, smallest));
+    const Events<double> events = find_events(m, d, s, h, closed);
+    const bool rows = events.jumps, near = d.step->time_to_pass<HUGE_VAL, sunk = events.depth> deep;
+    h = std::min(h, sunk ? tuning::push_step * longer : std::max(events.until, smallest));
     const bool last = h >= duration - t - duration * tuning::shortest_step, cut = h < whole && !sunk;
     double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)),
            power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
     if (sunk) {
       joint = euler_step(m, d, s, h, false);
-      report.evaluations += 2, error = std::min(allowed, depth);
+      report.evaluations += 2, error = std::min(allowed, events.depth);
     } else if (rows) {
       allowed = std::max({allowed, tuning::closed_error * closed, noise.level}), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
@@ -186,8 +204,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h *= tuning::min_factor;
       continue;
     }
-    if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) &&
-        depth > closed) {  // the step cut through a corner
+    if (near && !rows && h > smallest && error <= allowed &&
+        find_events(m, d, s, smallest, closed).depth > closed) {  // the step cut through a corner
       s.undo(m, d);
       ++report.rejected, h /= 2;
       continue;
@@ -244,7 +262,7 @@ Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, 
   begin_rows(m, d, false);
   const auto by = [&]<class Tableau>() {
     if constexpr (std::is_same_v<T, double>)
-      if (simulation::may_jump(m, d) || (simulation::has_constraints(m, d) && meets_constraints(m, d, s, duration)))
+      if (simulation::may_jump(m, d) || (simulation::has_constraints(m, d) && find_events(m, d, s, duration, 0.0).jumps))
         return advance_through_contact<Tableau>(m, d, s, duration, accuracy, report);
     return advance_to_accuracy<Tableau>(m, d, s, duration, accuracy, report);
   };
@@ -274,17 +292,62 @@ Index stable_explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) 
   return 0;
 }
 
-// One step of h by the integrator. Where velocities may jump, implicit_fast replaces all but the two methods of order 1.
+// Of the solves of rows since the call began.
+struct SolveQuality {
+  double residual;
+  std::int32_t unsolved;
+};
+
+template <class T>
+SolveQuality solve_quality(const Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step) return {d.step->report.residual, d.step->report.unsolved};
+  return {};
+}
+
+// What the energy guard asks of the rows of a step.
+inline void begin_row_work(simulation::Workspace& w) { w.rows_add_energy = w.corrected = false, w.rows_work = 0; }
+
+// A step of h through rows that last: order 3 (extrapolated.hpp). Returns false, with the state as before, where a gap closes
+// within the step, velocities jump at its beginning, an overlap is deep, or the substeps disagree. Large islands would be solved
+// too often, and steps with a deadline take one solve.
+inline bool step_through_lasting_rows(const Model& m, Data<double>& d, const Stages<double>& s, double h, const Events<double>& x,
+                                      double closed, dynStepReport& report) {
+  simulation::Workspace& w = *d.step;
+  const bool lasts = x.until >= h && h * x.closing <= closed && x.beyond <= tuning::deep * closed,
+             few = x.rows > 0 && x.rows <= simulation::tuning::island::exact_rows;
+  if (!lasts || !few || w.options.time_budget > 0) return false;
+  double error;
+  // along a curved surface contacts open within the step, by less than what gravity closes
+  const double reopen = std::max(simulation::tuning::reopen_factor * closed, gravity_fall(d, h));
+  Extrapolated extrapolated(m, d, s, closed, reopen, simulation::tuning::island::fine);
+  const SolveQuality before = solve_quality(d);
+  const Index failed = extrapolated.step(h, error);
+  report.evaluations += Extrapolated::evaluations;
+  const double fast = std::max(largest(d.v, m.n.nv), h * largest(static_cast<const double*>(d.ddq), m.n.nv));
+  if (failed || w.overshoot > closed || !(error <= tuning::lasting_error * fast)) {
+    extrapolated.restore(), begin_row_work(w), simulation::reset_impulse_work(d);
+    w.report.residual = before.residual, w.report.unsolved = before.unsolved;
+    return ++report.rejected, false;
+  }
+  return report.error_estimate += error, true;
+}
+
+// One step of h by the integrator. Where velocities may jump, the two methods of order 1 replace the others, or extrapolation.
 // Returns 0, the joint whose forward dynamics failed, not_converged, no_step_left or unstable.
 template <class T>
 Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h, dynStepReport& report) {
   Index failed = 0;
   if constexpr (std::is_same_v<T, double>)
-    if (d.step) d.step->rows_add_energy = d.step->corrected = false, d.step->rows_work = 0;
+    if (d.step) begin_row_work(*d.step);
   begin_rows(m, d, integrator != DYN_INTEGRATOR_REFERENCE);
-  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST &&
-      meets_constraints(m, d, s, h))
-    integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, true);
+  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) {
+    const T closed = lasting_gap(m, d, h);
+    const Events<T> events = find_events(m, d, s, h, closed);
+    if constexpr (std::is_same_v<T, double>)
+      if (events.jumps && step_through_lasting_rows(m, d, s, h, events, closed, report)) return keep_all_rows(m, d), 0;
+    if (events.jumps) integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, true);
+  }
   switch (integrator) {
     case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
     case DYN_INTEGRATOR_IMPLICIT_FAST:
@@ -309,19 +372,6 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
     failed = project_step(m, d), note_smooth_forces(m, d);
   keep_all_rows(m, d);
   return failed;
-}
-
-// Of the solves of rows since the call began.
-struct SolveQuality {
-  double residual;
-  std::int32_t unsolved;
-};
-
-template <class T>
-SolveQuality solve_quality(const Data<T>& d) {
-  if constexpr (std::is_same_v<T, double>)
-    if (d.step) return {d.step->report.residual, d.step->report.unsolved};
-  return {};
 }
 
 // Repeats a step that gained energy: with another contact solver, then in 2, 4, .. parts. Each part is checked.

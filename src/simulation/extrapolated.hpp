@@ -58,8 +58,10 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
 class Extrapolated {
  public:
   static constexpr int order = 3, evaluations = 6;
-  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_)
-      : m(m_), d(d_), s(s_), closed(closed_) {
+  // reopen: gap at which an active contact opens. least: that the solver's tolerance is set to
+  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_, double reopen_,
+               double least_ = integrator::tuning::solver_floor)
+      : m(m_), d(d_), s(s_), closed(closed_), reopen(reopen_), least(least_) {
     double* next = s.stage(1);
     for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
     for (double*& x : by_three) x = next, next += m.n.nv;
@@ -69,13 +71,13 @@ class Extrapolated {
   // (state restored).
   Index step(double h, double& error) {
     keep(before), simulation::save_forces(*d.step);
-    d.step->closed_gap = closed;
+    d.step->closed_gap = closed, d.step->reopen_gap = reopen;
     // the solver's residual does not extrapolate: it must be far below the error, or no step is short enough
     const double given = d.step->options.tolerance, asked = d.step->tolerance();
     const double fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
     if (fast > 0)
       d.step->options.tolerance =
-          std::min(asked, std::max(integrator::tuning::solver_floor, integrator::tuning::solver_share * closed / fast));
+          std::min(asked, std::max(least, integrator::tuning::solver_share * closed / fast));
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
     if (!joint) keep(two), restore(), d.step->overshoot = 0, joint = substeps(h, 3);
@@ -112,7 +114,7 @@ class Extrapolated {
   const Model& m;
   Data<double>& d;
   const Stages<double>& s;
-  double closed;
+  double closed, reopen, least;
   State kept[3];
   double* by_three[3];  // velocities after each of three substeps, in the axes at the beginning
   State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
@@ -135,7 +137,7 @@ class Extrapolated {
   }
   Index substeps(double h, int n) const {
     Index joint = 0;
-    simulation::reset_impulse_work(d);
+    simulation::reset_impulse_work(d), d.step->rows_work = 0;
     for (int k = 0; k < n && !joint; ++k) {
       d.step->drift_count = k + 1;
       drift(m, d, s, h / n), joint = kick(m, d, s, h / n);

@@ -14,7 +14,7 @@ namespace {
 // gap.
 double gap_bias(const Island& x, double gap, double rate, bool pressed) {
   if (x.w.closed_gap == 0) return pressed && gap <= x.slack ? 0 : std::max(0.0, gap) / x.h;
-  const bool stays_closed = pressed && (gap <= tuning::reopen_factor * x.w.closed_gap || gap + x.h * rate <= x.w.closed_gap);
+  const bool stays_closed = pressed && (gap <= x.w.reopen_gap || gap + x.h * rate <= x.w.closed_gap);
   return gap <= x.w.closed_gap || stays_closed ? 0 : tuning::free_closing * x.fast;
 }
 

@@ -92,7 +92,7 @@ inline bool is_length(const Model& m, Index dof) {
 // radius: of the smaller shape, in lanes or alone. In fixed steps no contact beyond would get an impulse (drop_open).
 template <class T>
 T contact_margin(const Workspace& w, double h, double max_speed, const T& radius) {
-  if (w.closed_gap > 0) return T(tuning::reopen_factor * w.closed_gap + tuning::free_closing * h * max_speed);
+  if (w.closed_gap > 0) return T(w.reopen_gap + tuning::free_closing * h * max_speed);
   if (w.options.accuracy > 0) return T(HUGE_VAL);  // the search for the next event
   return radius * tuning::search::touching + tuning::speed_growth * h * max_speed;
 }

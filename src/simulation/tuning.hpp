@@ -15,7 +15,7 @@ inline constexpr double speed_growth = 3;      // a joint may end a step this mu
 inline constexpr double slow_fall = 0.32;      // of sqrt(g length): speed after a fall over length / 20, sqrt(2 / 20)
 inline constexpr double slow_shift = 1e-3;     // of the length per step: slower motion is not resolved by the step
 inline constexpr double max_displacement = 0.1;  // of the length, or rad: no correction moves a coordinate further in a step
-inline constexpr double reopen_factor = 3;     // of closed_gap: hysteresis, active contacts open at a larger gap
+inline constexpr double reopen_factor = 3;     // of closed_gap: gap at which active contacts open again
 inline constexpr double free_closing = 10;     // of the island's largest rate: bound on the closing speed of open gaps
 
 // Contact search (contact_points.cpp).

@@ -130,6 +130,7 @@ struct Workspace {
   double time_to_pass;
   // gap (m, rad) that counts as closed; 0 in fixed steps, where an open gap may close exactly
   double closed_gap;
+  double reopen_gap;            // hysteresis: active contacts open at a larger gap, when closed_gap > 0
   int drift_count;              // drifts since the step began, when closed_gap > 0
   // rows_add_energy: impulses of an island, or an explicit step beside them, may have done positive work.
   // rows_work: what soft rows, gains, restitution and belts give (J)
