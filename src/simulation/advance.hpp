@@ -116,8 +116,18 @@ struct Events {
   T until;  // time, at most h, at which the first open gap reaches `closed` at its speed, or shapes may have passed each other
   T depth = T(0), beyond = T(0);  // of the deepest contact; the same of limits, too
   T closing = T(0);  // largest speed at which closed gaps close
+  T meets;           // as `until`, with accelerations, exactly to gap 0
+  bool touches = false;  // a gap is closed
   Index rows = 0;    // of the largest island
+
+  // Large islands would be solved too often.
+  bool is_short() const { return rows > 0 && rows <= simulation::tuning::island::exact_rows; }
 };
+// Time in which a gap is passed at this speed and its growth per second; infinity: never.
+inline double passing_time(double gap, double speed, double growth) {
+  const double square = speed * speed + 2 * growth * gap, sum = square > 0 ? speed + std::sqrt(square) : 0;
+  return sum > 0 ? 2 * gap / sum : HUGE_VAL;
+}
 inline double gravity_fall(const Data<double>& d, double h) { return shape::norm(load3(d.world_gravity)) * h * h / 2; }
 // Gap that counts as closed in steps of h.
 template <class T>
@@ -137,7 +147,7 @@ inline Index most_island_rows(const simulation::Workspace& w, Index slots) {
 }
 template <class T>
 Events<T> find_events(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed) {
-  Events<T> x{.until = h};
+  Events<T> x{.until = h, .meets = h};
   if constexpr (std::is_same_v<T, double>) {
     d.step->time_to_pass = HUGE_VAL;
     if (!simulation::has_constraints(m, d) || constrained_forward_dynamics(m, d)) return x;
@@ -146,6 +156,7 @@ Events<T> find_events(const Model& m, Data<T>& d, const Stages<T>& s, T h, T clo
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
     const T* const v = d.expand(m, static_cast<const T*>(d.v), d.ax);
     const Index slots = simulation::find_constraints(m, d, s.y, h);
+    const T* const v_free = d.expand(m, static_cast<const T*>(s.y), d.vx);
     for (Index k = 0; k < slots; ++k) {
       const simulation::ActiveConstraint& a = d.step->active[k];
       if (a.kind == simulation::RowKind::Equality) continue;
@@ -153,10 +164,13 @@ Events<T> find_events(const Model& m, Data<T>& d, const Stages<T>& s, T h, T clo
       x.beyond = std::max(x.beyond, -simulation::gap_of(*d.step, a));
       if (a.kind == simulation::RowKind::Contact) x.depth = std::max(x.depth, -simulation::gap_of(*d.step, a));
       const T gap = simulation::gap_of(*d.step, a) - closed, fast = simulation::approach_speed(m, d, a, v);
-      if (!(gap > 0)) x.closing = std::max(x.closing, fast);
+      if (!(gap > 0)) x.closing = std::max(x.closing, fast), x.touches = true;
+      else
+        x.meets = std::min(x.meets, passing_time(gap + closed, fast, (simulation::approach_speed(m, d, a, v_free) - fast) / h));
       if (gap > 0 && gap < x.until * fast) x.until = (gap + T(tuning::arrival) * closed) / fast;  // slightly longer, to arrive
     }
-    x.until = std::min(x.until, d.step->time_to_pass), x.rows = most_island_rows(*d.step, slots);
+    x.until = std::min(x.until, d.step->time_to_pass), x.meets = std::min(x.meets, d.step->time_to_pass);
+    x.rows = most_island_rows(*d.step, slots);
   }
   return x;
 }
@@ -279,6 +293,11 @@ Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool s
   return euler_step(m, d, s, h, springs);
 }
 
+template <class T>
+DYN_INLINE Index counted_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, dynStepReport& report) {
+  return report.evaluations += 1, one_euler_step(m, d, s, h, springs);
+}
+
 // An explicit step, unless springs, damping or gains make it unstable. Loops may make a joint heavier than it is by itself: there
 // the energy decides.
 template <class Tableau, class T>
@@ -309,14 +328,13 @@ SolveQuality solve_quality(const Data<T>& d) {
 inline void begin_row_work(simulation::Workspace& w) { w.rows_add_energy = w.corrected = false, w.rows_work = 0; }
 
 // A step of h through rows that last: order 3 (extrapolated.hpp). Returns false, with the state as before, where a gap closes
-// within the step, velocities jump at its beginning, an overlap is deep, or the substeps disagree. Large islands would be solved
-// too often, and steps with a deadline take one solve.
+// within the step, velocities jump at its beginning, an overlap is deep, or the substeps disagree. Steps with a
+// deadline take one solve.
 inline bool step_through_lasting_rows(const Model& m, Data<double>& d, const Stages<double>& s, double h, const Events<double>& x,
                                       double closed, dynStepReport& report) {
   simulation::Workspace& w = *d.step;
-  const bool lasts = x.until >= h && h * x.closing <= closed && x.beyond <= tuning::deep * closed,
-             few = x.rows > 0 && x.rows <= simulation::tuning::island::exact_rows;
-  if (!lasts || !few || w.options.time_budget > 0) return false;
+  const bool lasts = x.meets >= h && h * x.closing <= closed && x.beyond <= tuning::deep * closed;
+  if (!lasts || !x.is_short() || w.options.time_budget > 0) return false;
   double error;
   // along a curved surface contacts open within the step, by less than what gravity closes
   const double reopen = std::max(simulation::tuning::reopen_factor * closed, gravity_fall(d, h));
@@ -333,26 +351,13 @@ inline bool step_through_lasting_rows(const Model& m, Data<double>& d, const Sta
   return report.error_estimate += error, true;
 }
 
-// One step of h by the integrator. Where velocities may jump, the two methods of order 1 replace the others, or extrapolation.
-// Returns 0, the joint whose forward dynamics failed, not_converged, no_step_left or unstable.
+// A step of h by an integrator of higher order, where nothing jumps. Returns 0, the joint whose forward dynamics failed, not_converged, no_step_left or unstable.
 template <class T>
-Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h, dynStepReport& report) {
+Index smooth_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h, dynStepReport& report) {
   Index failed = 0;
-  if constexpr (std::is_same_v<T, double>)
-    if (d.step) begin_row_work(*d.step);
-  begin_rows(m, d, integrator != DYN_INTEGRATOR_REFERENCE);
-  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) {
-    const T closed = lasting_gap(m, d, h);
-    const Events<T> events = find_events(m, d, s, h, closed);
-    if constexpr (std::is_same_v<T, double>)
-      if (events.jumps && step_through_lasting_rows(m, d, s, h, events, closed, report)) return keep_all_rows(m, d), 0;
-    if (events.jumps) integrator = DYN_INTEGRATOR_IMPLICIT_FAST, begin_rows(m, d, true);
-  }
   switch (integrator) {
     case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
-    case DYN_INTEGRATOR_IMPLICIT_FAST:
-      failed = one_euler_step(m, d, s, h, integrator == DYN_INTEGRATOR_IMPLICIT_FAST), report.evaluations += 1;
-      break;
+    case DYN_INTEGRATOR_IMPLICIT_FAST: break;
     case DYN_INTEGRATOR_RK4: failed = stable_explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
     case DYN_INTEGRATOR_RK45:
       failed = stable_explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
@@ -368,10 +373,65 @@ Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator 
       break;
     }
   }
-  if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST)
-    failed = project_step(m, d), note_smooth_forces(m, d);
+  if (!failed) failed = project_step(m, d), note_smooth_forces(m, d);
+  return failed;
+}
+
+// The step up to where something meets, in which nothing jumps, and the jump there, in a short step of order 1. Returns the time
+// that they took; 0, with the state as before, where nothing meets within the step or something else jumps.
+inline double step_through_jump(const Model& m, Data<double>& d, const Stages<double>& s, dynIntegrator integrator, double h,
+                                const Events<double>& x, double closed, dynStepReport& report) {
+  simulation::Workspace& w = *d.step;
+  const double jump = tuning::jump_share * h;
+  const bool at_once = h * x.closing > closed;
+  const double part = at_once ? 0 : x.meets;
+  if (integrator == DYN_INTEGRATOR_REFERENCE || w.options.time_budget > 0 || !x.is_short() || !(part < h - jump)) return 0;
+  if (!at_once) {
+    if (x.touches && !step_through_lasting_rows(m, d, s, part, x, closed, report)) return 0;
+    if (!x.touches && smooth_step(m, d, s, integrator, part, report)) return s.undo(m, d), begin_row_work(w), 0;
+    record_ledger_step(m, d, part);
+  }
+  begin_rows(m, d, true);
+  if (counted_euler_step(m, d, s, jump, true, report)) return part;
+  return record_ledger_step(m, d, jump), part + jump;
+}
+
+// A step of h by an integrator of higher order. Where something jumps, and order 3 does not last, the rest has order 1.
+template <class T>
+[[gnu::noinline]] Index higher_order_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h,
+                                          dynStepReport& report) {
+  const T closed = lasting_gap(m, d, h);
+  const Events<T> events = find_events(m, d, s, h, closed);
+  if (!events.jumps) return smooth_step(m, d, s, integrator, h, report);
+  if constexpr (std::is_same_v<T, double>) {
+    if (step_through_lasting_rows(m, d, s, h, events, closed, report)) return 0;
+    h -= d.step->recorded_time = step_through_jump(m, d, s, integrator, h, events, closed, report);
+    if (d.step->recorded_time > 0 &&
+        step_through_lasting_rows(m, d, s, h, find_events(m, d, s, h, closed), closed, report))
+      return 0;
+  }
+  begin_rows(m, d, true);
+  return counted_euler_step(m, d, s, h, true, report);
+}
+
+// One step of h by the integrator. Returns 0, the joint whose forward dynamics failed, not_converged, no_step_left or unstable.
+template <class T>
+Index single_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h, dynStepReport& report) {
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step) begin_row_work(*d.step), d.step->recorded_time = 0;
+  begin_rows(m, d, integrator != DYN_INTEGRATOR_REFERENCE);
+  const bool implicit_springs = integrator == DYN_INTEGRATOR_IMPLICIT_FAST;
+  const Index failed = implicit_springs || integrator == DYN_INTEGRATOR_SEMI_IMPLICIT_EULER
+                           ? counted_euler_step(m, d, s, h, implicit_springs, report)
+                           : higher_order_step(m, d, s, integrator, h, report);
   keep_all_rows(m, d);
   return failed;
+}
+
+template <class T>
+T recorded_time(const Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>) return d.step ? d.step->recorded_time : 0;
+  else return T(0);
 }
 
 // Repeats a step that gained energy: with another contact solver, then in 2, 4, .. parts. Each part is checked.
@@ -459,7 +519,8 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
       failed = repeat_without_gain(m, d, s, integrator, h, report, start, before);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
-  record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // the inner steps are recorded already
+  // what inner steps recorded is there already
+  record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h - recorded_time(d));
   return 0;
 }
 

@@ -140,6 +140,7 @@ struct Workspace {
   double growth;                // of the kinetic energy, that nothing explained in steps so far (energy_guard.hpp)
   Index failed_joint;           // that the message of a refused step names
   double stable_dt;             // s, of an explicit method that is unstable
+  double recorded_time;         // s, of the step: the part before an event, which the ledger has already
 
   Ledger ledger;
   FreeBodies free_bodies;
