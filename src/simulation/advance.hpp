@@ -121,7 +121,7 @@ struct Events {
   Index rows = 0;    // of the largest island
 
   // Large islands would be solved too often.
-  bool is_short() const { return rows > 0 && rows <= simulation::tuning::island::exact_rows; }
+  bool has_few_rows() const { return rows > 0 && rows <= simulation::tuning::island::exact_rows; }
 };
 // Time in which a gap is passed at this speed and its growth per second; infinity: never.
 inline double passing_time(double gap, double speed, double growth) {
@@ -334,7 +334,7 @@ inline bool step_through_lasting_rows(const Model& m, Data<double>& d, const Sta
                                       double closed, dynStepReport& report) {
   simulation::Workspace& w = *d.step;
   const bool lasts = x.meets >= h && h * x.closing <= closed && x.beyond <= tuning::deep * closed;
-  if (!lasts || !x.is_short() || w.options.time_budget > 0) return false;
+  if (!lasts || !x.has_few_rows() || w.options.time_budget > 0) return false;
   double error;
   // along a curved surface contacts open within the step, by less than what gravity closes
   const double reopen = std::max(simulation::tuning::reopen_factor * closed, gravity_fall(d, h));
@@ -384,10 +384,13 @@ inline double step_through_jump(const Model& m, Data<double>& d, const Stages<do
   simulation::Workspace& w = *d.step;
   const double jump = tuning::jump_share * h;
   const bool at_once = h * x.closing > closed;
-  const double part = at_once ? 0 : x.meets;
-  if (integrator == DYN_INTEGRATOR_REFERENCE || w.options.time_budget > 0 || !x.is_short() || !(part < h - jump)) return 0;
+  double part = at_once ? 0 : x.meets;
+  if (integrator == DYN_INTEGRATOR_REFERENCE || w.options.time_budget > 0 || !x.has_few_rows() || !(part < h - jump)) return 0;
   if (!at_once) {
-    if (x.touches && !step_through_lasting_rows(m, d, s, part, x, closed, report)) return 0;
+    for (int tries = tuning::jump_tries; x.touches && !step_through_lasting_rows(m, d, s, part, x, closed, report);) {
+      if (--tries == 0 || !(w.overshoot > closed && w.overshoot_time < part)) return 0;
+      part -= w.overshoot_time;
+    }
     if (!x.touches && smooth_step(m, d, s, integrator, part, report)) return s.undo(m, d), begin_row_work(w), 0;
     record_ledger_step(m, d, part);
   }
@@ -401,12 +404,16 @@ template <class T>
 [[gnu::noinline]] Index higher_order_step(const Model& m, Data<T>& d, const Stages<T>& s, dynIntegrator integrator, T h,
                                           dynStepReport& report) {
   const T closed = lasting_gap(m, d, h);
-  const Events<T> events = find_events(m, d, s, h, closed);
+  Events<T> events = find_events(m, d, s, h, closed);
   if (!events.jumps) return smooth_step(m, d, s, integrator, h, report);
   if constexpr (std::is_same_v<T, double>) {
+    simulation::Workspace& w = *d.step;
+    w.overshoot = 0;
     if (step_through_lasting_rows(m, d, s, h, events, closed, report)) return 0;
-    h -= d.step->recorded_time = step_through_jump(m, d, s, integrator, h, events, closed, report);
-    if (d.step->recorded_time > 0 &&
+    // what no gap foretold, as of a corner that turns to the ground
+    if (w.overshoot > closed && w.overshoot_time < h) events.meets = h - w.overshoot_time;
+    h -= w.recorded_time = step_through_jump(m, d, s, integrator, h, events, closed, report);
+    if (w.recorded_time > 0 &&
         step_through_lasting_rows(m, d, s, h, find_events(m, d, s, h, closed), closed, report))
       return 0;
   }
