@@ -2459,7 +2459,8 @@ DYN_API dynStatus dyn_sensor_delay(const dynModel* model, const double* times, c
    integrators have order 3 there while contacts and limits last: such a step is made in one, two and three
    parts and extrapolated. It ends where something meets; a short step of order 1 has the jump, and the rest
    follows. In islands of more than 24 rows and with a time_budget they step as IMPLICIT_FAST; REFERENCE also
-   where something meets. Steps with permanent constraints alone keep their orders. Free flyers keep their momentum. */
+   where something meets. Steps with permanent constraints alone keep their orders. Free flyers keep their
+   momentum. */
 typedef enum dynIntegrator {
   /* Order 1; damping, friction, and springs with h^2 k > I / 4 are implicit: no coefficient is too large. */
   DYN_INTEGRATOR_SEMI_IMPLICIT_EULER = 0,
