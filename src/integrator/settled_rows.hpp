@@ -17,4 +17,15 @@ namespace dyn::integrator {
   if (!(d.row_moved[0] > tuning::aligned_rows)) keep_all_rows(m, d);
 }
 
+// Fixed steps leave out rows that are redundant up to a misalignment anew in each evaluation; others settle them at their
+// beginning.
+template <class T>
+DYN_INLINE void begin_rows(const Model& m, Data<T>& d, bool fixed) {
+  if constexpr (std::is_same_v<T, double>) {
+    if (m.n.slots == 0) return;
+    keep_all_rows(m, d), d.misalignment[0] = fixed ? misalignment_tolerance : 0;
+    if (!fixed) settle_redundant_rows(m, d);
+  }
+}
+
 }  // namespace dyn::integrator

@@ -1,5 +1,5 @@
-// Steps in time, declared. simulation/advance.hpp defines them, for a step may meet contacts; simulation/advance.cpp instantiates
-// them for double.
+// Steps in time, declared. simulation/guarded_step.hpp and simulation/advance.hpp define them, for a step may meet contacts;
+// simulation/advance.cpp instantiates them for double.
 #pragma once
 
 #include "model/data.hpp"

@@ -1,4 +1,4 @@
-#include "simulation/advance.hpp"
+#include "simulation/guarded_step.hpp"
 
 namespace dyn::integrator {
 template Index step(const Model&, Data<double>&, dynIntegrator, double, dynStepReport&, const double*);

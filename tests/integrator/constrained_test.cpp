@@ -3,7 +3,7 @@
 #include "common/work.hpp"
 #include "integrator/settled_rows.hpp"
 #include "integrator/constrained_motion.hpp"
-#include "simulation/advance.hpp"
+#include "simulation/guarded_step.hpp"
 
 namespace dyn_test {
 namespace {

@@ -2,7 +2,7 @@
 // errors that are rounding.
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
-#include "simulation/advance.hpp"
+#include "simulation/guarded_step.hpp"
 
 namespace dyn_test {
 namespace {
