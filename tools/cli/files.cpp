@@ -1,10 +1,10 @@
 #include "files.hpp"
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+
+#include "system/system.hpp"
 
 namespace cli {
 
@@ -34,10 +34,11 @@ bool same_file(const std::string& a, const std::string& b) {
 // Why a file cannot be written, as errno says it; 0: it can.
 int obstacle(const std::string& path) {
   std::error_code ignored;
-  if (access(path.c_str(), W_OK) == 0) return fs::is_directory(path, ignored) ? EISDIR : 0;
-  if (errno != ENOENT) return errno;
+  const int why = obstacle_to_write(path);
+  if (why == 0) return fs::is_directory(path, ignored) ? EISDIR : 0;
+  if (why != ENOENT) return why;
   const fs::path folder = target_of(path).parent_path();
-  return access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0 ? 0 : errno;
+  return obstacle_to_make(folder.empty() ? "." : folder.string());
 }
 
 }  // namespace

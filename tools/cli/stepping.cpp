@@ -1,13 +1,12 @@
 #include "stepping.hpp"
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "effect_choice.hpp"
+#include "system/system.hpp"
 
 namespace cli {
 
@@ -226,7 +225,7 @@ const double* state_view(const Robot& robot, const Data& data, const char* name)
   return array.data;
 }
 
-Progress::Progress(long long total, const char* what) : total_(total), what_(what), on_(isatty(STDERR_FILENO)) {}
+Progress::Progress(long long total, const char* what) : total_(total), what_(what), on_(on_terminal()) {}
 
 Progress::~Progress() {
   if (shown_) std::fprintf(stderr, "\r\033[K");

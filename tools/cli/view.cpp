@@ -1,11 +1,11 @@
 // dyn view: the robot in a browser, as a page in a file or, with --live, in a simulation that goes on.
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
+#include <random>
 
 #include "effect_choice.hpp"
 #include "files.hpp"
@@ -14,6 +14,7 @@
 #endif
 #include "page/recording.hpp"
 #include "stepping.hpp"
+#include "system/system.hpp"
 
 namespace cli {
 
@@ -25,25 +26,25 @@ struct ViewOptions : SteppingOptions {
   int port = 0;
 };
 
-// Opens the address with $BROWSER or xdg-open; says so when there is neither.
+// Says so when there is nothing to open it with.
 void open_browser(const std::string& address) {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value ? value : "");
-  };
-  const std::string named = variable("BROWSER"), browser = named.empty() ? "xdg-open" : named;
-  const bool screen = !(named + variable("DISPLAY") + variable("WAYLAND_DISPLAY")).empty();
-  const pid_t child = screen ? fork() : -1;
-  if (child == 0) {
-    std::signal(SIGPIPE, SIG_DFL);
-    if (std::freopen("/dev/null", "w", stdout) && std::freopen("/dev/null", "w", stderr))
-      execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
-    _exit(127);
+  const std::string browser = open_in_browser(address);
+  if (browser.empty())
+    std::fprintf(stderr, "dyn: there is no screen and no $BROWSER here: open %s yourself\n", address.c_str());
+  else
+    std::fprintf(stderr, "dyn: opening %s with %s; if nothing opens, open it yourself\n", address.c_str(), browser.c_str());
+}
+
+// An empty file of a new name, in the folder for temporary files.
+std::string new_page() {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
+  std::random_device random;
+  for (int tries = 0; tries < 100; ++tries) {
+    const std::string path = (folder / ("dyn-view-" + std::to_string(random()) + ".html")).string();
+    const int file = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0600);
+    if (file >= 0) return close(file), path;
   }
-  std::fprintf(stderr,
-               child > 0 ? "dyn: opening %s with %s; if nothing opens, open it yourself\n"
-                         : "dyn: there is no screen and no $BROWSER here: open %s yourself\n",
-               address.c_str(), browser.c_str());
+  fail(folder.string() + ": no file can be made in it.");
 }
 
 void write_still(const ViewOptions& options, const std::string& html, const std::string& path) {
@@ -79,13 +80,7 @@ void run_view(const ViewOptions& options) {
   check_outputs({{"--html", options.html}}, inputs_of(options.robot, {{"--state", options.state.file}}));
   const std::string html = page::page_template();
   if (options.live) return run_live(options, html);
-  std::string path = options.html;
-  if (path.empty()) {
-    path = (std::filesystem::temp_directory_path() / "dyn-view-XXXXXX.html").string();
-    const int file = mkstemps(path.data(), 5);
-    if (file < 0) fail(path + ": cannot be made.");
-    close(file);
-  }
+  const std::string path = options.html.empty() ? new_page() : options.html;
   write_still(options, html, path);
   print(options.robot.json ? json_text({{"page", path}}) : path + "\n");
   if (options.html.empty() && !options.no_browser) open_browser("file://" + path);

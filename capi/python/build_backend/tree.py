@@ -72,9 +72,10 @@ def fill(package, prefix):
         if not windows:
             (package / "lib/libdyn.so").write_text(LINKED, encoding="ascii")
         for_cmake(package / "lib/cmake/dyn", prefix / "lib/cmake/dyn" if windows else libraries / "cmake/dyn", windows)
-    if (prefix / "bin/dyn").is_file():
-        (package / "bin").mkdir()
-        shutil.copy(prefix / "bin/dyn", package / "bin/dyn")
+    for command in (prefix / "bin/dyn", prefix / "bin/dyn.exe"):
+        if command.is_file():
+            (package / "bin").mkdir()
+            shutil.copy(command, package / "bin")
     shutil.copytree(CHECKOUT / "models", package / "share/dyn/models", ignore=shutil.ignore_patterns("__pycache__"))
     if (prefix / "share/dyn/viewer.html").is_file():
         shutil.copy(prefix / "share/dyn/viewer.html", package / "share/dyn/viewer.html")

@@ -22,6 +22,12 @@ import sys
 command = os.path.join(os.path.dirname(importlib.util.find_spec("libdyn").origin), "bin", "dyn")
 os.execv(command, [command, *sys.argv[1:]])
 """
+# of Windows: Scripts lies beside Lib, or for one user beside site-packages
+BATCH = """@setlocal
+@set command="%~dp0..\\Lib\\site-packages\\libdyn\\bin\\dyn.exe"
+@if not exist %command% set command="%~dp0..\\site-packages\\libdyn\\bin\\dyn.exe"
+@%command% %*
+"""
 
 
 def project():
@@ -70,11 +76,12 @@ def write(root, out, prefix):
     """Adds metadata to a folder, and writes it as a wheel into another; returns the wheel's name."""
     info = root / write_metadata(root)
     notices(info / "licenses", prefix)
-    if (root / "libdyn/bin/dyn").is_file():
-        scripts = root / f"libdyn-{tree.version()}.data/scripts"
-        scripts.mkdir(parents=True)
-        (scripts / "dyn").write_text(COMMAND, encoding="ascii")
-        (scripts / "dyn").chmod(0o755)
+    for command, script, text in (("dyn", "dyn", COMMAND), ("dyn.exe", "dyn.bat", BATCH.replace("\n", "\r\n"))):
+        if (root / "libdyn/bin" / command).is_file():
+            scripts = root / f"libdyn-{tree.version()}.data/scripts"
+            scripts.mkdir(parents=True)
+            (scripts / script).write_bytes(text.encode("ascii"))
+            (scripts / script).chmod(0o755)
     files = sorted(f for f in root.rglob("*") if f.is_file())
     name = f"libdyn-{tree.version()}-{tag()}.whl"
     record = ""

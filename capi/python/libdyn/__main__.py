@@ -7,6 +7,7 @@
 """
 
 import os
+import subprocess
 import sys
 
 from . import files
@@ -31,8 +32,10 @@ def main() -> None:
     if words and words[0] in ("--cflags", "--libs", "--cmake", "--models"):
         print(_flags(words))
         return
-    command = files.command()
-    os.execv(command, [command, *words])
+    command = [files.command(), *words]
+    if os.name == "nt":  # where execv returns to the caller at once
+        raise SystemExit(subprocess.run(command, check=False).returncode)
+    os.execv(command[0], command)
 
 
 if __name__ == "__main__":

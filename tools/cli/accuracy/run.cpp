@@ -1,14 +1,9 @@
 #include "run.hpp"
 
-#include <poll.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
+
+#include "../system/system.hpp"
 
 namespace cli::accuracy {
 
@@ -128,50 +123,21 @@ JointRun run(const Scene& scene, const Setting& setting) {
 }
 
 JointRun run_within(const Scene& scene, const Setting& setting, double most_s) {
-  int ends[2];
-  if (pipe(ends) != 0) fail(std::string("no pipe: ") + std::strerror(errno) + ".");
-  const pid_t child = fork();
-  if (child < 0) fail(std::string("no process: ") + std::strerror(errno) + ".");
-  if (child == 0) {
-    std::string text;
-    try {
-      text = json_of(run(scene, setting)).dump();
-    } catch (const Failure& failure) {
-      JointRun ended;
-      ended.error = failure.message;
-      text = json_of(ended).dump();
-    }
-    for (std::size_t at = 0; at < text.size();) {
-      const ssize_t n = ::write(ends[1], text.data() + at, text.size() - at);
-      if (n <= 0) break;
-      at += static_cast<std::size_t>(n);
-    }
-    _exit(0);
-  }
-  close(ends[1]);
-  const auto start = Clock::now();
-  std::string text;
-  bool late = false;
-  for (char part[1 << 14];;) {
-    const double left = most_s - seconds(Clock::now() - start);
-    pollfd wait{ends[0], POLLIN, 0};
-    const int ready = poll(&wait, 1, static_cast<int>(std::clamp(left * 1000, 0.0, 1e9)));
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) {
-      late = true;
-      break;
-    }
-    const ssize_t n = ::read(ends[0], part, sizeof part);
-    if (n <= 0) break;
-    text.append(part, static_cast<std::size_t>(n));
-  }
-  close(ends[0]);
-  if (late) kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
+  const auto text = compute_apart(
+      [&] {
+        try {
+          return json_of(run(scene, setting)).dump();
+        } catch (const Failure& failure) {
+          JointRun ended;
+          ended.error = failure.message;
+          return json_of(ended).dump();
+        }
+      },
+      most_s);
   JointRun out;
-  if (late) return out.error = too_long, out.wall_s = most_s, out;
+  if (!text) return out.error = too_long, out.wall_s = most_s, out;
   try {
-    return run_of(scene.robot, json::parse(text));
+    return run_of(scene.robot, json::parse(*text));
   } catch (const json::exception&) {
     return out.error = "its process ended early", out;
   }

@@ -1,7 +1,5 @@
 #include "server.hpp"
 
-#include <sys/random.h>
-
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -10,6 +8,7 @@
 #include <boost/beast/websocket.hpp>
 #include <csignal>
 #include <deque>
+#include <random>
 #include <set>
 
 namespace cli::live {
@@ -27,11 +26,11 @@ using Request = http::request<http::string_body>;
 constexpr auto frame = std::chrono::microseconds(16667);
 constexpr std::size_t largest_message = 65536;
 
+// Of the system's random numbers.
 std::string random_word() {
-  unsigned char bytes[16];
-  if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes) fail("the system gives no random numbers for the address.");
+  std::random_device random;
   std::string out;
-  for (const unsigned char b : bytes) out += "0123456789abcdef"[b >> 4], out += "0123456789abcdef"[b & 15];
+  for (int k = 0; k < 32; ++k) out += "0123456789abcdef"[random() & 15];
   return out;
 }
 
@@ -170,7 +169,9 @@ class Listener {
     const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
     error_code error;
     acceptor_.open(endpoint.protocol(), error);
+#ifndef _WIN32  // where it would let another process take the port
     if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+#endif
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
     if (error == asio::error::address_in_use)

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "../system/system.hpp"
+
 namespace cli::page {
 
 namespace {
@@ -23,8 +25,7 @@ std::string in_script(const json& head) {
 }  // namespace
 
 std::string page_template() {
-  std::error_code error;
-  const std::filesystem::path command = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path command = own_file();
   const std::filesystem::path path = (command.parent_path() / DYN_VIEWER_FROM_BIN).lexically_normal();
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;

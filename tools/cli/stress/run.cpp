@@ -1,6 +1,4 @@
 // dyn stress: hard cases against their references.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -8,6 +6,7 @@
 
 #include "case.hpp"
 #include "../files.hpp"
+#include "../system/system.hpp"
 #include "page.hpp"
 
 namespace cli {
@@ -42,10 +41,10 @@ std::vector<const Case*> chosen(const StressOptions& options) {
 
 // On a terminal only.
 void progress(std::size_t k, std::size_t n, const char* name) {
-  if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%zu of %zu: %s", k + 1, n, name), std::fflush(stderr);
+  if (on_terminal()) std::fprintf(stderr, "\r\033[K%zu of %zu: %s", k + 1, n, name), std::fflush(stderr);
 }
 void end_progress() {
-  if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K");
+  if (on_terminal()) std::fprintf(stderr, "\r\033[K");
 }
 
 Verdict judge(const Case& c) {
