@@ -46,11 +46,11 @@ def meshes(folder):
 
 def pages(page):
     """dyn sim and dyn view write pages by themselves."""
-    command = str(Path(sys.executable).with_name("dyn"))
+    command = [str(Path(sys.executable).with_name("dyn"))] if sys.platform != "win32" else [sys.executable, "-m", "libdyn"]
     view = page.with_name("view.html")
     for words in (["sim", SCENE, "--configuration", "standing", "--duration", "3", "--html", page],
                   ["view", dyn.models / "robots/panda.urdf", "--fixed", "--html", view]):
-        subprocess.run([command, *map(str, words)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([*command, *map(str, words)], check=True, stdout=subprocess.DEVNULL)
     for file in (page, view):
         text = file.read_text(encoding="utf-8")
         assert len(text) > 300_000 and 'id="dyn-head"' in text, file

