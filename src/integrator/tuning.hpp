@@ -42,8 +42,9 @@ inline constexpr int saved_shares = 3;                // of the error budget tha
 // Steps with contacts (advance.hpp, extrapolated.hpp).
 inline constexpr double closed_share = 0.1;           // of the accuracy: gaps that count as closed,
 inline constexpr double closed_rounding = 256;        // or of the rounding of the state
-inline constexpr double deep = 100;                   // of the closed gap: deeper overlap is pushed out in steps of push_step
-inline constexpr double first_step = 1e-2, push_step = 1e-3;  // s, first step with contacts, at accuracy 1 / accuracy_scale
+inline constexpr double deep = 100;                   // of the closed gap: steps that open deeper overlaps
+inline constexpr double push_step = 1e-4;             // s, are no shorter
+inline constexpr double first_step = 1e-2;            // s, first step with contacts, at accuracy 1 / accuracy_scale
 inline constexpr double accuracy_scale = 1e3;         // per unit of accuracy
 inline constexpr double smallest_share = 1e-3;        // of accuracy and duration (up to 1 s): shortest step with rows,
 inline constexpr double smallest = 10 * shortest_step;  // or of the duration: time still tells such steps apart

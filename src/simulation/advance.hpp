@@ -74,8 +74,6 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   const double closed =
       std::max(tuning::closed_share * accuracy, tuning::closed_rounding * RoundingFloor<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed, simulation::tuning::reopen_factor * closed);
-  const double deep =
-      tuning::deep * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
   // with active rows: below it errors no longer fall
   const double smallest =
       std::max(tuning::smallest_share * std::min(accuracy, 1.0) * std::min(duration, 1.0), tuning::smallest * duration);
@@ -86,16 +84,15 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * tuning::shortest_step)) return no_step_left;
     const Events<double> events = find_events(m, d, s, h, closed);
-    const bool rows = events.jumps, near = d.step->time_to_pass<HUGE_VAL, sunk = events.depth> deep;
-    h = std::min(h, sunk ? tuning::push_step * longer : std::max(events.until, smallest));
-    const bool last = h >= duration - t - duration * tuning::shortest_step, cut = h < whole && !sunk;
+    const bool rows = events.jumps, near = d.step->time_to_pass < HUGE_VAL;
+    // how deep overlaps open is no smooth motion: normals turn, others meet
+    const double least = events.beyond > tuning::deep * closed ? std::max(smallest, tuning::push_step) : smallest;
+    h = std::min(h, std::max(events.until, least));
+    const bool last = h >= duration - t - duration * tuning::shortest_step, cut = h < whole;
     double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)),
            power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
-    if (sunk) {
-      joint = euler_step(m, d, s, h, false);
-      report.evaluations += 2, error = std::min(allowed, events.depth);
-    } else if (rows) {
+    if (rows) {
       allowed = std::max({allowed, tuning::closed_error * closed, noise.level}), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
@@ -116,14 +113,14 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h /= 2;
       continue;
     }
-    if (error <= allowed || (rows && h <= smallest)) {
-      if (rows && !sunk && error > allowed) extrapolated.three_steps();
+    if (error <= allowed || (rows && h <= least)) {
+      if (rows && error > allowed) extrapolated.three_steps();
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       record_ledger_step(m, d, h);
       noise.accept();
-      if (!rows && !sunk) note_smooth_forces(m, d);
+      if (!rows) note_smooth_forces(m, d);
       if (cut) {  // the step was cut at an event: continue with the length before
         h = whole;
         continue;
@@ -138,14 +135,14 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected;
       if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 &&
           d.step->overshoot_time < h) {  // the contact was found too late
-        h = std::max(h - d.step->overshoot_time * (1 - tuning::arrival * closed / d.step->overshoot), smallest);
+        h = std::max(h - d.step->overshoot_time * (1 - tuning::arrival * closed / d.step->overshoot), least);
         continue;
       }
     }
     const double factor = error > 0 ? tuning::safety * math::pow(allowed / error, power) : tuning::max_factor;
     h *= error < HUGE_VAL ? std::clamp(factor, tuning::min_factor, rows ? tuning::max_factor_contacts : tuning::max_factor)
                           : tuning::min_factor;
-    if (rows) h = std::max(h, smallest);
+    if (rows) h = std::max(h, least);
   }
   return 0;
 }

@@ -73,9 +73,9 @@ inline double slow_speed(const Data<double>& d, double h) {
 }
 
 // Largest speed (m/s) at which overlaps and drift are removed: that of a fall over length / 20, 0.32 sqrt(g L), however short the
-// step. Without gravity nothing but the step sets a speed: 1e-3 L/h. So do steps chosen by an accuracy.
+// step, so that shorter steps find the same motion. Without gravity nothing but the step sets a speed: 1e-3 L/h.
 inline bool correction_falls(const Data<double>& d) {
-  return shape::norm(load3(d.world_gravity)) > 0 && d.step->closed_gap == 0 && d.step->options.accuracy == 0;
+  return shape::norm(load3(d.world_gravity)) > 0;
 }
 inline double correction_speed(const Data<double>& d, double h) {
   const double length = d.step->length, g = shape::norm(load3(d.world_gravity));

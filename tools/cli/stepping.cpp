@@ -48,7 +48,7 @@ void warn_beyond_limits(const Robot& robot, const Vector& q, json& warnings) {
   warnings.push_back("q[" + std::to_string(farthest) + "] (joint " + joint_of(robot, farthest) + ") starts at " +
                      short_number(q[farthest]) + ", beyond its limits [" + short_number(lower[farthest]) + ", " +
                      short_number(upper[farthest]) +
-                     "], farthest of all: steps bring it back, at a speed that depends on --dt; --q chooses another place");
+                     "], farthest of all: steps bring it back; --q chooses another place");
 }
 
 }  // namespace
