@@ -56,7 +56,7 @@ inline constexpr double solver_share = 1e-3, solver_floor = 1e-14;  // of the cl
 inline constexpr double lasting_gap = 2e-3;           // of g h^2 / 2, what gravity closes in the step: gaps that count as closed
 inline constexpr double lasting_error = 0.1;          // of the largest speed: substeps that disagree by more met a jump
 inline constexpr double jump_share = 1e-3;            // of the step: the part in which velocities jump, where something meets,
-inline constexpr int jump_tries = 4;                  // to find when
+inline constexpr int jump_tries = 2;                  // to find when
 
 // Constraints (constrained_motion.hpp).
 inline constexpr double open_rows = 1e-3;             // of the rows' reach (m) or rad: larger errors close first, at order 1

@@ -50,7 +50,8 @@ TEST(LastingContacts, RollingOffABallHasOrderThree) {
   EXPECT_GT(error_of_rolling(DYN_INTEGRATOR_IMPLICIT_FAST, 0.05), 1e-3);
 }
 
-// Gaps stay below a tenth of those that count as closed, a thousandth of g dt^2, and substeps agree: to 2 % of the speed in 0.3 s.
+// Gaps stay below a tenth of those that count as closed, a thousandth of g dt^2, and substeps agree: to 3 % of the speed in 0.7 s, when the
+// ball has gone round a quarter of the other one and would lift off.
 TEST(LastingContacts, GapsStayClosedInLongSteps) {
   Steps run = rolling_off(DYN_INTEGRATOR_RK45, 0.1);
   run.set(above, Numbers(6, 0));
@@ -59,11 +60,11 @@ TEST(LastingContacts, GapsStayClosedInLongSteps) {
     EXPECT_EQ(6, run.report().evaluations) << k;
     EXPECT_NEAR(reach, std::hypot(run.q[0], run.q[2]), 1e-4 * g * 0.1 * 0.1) << k;
   }
-  Steps longer = rolling_off(DYN_INTEGRATOR_RK45, 0.3);
+  Steps longer = rolling_off(DYN_INTEGRATOR_RK45, 0.7);
   longer.set(above, Numbers(6, 0));
   longer.steps(1);
   EXPECT_EQ(6, longer.report().evaluations);
-  EXPECT_LT(longer.report().error_estimate, 0.02 * std::abs(longer.v[4]));
+  EXPECT_LT(longer.report().error_estimate, 0.03 * std::abs(longer.v[4]));
 }
 
 // A ball slides, then rolls: friction mu decelerates it by mu g until v = 5/7 v0, after t = 2/7 v0 / (mu g).
@@ -157,6 +158,22 @@ TEST(LastingContacts, CornersThatTurnToTheGroundAreMet) {
       EXPECT_NEAR(before, run.energy(), 0.06 * before) << int(by) << " " << k;
     }
   }
+}
+
+// A rod stands on its foot and tips over. The other end meets the ground at once with the foot's last sliding; the step is divided
+// there at the second try, and the time of the fall is not rounded to steps.
+TEST(LastingContacts, AStepIsTriedAgainUpToWhereSomethingMeets) {
+  const auto fallen = [](double dt) {
+    Scene s;
+    Steps run(s.ground().rod("rod", 1, 0.02, 0.4, material(0.5)).finish(), DYN_INTEGRATOR_RK4, dt);
+    const double tilt = 0.6;
+    run.set({0, 0, 0.02 + 0.2 * std::cos(tilt), 0, std::sin(tilt / 2), 0, std::cos(tilt / 2)}, Numbers(6, 0));
+    std::int64_t most = 0;
+    for (int k = 0; k < std::lround(0.6 / dt); ++k) run.steps(1), most = std::max<std::int64_t>(most, run.report().rejected);
+    EXPECT_EQ(2, most);
+    return run.q[0];
+  };
+  EXPECT_NEAR(fallen(0.01), fallen(0.04), 2e-3);
 }
 
 TEST(LastingContacts, ManyRowsAreStepsOfOrderOne) {
