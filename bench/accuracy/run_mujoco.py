@@ -9,7 +9,8 @@ from common import Failed, ladder, measured, steps_of
 NAME, VERSION = "MuJoCo", mujoco.__version__
 INTEGRATORS = {"Euler": mujoco.mjtIntegrator.mjINT_EULER, "RK4": mujoco.mjtIntegrator.mjINT_RK4,
                "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT, "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST}
-
+if hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE"):  # from 4.0 on
+    INTEGRATORS["discrete"] = mujoco.mjtIntegrator.mjINT_DISCRETE
 
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 

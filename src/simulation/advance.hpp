@@ -86,7 +86,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     const Events<double> events = find_events(m, d, s, h, closed);
     const bool rows = events.jumps, near = d.step->time_to_pass < HUGE_VAL;
     // how deep overlaps open is no smooth motion: normals turn, others meet
-    const double least = events.beyond > tuning::deep * closed ? std::max(smallest, tuning::push_step) : smallest;
+    const bool opens = events.beyond > tuning::deep * closed;
+    const double least = opens ? std::max(smallest, tuning::push_step) : smallest;
     h = std::min(h, std::max(events.until, least));
     const bool last = h >= duration - t - duration * tuning::shortest_step, cut = h < whole;
     double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)),
@@ -116,7 +117,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     if (error <= allowed || (rows && h <= least)) {
       if (rows && error > allowed) extrapolated.three_steps();
       t = last ? duration : t + h;
-      ++report.steps, report.time = t, report.error_estimate += error;
+      ++report.steps, report.time = t;
+      report.error_estimate += opens && error > allowed ? extrapolated.error_of_timing() : error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       record_ledger_step(m, d, h);
       noise.accept();

@@ -84,20 +84,23 @@ class Extrapolated {
     d.step->closed_gap = 0, d.step->options.tolerance = given;
     if (joint) return restore(), joint;
     // curvature of v: an event stopped by all three substeps alike shows in no difference (jumps at the end excepted)
-    error = 0;
+    double of_place = 0, of_speed = 0;
     for (Index k = 0; k < m.n.nv; ++k) {
       const double first = by_three[0][k], second = by_three[1][k], third = by_three[2][k];
-      error = std::max(error, std::max(bent(before.v[k], first, second), d.step->overshoot > 0 ? 0 : bent(first, second, third)));
+      of_place =
+          std::max(of_place, std::max(bent(before.v[k], first, second), d.step->overshoot > 0 ? 0 : bent(first, second, third)));
     }
-    error *= h / 6;
+    of_place *= h / 6;
     // differences to the result of three steps
-    const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
+    const auto limit = [](double a, double b, double& e) { return e = std::max(e, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
     double *a = s.y, *b = a + m.n.nv;
     difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
-    for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
-    for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
+    for (Index k = 0; k < m.n.nv; ++k)
+      a[k] = limit(a[k], b[k], of_place), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k], of_speed);
+    for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k], of_speed);
     simulation::record_overshoot(m, d, a, closed);
-    error = std::max(error, 2 * d.step->overshoot);  // an overshoot common to all: a rebound is off by twice that
+    of_place = std::max(of_place, 2 * d.step->overshoot);  // an overshoot common to all: a rebound is off by twice that
+    error = std::max(of_place, of_speed), error_in_time = of_place + h * of_speed;
     keep(three);
     integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
@@ -106,6 +109,8 @@ class Extrapolated {
   }
   void restore() { take(before), simulation::restore_forces(*d.step); }
   void three_steps() { take(three); }
+  // The error where velocities differ because the substeps notice the same event at different times.
+  double error_of_timing() const { return error_in_time; }
 
  private:
   struct State {
@@ -114,7 +119,7 @@ class Extrapolated {
   const Model& m;
   Data<double>& d;
   const Stages<double>& s;
-  double closed, reopen, least;
+  double closed, reopen, least, error_in_time = 0;
   State kept[3];
   double* by_three[3];  // velocities after each of three substeps, in the axes at the beginning
   State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;

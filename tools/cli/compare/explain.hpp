@@ -36,7 +36,7 @@ struct Comparison {
 // Mean over moments of what is left: 1 - left / all, each moment counts alike.
 double share(const Vector& all, const Vector& left);
 void find_begin(Comparison& c);
-// Distance from a run at half the step, extrapolated by the order.
+// Twice the distance from a run at half the step.
 Vector own_error(const Robot& robot, const Stepping& stepping, const State& start, double every, int moments, const Path& path);
 
 Comparison explain_models(const Side& a, const Side& b, double duration);
