@@ -22,9 +22,9 @@ target_link_options(dyn_soak PRIVATE -sALLOW_MEMORY_GROWTH=1 -sENVIRONMENT=node 
 # the npm package
 add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts VERBATIM
   COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/npm
-  COMMAND ${DYN_PYTHON} -B ${PROJECT_SOURCE_DIR}/capi/js/types.py ${PROJECT_SOURCE_DIR}/include/dyn.h ${PROJECT_SOURCE_DIR}/capi/js/classes.d.ts
+  COMMAND ${DYN_PYTHON} -B ${PROJECT_SOURCE_DIR}/capi/js/typescript.py ${PROJECT_SOURCE_DIR}/include/dyn.h ${PROJECT_SOURCE_DIR}/capi/js/classes.d.ts
           ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts
-  DEPENDS ${PROJECT_SOURCE_DIR}/include/dyn.h ${PROJECT_SOURCE_DIR}/capi/js/types.py ${PROJECT_SOURCE_DIR}/capi/js/classes.d.ts)
+  DEPENDS ${PROJECT_SOURCE_DIR}/include/dyn.h ${PROJECT_SOURCE_DIR}/capi/js/typescript.py ${PROJECT_SOURCE_DIR}/capi/js/classes.d.ts)
 add_custom_target(dyn_types ALL DEPENDS ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts)
 install(FILES ${PROJECT_BINARY_DIR}/npm/libdyn.d.ts ${PROJECT_BINARY_DIR}/bin/dyn_module.js ${PROJECT_BINARY_DIR}/bin/dyn_module.wasm ${PROJECT_SOURCE_DIR}/LICENSE
   DESTINATION npm)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the TypeScript types of the npm package from dyn.h: enumerations, structs, every function.   types.py DYN_H CLASSES OUT
+"""Writes the TypeScript types of the npm package from dyn.h: enumerations, structs, every function.   typescript.py DYN_H CLASSES OUT
 
 CLASSES: the types of what libdyn.js adds (classes.d.ts).
 """
@@ -70,7 +70,7 @@ def sentence(text, indent=""):
 
 def written(header):
     types = Types(header)
-    yield "// Made of dyn.h by capi/js/types.py.\n"
+    yield "// Made of dyn.h by capi/js/typescript.py.\n"
     for enum in header.enums:
         yield sentence(enum["doc"])
         values = "".join(f"{sentence(v['doc'], '  ')}  readonly {v['name']}: {v['value']};\n" for v in enum["values"])
