@@ -7,8 +7,8 @@ set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
 wheel=$(realpath "$1") folder=$(realpath -m "${2:-$(dirname "$1")/wine}")
-export WINEPREFIX=$folder/prefix WINEDEBUG=-all
-wine() { timeout 600 /usr/lib/wine/wine64 "$@"; }
+export WINEPREFIX=$folder/prefix WINEDEBUG=-all LC_ALL=C  # by C.UTF-8 wine opens no file whose name is not ASCII
+wine() { timeout 600 /usr/lib/wine/wine64 "$@" <<<"" 2>&1 | cat; }  # Python finds no streams under wine that are files
 "$root/tools/install_packages" "$root/tools/wheel/packages_windows"
 mkdir -p "$WINEPREFIX"
 if [ ! -e "$folder/made" ]; then
@@ -21,7 +21,7 @@ if [ ! -e "$folder/made" ]; then
   python3 -m zipfile -e "$folder"/numpy-*.whl "$folder/site"
   touch "$folder/made"
 fi
-rm -rf "$folder/site/libdyn"* "$folder/programs"
+rm -rf "$folder/site/libdyn"* "$folder/programs" "$folder"/{address,served.html,*.xml,*.html}
 python3 -m zipfile -e "$wheel" "$folder/site"
 package=$folder/site/libdyn
 printf 'python312.zip\n.\n%s\n' "Z:${folder//\//\\}\\site" >"$folder/python/cp312/python312._pth"
@@ -51,14 +51,15 @@ wine python/cp312/python.exe stands.py page.html
 scene=$package/share/dyn/models/scenes/go2_stands.xml
 cp "$scene" "$folder/gehört.xml"  # names are UTF-8
 dyn() { wine "$package/bin/dyn.exe" "$@" | tr -d '\r'; }
-dyn info "gehört.xml" | head -n 3
+dyn info "gehört.xml" | sed -n 1p
 dyn sim "gehört.xml" --configuration standing --duration 0.2 --html "gehört.html" >dyn.log
 grep -q 'id="dyn-head"' "gehört.html"
-! dyn info robot.urdf 2>dyn.log && grep -q 'robot.urdf: cannot be opened' dyn.log
+! dyn info robot.urdf >dyn.log && grep -q 'robot.urdf: cannot be opened' dyn.log
 # the address of a running simulation, answered while it runs
-dyn view "$scene" --live --no-browser >address &
+wine "$package/bin/dyn.exe" view "$scene" --live --no-browser >address &
 for _ in $(seq 100); do [ -s address ] && break; sleep 0.2; done
-curl -sf "$(cat address)" | grep -q 'id="dyn-head"'
+curl -sf "$(tr -d '\r' <address)" >served.html
+grep -q 'id="dyn-head"' served.html
 wineserver=/usr/lib/wine/wineserver64
 [ ! -x $wineserver ] || $wineserver -k
 echo "the command: pages, errors, a running simulation: fine"

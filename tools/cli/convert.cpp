@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "files.hpp"
+#include "system/system.hpp"
 
 namespace cli {
 
@@ -49,7 +50,7 @@ dynStatus save_c(const Robot& robot, const Image& image, const std::string& out)
                      "_size = " + n + ";\n__attribute__((aligned(64))) const unsigned char " + name + "[" + n + "] = {";
   for (size_t k = 0; k < size; ++k) text += (k % 32 ? "" : "\n") + std::to_string(bytes[k]) + ",";
   text += "\n};\n";
-  std::FILE* file = std::fopen(out.c_str(), "wb");
+  std::FILE* file = open_file(out, "wb");
   const bool written = file && std::fwrite(text.data(), 1, text.size(), file) == text.size();
   if ((file && std::fclose(file) != 0) || !written) fail("file '" + out + "' cannot be written: " + std::strerror(errno));
   return DYN_OK;

@@ -14,6 +14,7 @@
 #include "ledger.hpp"
 #include "page/recording.hpp"
 #include "stepping.hpp"
+#include "system/system.hpp"
 
 namespace cli {
 namespace {
@@ -30,7 +31,7 @@ constexpr double max_csv_bytes = 16e9;
 class Csv {
  public:
   Csv(const std::string& path, const Robot& robot, bool with_tau) : path_(path) {
-    file_ = std::fopen(path.c_str(), "wb");
+    file_ = open_file(path, "wb");
     if (!file_) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
     const auto columns = [&](const char* name, int n) {
       for (int i = 0; i < n; ++i) line_ += std::string(",") + name + std::to_string(i);
@@ -131,7 +132,7 @@ class Blackbox {
     std::sort(growth.rbegin(), growth.rend());
     for (std::size_t k = 0; k < std::min<std::size_t>(growth.size(), 10); ++k)
       out["grew"].push_back({{"joint", robot_.joint(growth[k].second).name}, {"factor", growth[k].first}});
-    std::FILE* file = std::fopen(path_.c_str(), "wb");
+    std::FILE* file = open_file(path_, "wb");
     const std::string text = json_text(out);
     if (!file || std::fwrite(text.data(), 1, text.size(), file) != text.size() || std::fclose(file) != 0)
       fail(path_ + ": cannot be written: " + std::strerror(errno) + "; and the simulation failed: " + error);

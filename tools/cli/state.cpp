@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cli.hpp"
+#include "system/system.hpp"
 
 namespace cli {
 
@@ -100,7 +101,7 @@ void from_json(const Robot& robot, const std::string& file, const std::string& k
 std::string read_text(const std::string& file, const char* what) {
   constexpr std::size_t limit = std::size_t(128) << 20;
   const std::string the = file + ": the " + what;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(open_file(file, "rb"), &std::fclose);
   if (!in) fail(the + " cannot be read: " + std::strerror(errno) + ".");
   std::string text;
   char part[1 << 16];

@@ -16,6 +16,7 @@
 #include "derivatives.hpp"
 #include "distance_sweep.hpp"
 #include "plot.hpp"
+#include "../system/system.hpp"
 
 namespace cli {
 namespace {
@@ -122,7 +123,7 @@ class Store {
         }
       }
     }
-    file_ = std::fopen(path.c_str(), fresh ? "wb" : "ab");
+    file_ = open_file(path, fresh ? "wb" : "ab");
     if (!file_) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
     if (fresh) put({{"scene", scene}});
     if (!whole) std::fputc('\n', file_);
@@ -196,7 +197,7 @@ class Store {
 
 void write(const std::string& path, const std::string& text) {
   errno = 0;
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = open_file(path, "wb");
   const bool good = file && std::fwrite(text.data(), 1, text.size(), file) == text.size();
   if ((file && std::fclose(file) != 0) || !good) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
 }

@@ -11,6 +11,7 @@
 #include "../page/markup.hpp"
 #include "explain.hpp"
 #include "picture.hpp"
+#include "../system/system.hpp"
 
 namespace cli {
 
@@ -126,7 +127,7 @@ std::string comparison_text(const Comparison& c) {
 
 void write_picture(const std::string& path, const std::string& text) {
   errno = 0;
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = open_file(path, "wb");
   const bool good = file && std::fwrite(text.data(), 1, text.size(), file) == text.size();
   if ((file && std::fclose(file) != 0) || !good) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
 }

@@ -46,7 +46,7 @@ std::string filled(const std::string& page, const json& head, const Pack& pack) 
 
 void write_file(const std::string& path, const std::string& text) {
   errno = 0;
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = open_file(path, "wb");
   const bool good = file && std::fwrite(text.data(), 1, text.size(), file) == text.size();
   if ((file && std::fclose(file) != 0) || !good) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
 }

@@ -7,6 +7,7 @@
 
 #include "../cli.hpp"
 #include "../page/markup.hpp"
+#include "../system/system.hpp"
 
 namespace cli::stress {
 
@@ -103,7 +104,7 @@ void write_page(const std::string& path, const std::vector<Verdict>& verdicts) {
            (v.failure.empty() ? "" : "<p class=\"f\">" + escaped(v.failure) + "</p>") + svg(v.outcome.picture) + "</section>\n";
   out += "</html>\n";
   errno = 0;
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = open_file(path, "wb");
   const bool good = file && std::fwrite(out.data(), 1, out.size(), file) == out.size();
   if ((file && std::fclose(file) != 0) || !good) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
 }

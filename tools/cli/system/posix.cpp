@@ -24,6 +24,8 @@ std::string own_file() {
   return std::filesystem::read_symlink("/proc/self/exe", ignored).string();
 }
 
+std::FILE* open_file(const std::string& path, const char* mode) { return std::fopen(path.c_str(), mode); }
+
 int obstacle_to_write(const std::string& file) { return access(file.c_str(), W_OK) == 0 ? 0 : errno; }
 int obstacle_to_make(const std::string& folder) { return access(folder.c_str(), W_OK | X_OK) == 0 ? 0 : errno; }
 

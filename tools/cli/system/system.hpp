@@ -1,6 +1,7 @@
 // What systems call differently: terminals, processes, the command's own file. posix.cpp and windows.cpp define it.
 #pragma once
 
+#include <cstdio>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,8 @@ namespace cli {
 bool on_terminal();
 // Path of the running command; "": unknown.
 std::string own_file();
+// std::fopen of a path in UTF-8.
+std::FILE* open_file(const std::string& path, const char* mode);
 // Why a file that is there cannot be written, or why none can be made in the folder, as errno says it; 0: it can.
 int obstacle_to_write(const std::string& file);
 int obstacle_to_make(const std::string& folder);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "../cli.hpp"
@@ -22,6 +23,10 @@ std::string own_file() {
   std::wstring path(32768, L'\0');
   path.resize(GetModuleFileNameW(nullptr, path.data(), static_cast<DWORD>(path.size())));
   return std::filesystem::path(path).string();
+}
+
+std::FILE* open_file(const std::string& path, const char* mode) {
+  return _wfopen(std::filesystem::path(path).c_str(), std::wstring(mode, mode + std::strlen(mode)).c_str());
 }
 
 int obstacle_to_write(const std::string& file) { return _waccess(std::filesystem::path(file).c_str(), W_OK) == 0 ? 0 : errno; }
