@@ -8,6 +8,7 @@
 #include "file.hpp"
 #include "mesh.hpp"
 #include "mesh_soup.hpp"
+#include "system.hpp"
 
 namespace dyn::load {
 
@@ -68,7 +69,7 @@ std::uint64_t check_mesh_file(const std::string& path) {
   const std::uint64_t size = file_size(path, "a mesh file");
   if (kind != ".stl" && kind != ".obj" && kind != ".dae" && kind != ".gltf" && kind != ".glb")
     report.fail(DYN_ERROR_UNSUPPORTED, 0, "mesh files are .stl, .obj, .dae, .gltf and .glb: convert it to one of them");
-  std::ifstream file(std::filesystem::path(path), std::ios::binary);
+  std::ifstream file(utf8_path(path), std::ios::binary);
   if (!file) report.fail(DYN_ERROR_FILE, 0, "cannot be opened");
   if (size == 0) report.fail(DYN_ERROR_PARSE, 0, "the file is empty");
   if (size > max_mesh_bytes)

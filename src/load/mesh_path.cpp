@@ -1,4 +1,5 @@
 #include "mesh_path.hpp"
+#include "system.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -29,7 +30,7 @@ std::string from_file_uri(std::string uri) {
 
 bool is_file(const std::string& path) {
   std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
+  return fs::is_regular_file(utf8_path(path), ignored);
 }
 
 std::string join(const std::string& folder, const std::string& rest) {

@@ -6,6 +6,7 @@
 #include "mesh_check.hpp"
 #include "model/builder_surface.hpp"
 #include "save_mjcf.hpp"
+#include "system.hpp"
 
 namespace dyn::load {
 
@@ -15,12 +16,12 @@ namespace {
 bool mujoco_reads(const std::string& path) {
   const std::string kind = extension(path);
   if (kind != ".stl") return kind == ".obj" || kind == ".msh";
-  std::ifstream file(std::filesystem::path(path), std::ios::binary);
+  std::ifstream file(utf8_path(path), std::ios::binary);
   unsigned char head[84];
   std::error_code none;
   if (!file.read(reinterpret_cast<char*>(head), sizeof head)) return false;
   const std::uint64_t triangles = head[80] | head[81] << 8 | head[82] << 16 | std::uint64_t(head[83]) << 24;
-  return triangles <= 200000 && std::filesystem::file_size(path, none) == 84 + 50 * triangles;
+  return triangles <= 200000 && std::filesystem::file_size(utf8_path(path), none) == 84 + 50 * triangles;
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ XmlElement& MjcfWriter::new_mesh(const std::string& wish, std::string& name) {
 std::string MjcfWriter::mesh_file(const ShapeRecord& s) {
   std::string path = m.string(s.mesh);
   std::error_code none;
-  const bool there = std::filesystem::exists(path, none);
+  const bool there = std::filesystem::exists(utf8_path(path), none);
   if (there) path = std::filesystem::absolute(path).string();
   std::string& name = file_assets[path + " " + number_list(s.size)];
   if (!name.empty()) return name;

@@ -7,6 +7,7 @@
 #include "collision_mesh.hpp"
 #include "report.hpp"
 #include "urdf_robot.hpp"
+#include "system.hpp"
 
 namespace dyn::load {
 
@@ -17,7 +18,7 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
     for (UrdfShape& s : link.shapes) {
       Shape& shape = s.shape;
       if (shape.type != DYN_SHAPE_TYPE_MESH || shape.role != DYN_SHAPE_ROLE_COLLISION) continue;
-      const bool found = std::filesystem::exists(shape.mesh);
+      const bool found = std::filesystem::exists(utf8_path(shape.mesh));
       if (!found && options.meshes == DYN_MESH_USE_AUTO) continue;  // reported with the link
       const std::string who = "link " + load::in_quotes(link.name) + ": mesh " + load::in_quotes(shape.mesh);
       auto at = known.find({shape.mesh, shape.size});

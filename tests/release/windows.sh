@@ -7,7 +7,7 @@ set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$here/../..
 wheel=$(realpath "$1") folder=$(realpath -m "${2:-$(dirname "$1")/wine}")
-export WINEPREFIX=$folder/prefix WINEDEBUG=-all LC_ALL=C  # by C.UTF-8 wine opens no file whose name is not ASCII
+export WINEPREFIX=$folder/prefix WINEDEBUG=-all LC_ALL=C.UTF-8
 wine() { timeout 600 /usr/lib/wine/wine64 "$@" <<<"" 2>&1 | cat; }  # Python finds no streams under wine that are files
 "$root/tools/install_packages" "$root/tools/wheel/packages_windows"
 mkdir -p "$WINEPREFIX"

@@ -85,6 +85,24 @@ TEST(StepWork, OfOverlap) {
   }
 }
 
+// A tilted box whose edge is 2 cm below the ground: redundant contacts open unevenly, in steps of 0.1 ms, however fine the accuracy.
+TEST(StepWork, OfUnevenOverlap) {
+  Simulation run(Scene().ground().box("box", 1, {0.2, 0.2, 0.1}, material(0.5)).finish());
+  const double tilt = 0.1;
+  run.set({0, 0, 0.03 + 0.1 * std::sin(tilt), 0, std::sin(tilt / 2), 0, std::cos(tilt / 2)}, Numbers(6, 0));
+  const dynStepReport r = advanced(run, 1e-6, 0.005);
+  EXPECT_EQ(50, r.steps);
+  EXPECT_NEAR(1e-4, r.smallest_dt, 1e-12);
+}
+
+// A turning box falls flat on the ground: four impacts at once take the shortest step, a thousandth of accuracy and duration.
+TEST(StepWork, OfAFlatImpact) {
+  Simulation run(Scene().shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5))
+                     .box("box", 1, {0.2, 0.2, 0.1}, material(0.5)).finish());
+  run.set({0, 0, 0.06, 0, 0, 0, 1}, {1, 0, 0, 0, 0, 5});
+  EXPECT_NEAR(1e-3 * 1e-5 * 0.1, advanced(run, 1e-5, 0.1).smallest_dt, 1e-13);
+}
+
 // A ball starts to roll. The first step follows from the accuracy: 10 ms at 1e-3. A tenth of it would take 60 evaluations.
 TEST(StepWork, OfABallThatStartsToRoll) {
   Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.5)).finish());

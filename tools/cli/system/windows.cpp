@@ -17,19 +17,25 @@
 
 namespace cli {
 
+namespace {
+// Of the C library's locale otherwise.
+std::filesystem::path utf8_path(const std::string& path) { return std::u8string(path.begin(), path.end()); }
+}  // namespace
+
 bool on_terminal() { return _isatty(_fileno(stderr)); }
 
 std::string own_file() {
   std::wstring path(32768, L'\0');
   path.resize(GetModuleFileNameW(nullptr, path.data(), static_cast<DWORD>(path.size())));
-  return std::filesystem::path(path).string();
+  const std::u8string text = std::filesystem::path(path).u8string();
+  return std::string(text.begin(), text.end());
 }
 
 std::FILE* open_file(const std::string& path, const char* mode) {
-  return _wfopen(std::filesystem::path(path).c_str(), std::wstring(mode, mode + std::strlen(mode)).c_str());
+  return _wfopen(utf8_path(path).c_str(), std::wstring(mode, mode + std::strlen(mode)).c_str());
 }
 
-int obstacle_to_write(const std::string& file) { return _waccess(std::filesystem::path(file).c_str(), W_OK) == 0 ? 0 : errno; }
+int obstacle_to_write(const std::string& file) { return _waccess(utf8_path(file).c_str(), W_OK) == 0 ? 0 : errno; }
 int obstacle_to_make(const std::string& folder) { return obstacle_to_write(folder); }
 
 std::string open_in_browser(const std::string& address) {
