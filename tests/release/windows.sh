@@ -57,9 +57,8 @@ grep -q 'id="dyn-head"' "gehört.html"
 ! dyn info robot.urdf >dyn.log && grep -q 'robot.urdf: cannot be opened' dyn.log
 # the address of a running simulation, answered while it runs
 wine "$package/bin/dyn.exe" view "$scene" --live --no-browser >address &
-for _ in $(seq 100); do [ -s address ] && break; sleep 0.2; done
-curl -sf "$(tr -d '\r' <address)" >served.html
+for _ in $(seq 100); do grep -q '/$' <(tr -d '\r' <address) && break; sleep 0.2; done
+curl -sf "$(tr -d '\r' <address | grep http)" >served.html
 grep -q 'id="dyn-head"' served.html
-wineserver=/usr/lib/wine/wineserver64
-[ ! -x $wineserver ] || $wineserver -k
+/usr/lib/wine/wineserver64 -k || true  # which ends it
 echo "the command: pages, errors, a running simulation: fine"

@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("dyn ") + dyn_version() + " (" + dyn_build_info() + ")",
                        "Print the version and exit");
   app.require_subcommand(1);
+  app.allow_windows_style_options(false);  // "/..." is a path everywhere
   cli::add_info(app);
   cli::add_eval(app);
   cli::add_ik(app);
