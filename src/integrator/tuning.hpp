@@ -52,7 +52,7 @@ inline constexpr double arrival = 0.02;               // of the closed gap: step
 inline constexpr double closed_error = 0.2;           // of the closed gap: error that is allowed while rows act
 inline constexpr double solver_share = 1e-3, solver_floor = 1e-14;  // of the closed gap over the speed: tolerance; its rounding
 
-// Steps of dt through rows that last (advance.hpp).
+// Steps of dt through rows that last (fixed_step.hpp).
 inline constexpr double lasting_gap = 2e-3;           // of g h^2 / 2, what gravity closes in the step: gaps that count as closed
 inline constexpr double lasting_error = 0.1;          // of the largest speed: substeps that disagree by more met a jump
 inline constexpr double jump_share = 1e-3;            // of the step: the part in which velocities jump, where something meets,

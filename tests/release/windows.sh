@@ -42,7 +42,7 @@ program() {  # language, source, arguments
 robots=$package/share/dyn/models/robots
 program c "$here/hello.c" "$robots/go2.urdf"
 program c++ "$here/hello.cpp" "$robots/go2.urdf"
-program c "$root/capi/examples/feet.c" "$robots/go2.urdf" | head -n 2
+program c "$root/capi/examples/feet.c" "$robots/go2.urdf" | sed -n 1,2p
 program c "$root/tests/consumer_c/consumer.c" "$robots/double_pendulum.urdf"
 cd "$folder"
 cp "$here/stands.py" .
