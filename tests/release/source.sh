@@ -15,4 +15,4 @@ assert Path(dyn.library_path).is_relative_to(Path(dyn.__file__).parent), dyn.lib
 m = dyn.load(dyn.models / "robots/go2.urdf", base="floating")
 print(dyn.build_info, m.nq, m.nv)
 PY
-"$work/venv/bin/dyn" info "$("$work/venv/bin/python" -m libdyn --models)/robots/panda.urdf" --fixed | head -n 3
+"$work/venv/bin/dyn" info "$("$work/venv/bin/python" -m libdyn --models)/robots/panda.urdf" --fixed | sed -n 1,3p
