@@ -78,13 +78,17 @@ Approach approach(const Island& x, const ActiveConstraint& slot, Index normal) {
   return {first + second, x.supported ? std::abs(by_first) + std::abs(by_second) : std::abs(by_first + by_second)};
 }
 
-// Rolling bodies with an error in the gap lose or gain distance at the rate at which they turn.
+// Rolling bodies with an error in the gap lose or gain distance at the rate at which they turn. Overlaps are no such errors: what
+// opened them at their own rate would turn bodies ever faster.
 double rolling_gap_rate(const Island& x, const ContactLaw& law, double gap) {
-  const auto turns = [&](Index geom) {
-    const Index body = x.d.geoms[geom].body;
-    return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular));
+  if (x.w.closed_gap == 0) return 0;
+  const collision::Geom &a = x.d.geoms[law.geom_a], &b = x.d.geoms[law.geom_b];
+  const auto turns = [&](Index body) {
+    const Vec3<double> w = velocity(x, body).angular;
+    return std::sqrt(dot(w, w));
   };
-  return x.w.closed_gap > 0 ? gap * (turns(law.geom_b) + turns(law.geom_a)) : 0;
+  const double most = tuning::search::near * std::min(a.bounding_radius, b.bounding_radius);
+  return std::max(gap, -most) * (turns(b.body) + turns(a.body));
 }
 
 void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {

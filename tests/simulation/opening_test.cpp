@@ -47,5 +47,26 @@ TEST(Opening, OfContactsIsOneMotion) {
   expect_one_motion(box, {0, 0, 0.03 + 0.1 * std::sin(turn), 0, std::sin(turn / 2), 0, std::cos(turn / 2)}, 0.05, 2e-4);
 }
 
+// Boxes deep in one another, 0.1 to 6 kg: they come apart at the speed of overlaps, and gain no other.
+TEST(Opening, OfAHeapGivesNoSpeed) {
+  const char* const names[] = {"a", "b", "c", "d", "e", "f"};
+  Numbers q;
+  for (int k = 0; k < 6; ++k) {
+    const double turn = 0.6 * std::sin(1.0 + k);
+    q.insert(q.end(), {0.08 * std::cos(3.0 * k), 0.08 * std::sin(5.0 * k), 0.05 + 0.08 * k, std::sin(turn / 2), 0, 0, std::cos(turn / 2)});
+  }
+  for (const double accuracy : {1e-2, 1e-4}) {
+    Scene s;
+    s.ground();
+    for (int k = 0; k < 6; ++k) s.box(names[k], std::pow(10, 0.8 * std::cos(2.0 * k)), {0.2, 0.16, 0.12}, material(0.5));
+    Simulation run(s.finish());
+    run.options.accuracy = accuracy;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+    run.set(q, Numbers(36, 0));
+    ASSERT_EQ(DYN_OK, dyn_advance(run.m, run.d, 0.1)) << dyn_last_error();
+    for (int k = 0; k < 36; ++k) EXPECT_LT(std::abs(run.v[k]), k % 6 < 3 ? 2 : 20) << accuracy << " " << k;
+  }
+}
+
 }  // namespace
 }  // namespace dyn_test
