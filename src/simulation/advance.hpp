@@ -5,6 +5,7 @@
 #include "integrator/runge_kutta.hpp"
 #include "integrator/settled_rows.hpp"
 #include "integrator/step_control.hpp"
+#include "integrator/stepping.hpp"
 #include "simulation/events.hpp"
 #include "simulation/extrapolated.hpp"
 #include "simulation/step_records.hpp"

@@ -4,6 +4,7 @@
 
 #include "integrator/implicit_midpoint.hpp"
 #include "simulation/advance.hpp"
+#include "simulation/energy_guard.hpp"
 
 namespace dyn::integrator {
 

@@ -1,7 +1,6 @@
 // A step of the length that the caller sets, repeated where it gains energy that nothing explains.
 #pragma once
 
-#include "simulation/energy_guard.hpp"
 #include "simulation/fixed_step.hpp"
 
 namespace dyn::integrator {
