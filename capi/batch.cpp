@@ -249,6 +249,7 @@ dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects) {
 }
 
 dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, const dynBatchArrays* given) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check(batch)) return s;
   if (const dynStatus s = check_value(algorithm, "dyn_batch_run", "algorithm")) return s;
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
@@ -271,6 +272,7 @@ dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, cons
 }
 
 dynStatus dyn_algorithm_run(const dynModel* model, dynData* data, dynAlgorithm algorithm, const dynBatchArrays* arrays) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_value(algorithm, "dyn_algorithm_run", "algorithm")) return s;
   if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_algorithm_run: arrays is NULL: it is required");
   if (arrays->struct_size < sizeof(dynBatchArrays))

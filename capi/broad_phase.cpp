@@ -61,6 +61,7 @@ dynStatus check_ids(const char* function, const int* ids, int capacity, const in
 extern "C" {
 
 dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin, dynBroadPhase** broad_phase) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_broad_phase_new";
   if (!broad_phase) return fail(DYN_ERROR_ARGUMENT, "%s: broad_phase is NULL: pass the address of a dynBroadPhase*", function);
   if (capacity < 1 || capacity > max_boxes)
@@ -87,6 +88,7 @@ void dyn_broad_phase_free(dynBroadPhase* broad_phase) {
 }
 
 dynStatus dyn_broad_phase_insert(dynBroadPhase* broad_phase, const double* lower, const double* upper, int* id) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_broad_phase_insert";
   if (const dynStatus s = check(broad_phase)) return s;
   Bounds box;
@@ -101,6 +103,7 @@ dynStatus dyn_broad_phase_insert(dynBroadPhase* broad_phase, const double* lower
 }
 
 dynStatus dyn_broad_phase_update(dynBroadPhase* broad_phase, int id, const double* lower, const double* upper) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_broad_phase_update";
   if (const dynStatus s = check(broad_phase)) return s;
   Bounds box;
@@ -118,6 +121,7 @@ dynStatus dyn_broad_phase_remove(dynBroadPhase* broad_phase, int id) {
 }
 
 dynStatus dyn_broad_phase_pairs(dynBroadPhase* broad_phase, int* pairs, int64_t capacity, int64_t* count) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_broad_phase_pairs";
   if (const dynStatus s = check(broad_phase)) return s;
   if (capacity < 0)
@@ -138,6 +142,7 @@ dynStatus dyn_broad_phase_pairs(dynBroadPhase* broad_phase, int* pairs, int64_t 
 
 dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double* lower, const double* upper, int* ids, int capacity,
                                 int* count) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_broad_phase_query";
   if (const dynStatus s = check(broad_phase)) return s;
   Bounds box;
@@ -151,6 +156,7 @@ dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double* lower,
 
 dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double* origin, const double* direction, double max_t, int* ids,
                               int capacity, int* count) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_broad_phase_ray";
   if (const dynStatus s = check(broad_phase)) return s;
   if (!origin || !direction)

@@ -152,6 +152,7 @@ extern "C" {
 
 dynStatus dyn_geometry_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
                              const dynDistanceOptions* options, dynDistance* out) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_geometry_distance";
   PlacedShape A, B;
   collision::Options inner;

@@ -68,6 +68,7 @@ struct Check {
 extern "C" {
 
 dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v, double* out) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_integrate");
   if (c.q("q", q).v("v", v).output(out, c.nq()).fits([&]<class J>(const Body& b, double* x) {
         J::integrate(q + b.user_q, v + b.user_v, x);
@@ -77,6 +78,7 @@ dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v,
 }
 
 dynStatus dyn_difference(const dynModel* model, const double* q0, const double* q1, double* v) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_difference");
   if (c.q("q0", q0).q("q1", q1).output(v, c.nv()).fits([&]<class J>(const Body& b, double* x) {
         J::difference(b, q0 + b.user_q, q1 + b.user_q, x);
@@ -86,6 +88,7 @@ dynStatus dyn_difference(const dynModel* model, const double* q0, const double* 
 }
 
 dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_interpolate");
   if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out, c.nq()).fits([&]<class J>(const Body& b, double* x) {
         double v[6];
@@ -98,6 +101,7 @@ dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double*
 }
 
 dynStatus dyn_configuration_distance(const dynModel* model, const double* q0, const double* q1, double* result) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_configuration_distance");
   if (!c.q("q0", q0).q("q1", q1).output(result)) return c.status;
   const double d = distance(*c.m, q0, q1);
@@ -115,6 +119,7 @@ dynStatus dyn_configuration_neutral(const dynModel* model, double* q) {
 }
 
 dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_configuration_random");
   if (!c.output(q, c.nq())) return c.status;
   const double* low = lower ? lower : c.m->lower_limit();
@@ -137,12 +142,14 @@ dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const d
 }
 
 dynStatus dyn_configuration_normalize(const dynModel* model, double* q) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_configuration_normalize");
   if (c.q("q", q)) normalize(*c.m, q);
   return c.status;
 }
 
 dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_configuration_is_normalized");
   if (!c.vector("q", q, c.m ? c.m->n.nq : 0).output(normalized)) return c.status;
   if (!(tolerance >= 0))
@@ -152,6 +159,7 @@ dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q
 }
 
 dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq, double* dv) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_integrate_jacobians");
   if (c.q("q", q).v("v", v).fits([&]<class J>(const Body& b, double* x) {
         J::integrate_jacobians(q + b.user_q, v + b.user_v, Block<double>{x, 6}, Block<double>{x + 36, 6});
@@ -161,6 +169,7 @@ dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const 
 }
 
 dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1) {
+  const DefaultFloatingPoint settings;
   Check c(model, "dyn_difference_jacobians");
   if (c.q("q0", q0).q("q1", q1).fits([&]<class J>(const Body& b, double* x) {
         J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, Block<double>{x, 6}, Block<double>{x + 36, 6});

@@ -11,6 +11,7 @@ using namespace dyn::capi;
 extern "C" {
 
 dynStatus dyn_geometry_contacts(const dynGeometryPair* pair, double margin, double tolerance, dynContact* contacts, int* count) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_geometry_contacts";
   if (!pair) return fail(DYN_ERROR_ARGUMENT, "%s: pair is NULL: it is required", function);
   const Given<dynGeometryPair> given(function, pair);

@@ -207,6 +207,7 @@ void dyn_contact_solver_free(dynContactSolver* solver) {
 
 dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* given_problem,
                                    const dynContactOptions* options, double* lambda, double* velocity, dynContactReport* report) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_contact_solver_solve";
   if (const dynStatus s = check(solver)) return s;
   if (!given_problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
@@ -248,6 +249,7 @@ dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactPro
 
 dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContactProblem* given_problem, const double* lambda,
                                        dynContactReport* report) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_contact_solver_residuals";
   if (const dynStatus s = check(solver)) return s;
   if (!given_problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
@@ -268,6 +270,7 @@ dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContac
 }
 
 dynStatus dyn_contact_problem_qp(const dynContactProblem* given_problem, int facets, int inscribed, dynQp* given_qp) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_contact_problem_qp";
   if (!given_problem || !given_qp)
     return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, given_problem ? "qp" : "problem");
@@ -300,6 +303,7 @@ dynStatus dyn_contact_problem_qp(const dynContactProblem* given_problem, int fac
 }
 
 dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, double gap, double* compliance, double* bias) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_contact_compliance";
   for (const auto& [name, x] :
        {std::pair("stiffness", stiffness), std::pair("damping", damping), std::pair("dt", dt), std::pair("gap", gap)})
@@ -321,6 +325,7 @@ dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, do
 }
 
 dynStatus dyn_contact_stiffness_hertz(double frequency, double damping_ratio, double mass, double* stiffness, double* damping) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_contact_stiffness_hertz";
   for (const auto& [name, x] :
        {std::pair("frequency", frequency), std::pair("damping_ratio", damping_ratio), std::pair("mass", mass)}) {

@@ -196,6 +196,7 @@ dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* la
 
 dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction,
                                    const dynStateInput* input, const dynStateOutput* output) {
+  const DefaultFloatingPoint settings;
   const Layout l(model, layout);
   if (l.status != DYN_OK) return l.status;
   if (const dynStatus s = check_value(direction, function, "direction")) return s;

@@ -18,6 +18,7 @@ constexpr double largest = max_to_differentiate;
 
 // The arguments of one call. After the first that is refused the others are not looked at.
 struct Arguments {
+  DefaultFloatingPoint settings;
   const char* function;
   std::size_t count;
   dynStatus status = DYN_OK;

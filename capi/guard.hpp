@@ -6,6 +6,7 @@
 
 #include "dyn.h"
 #include "algorithm/declarations.hpp"
+#include "base/floating_point.hpp"
 #include "base/simd_memory.hpp"
 #include "model/dynb.hpp"
 #include "structs.hpp"
@@ -173,6 +174,10 @@ class Call {
   }
   Call(const Call&) = delete;
 
+ private:
+  DefaultFloatingPoint settings;
+
+ public:
   dynStatus status = DYN_OK;
   const char* const function;
   explicit operator bool() const { return status == DYN_OK; }

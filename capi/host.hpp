@@ -15,6 +15,7 @@ dynStatus fail_of_exception() noexcept;
 // Runs f, which returns a status and may throw.
 template <class F>
 dynStatus guarded(F&& f) noexcept {
+  const DefaultFloatingPoint settings;
   try {
     return f();
   } catch (...) {

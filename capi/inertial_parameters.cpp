@@ -39,6 +39,7 @@ dynStatus deliver(const char* function, const double* result, Index n, double* o
 extern "C" {
 
 dynStatus dyn_model_inertial_parameters(const dynModel* model, double* pi) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check(model)) return s;
   if (!pi && parameter_count(*model->m))
     return fail(DYN_ERROR_ARGUMENT, "dyn_model_inertial_parameters: pi is NULL: it is required");
@@ -47,6 +48,7 @@ dynStatus dyn_model_inertial_parameters(const dynModel* model, double* pi) {
 }
 
 dynStatus dyn_body_regressor(const double velocity[6], const double acceleration[6], double Y[60]) {
+  const DefaultFloatingPoint settings;
   for (const Numbers& in : {Numbers{"velocity", velocity, 6}, Numbers{"acceleration", acceleration, 6}})
     if (const dynStatus s = check_input("dyn_body_regressor", in, Y, "Y")) return s;
   const Motion<double> v = load_motion(velocity), a = load_motion(acceleration);
@@ -58,6 +60,7 @@ dynStatus dyn_body_regressor(const double velocity[6], const double acceleration
 }
 
 dynStatus dyn_pseudo_inertia_from_parameters(const double pi[10], double J[16]) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_input("dyn_pseudo_inertia_from_parameters", {"pi", pi, 10}, J, "J")) return s;
   double result[16];
   pseudo_inertia(pi, result);
@@ -65,6 +68,7 @@ dynStatus dyn_pseudo_inertia_from_parameters(const double pi[10], double J[16]) 
 }
 
 dynStatus dyn_parameters_from_pseudo_inertia(const double J[16], double pi[10]) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_input("dyn_parameters_from_pseudo_inertia", {"J", J, 16}, pi, "pi")) return s;
   double largest = 0;
   for (int k = 0; k < 16; ++k) largest = std::max(largest, std::abs(J[k]));
@@ -80,6 +84,7 @@ dynStatus dyn_parameters_from_pseudo_inertia(const double J[16], double pi[10]) 
 }
 
 dynStatus dyn_log_cholesky_from_parameters(const double pi[10], double theta[10]) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_input("dyn_log_cholesky_from_parameters", {"pi", pi, 10}, theta, "theta")) return s;
   double result[10];
   if (!log_cholesky(pi, result))
@@ -90,6 +95,7 @@ dynStatus dyn_log_cholesky_from_parameters(const double pi[10], double theta[10]
 }
 
 dynStatus dyn_parameters_from_log_cholesky(const double theta[10], double pi[10]) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_input("dyn_parameters_from_log_cholesky", {"theta", theta, 10}, pi, "pi")) return s;
   double result[10];
   parameters_of_log_cholesky(theta, result);
@@ -97,6 +103,7 @@ dynStatus dyn_parameters_from_log_cholesky(const double theta[10], double pi[10]
 }
 
 dynStatus dyn_log_cholesky_jacobian(const double theta[10], double jacobian[100]) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_input("dyn_log_cholesky_jacobian", {"theta", theta, 10}, jacobian, "jacobian")) return s;
   double result[100];
   log_cholesky_jacobian(theta, result);
@@ -104,6 +111,7 @@ dynStatus dyn_log_cholesky_jacobian(const double theta[10], double jacobian[100]
 }
 
 dynStatus dyn_is_physically_consistent(const double pi[10], int* consistent) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_input("dyn_is_physically_consistent", {"pi", pi, 10}, consistent, "consistent")) return s;
   double J[16], U[16];
   pseudo_inertia(pi, J);

@@ -242,6 +242,7 @@ void dyn_planner_free(dynPlanner* planner) {
 }
 
 dynStatus dyn_planner_set_guess(dynPlanner* planner, const dynModel* model, const double* q, const double* v, const double* u) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_planner_set_guess";
   if (const dynStatus s = check(planner)) return s;
   if (const dynStatus s = check(model)) return s;
@@ -277,6 +278,7 @@ dynStatus dyn_planner_shift(dynPlanner* planner, int knots) {
 
 dynStatus dyn_planner_solve(dynPlanner* planner, const dynModel* model, dynData* data, const dynPlanProblem* given_problem,
                             const dynPlanOptions* given_options, const dynPlanOutput* given_out) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_planner_solve";
   if (const dynStatus s = check(planner)) return s;
   Planner& p = *planner->p;

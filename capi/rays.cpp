@@ -66,6 +66,7 @@ dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, 
 
 dynStatus dyn_geometry_ray(const dynGeometry* shape, const double* placement, const double* origin, const double* direction,
                            dynRayHit* out) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_geometry_ray";
   PlacedShape S;
   dynStatus s = read_geometry(function, "shape", shape, S);
@@ -117,6 +118,7 @@ dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const 
 
 dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double* placement, const double* point,
                                      dynClosestPoint* out) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_geometry_closest_point";
   PlacedShape S;
   dynStatus s = read_geometry(function, "shape", shape, S);
@@ -134,6 +136,7 @@ dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double* pla
 }
 
 dynStatus dyn_geometry_sweep(const dynGeometryPair* pair, double duration, double margin, dynImpact* out) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_geometry_sweep";
   static constexpr double rest[6] = {};
   if (!pair) return fail(DYN_ERROR_ARGUMENT, "%s: pair is NULL: it is required", function);

@@ -256,6 +256,7 @@ extern "C" {
 int dyn_sensor_size(dynSensorType sensor) { return sensor_size(sensor); }
 
 dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout) {
+  const DefaultFloatingPoint settings;
   constexpr const char* function = "dyn_batch_rollout";
   if (const dynStatus s = check(batch)) return s;
   if (!rollout) return fail(DYN_ERROR_ARGUMENT, "%s: rollout is NULL: it is required", function);

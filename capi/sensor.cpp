@@ -98,6 +98,7 @@ dynStatus dyn_sensors(const dynModel* model, dynData* data, const double* q, con
 }
 
 dynStatus dyn_sensor_noise(const dynModel* model, uint64_t seed, uint64_t count, double* values) {
+  const DefaultFloatingPoint settings;
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
   if (!values && m.n.sensor_values > 0) return fail(DYN_ERROR_ARGUMENT, "dyn_sensor_noise: values is NULL: it is required");

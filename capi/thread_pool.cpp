@@ -5,6 +5,7 @@
 #include <csignal>
 
 #include "dyn.h"
+#include "base/floating_point.hpp"
 
 namespace dyn::capi {
 
@@ -63,6 +64,7 @@ void ThreadPool::stop() {
 
 void ThreadPool::serve(int thread) {
   dyn_last_error();  // what belongs to the thread alone is made now
+  const DefaultFloatingPoint settings;  // not those of the thread that made the pool
   for (std::uint32_t seen = 0;;) {
     look(calls, seen);
     calls.wait(seen);

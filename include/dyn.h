@@ -33,6 +33,8 @@
  *               the size of their own declaration.
  *   Threads     A model is immutable and may be shared. A data belongs to one thread at a time.
  *   Memory      After dyn_data_new or dyn_data_init nothing allocates, locks, or makes a system call.
+ *   Arithmetic  Calls round to nearest, keep subnormal numbers, and do not trap, whatever the caller has
+ *               set. On x86-64 and aarch64 the caller's settings are as before afterwards.
  *
  * Names
  *   dyn_<object>_<property or verb>   Functions of an object: dyn_model_nq, dyn_data_set_state. A noun reads.
