@@ -17,9 +17,13 @@ class Pool {
  public:
   static constexpr std::size_t most_freed = std::size_t(1) << 20;
 
-  // Never destroyed: handles may outlive static objects.
+  // Never destroyed: handles may outlive static objects. A library that is unloaded gives its memory back, if no handle is left.
   static Pool& shared() {
-    static Pool* pool = new Pool;
+    alignas(Pool) static char memory[sizeof(Pool)];
+    static Pool* const pool = new (memory) Pool;
+    static const struct Last {
+      ~Last() { pool->give_back(); }
+    } last;
     return *pool;
   }
   // nullptr: there is no memory.
@@ -28,7 +32,7 @@ class Pool {
     if (count > most_freed) {
       H* h = first;
       first = next_of(h);
-      --count;
+      --count, ++held;
       return h;
     }
     if (!left) {
@@ -37,6 +41,7 @@ class Pool {
       std::memcpy(chunk, &chunks, sizeof chunks);  // leak checkers look for it
       chunks = chunk, left = per_chunk;
     }
+    ++held;
     return new (chunks + 64 + --left * sizeof(H)) H{};
   }
   void put(H* h) {
@@ -45,10 +50,20 @@ class Pool {
     set_next(h, nullptr);
     if (count++) set_next(last, h);
     else first = h;
-    last = h;
+    last = h, --held;
   }
 
  private:
+  void give_back() {
+    const std::lock_guard lock(mutex);
+    if (held > 0) return;
+    while (char* const chunk = chunks) {
+      std::memcpy(&chunks, chunk, sizeof chunks);
+      free_aligned(chunk);
+    }
+    left = count = 0;
+  }
+
   static constexpr std::size_t chunk_bytes = 4096, per_chunk = (chunk_bytes - 64) / sizeof(H);
   static_assert(sizeof(H) >= sizeof(std::uint64_t) + sizeof(H*));
 
@@ -62,7 +77,7 @@ class Pool {
 
   std::mutex mutex;
   char* chunks = nullptr;
-  std::size_t left = 0, count = 0;
+  std::size_t left = 0, count = 0, held = 0;  // handles never used yet in the first chunk, freed ones, and the others
   H *first = nullptr, *last = nullptr;
 };
 

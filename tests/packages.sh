@@ -24,6 +24,8 @@ use() {  # what, root with include, bin and the like
   loaded=$(env -u LD_LIBRARY_PATH ldd "$prefix/bin/dyn" | awk '$1 == "libdyn.so.1" {print $3}')
   case "$(realpath "$loaded")" in "$(realpath "$prefix")"/*) ;; *) fail "$1: bin/dyn loads $loaded";; esac
   quiet "$prefix/bin/dyn" info "$prefix/share/dyn/models/robots/double_pendulum.urdf" --fixed
+  local text=$prefix/share/doc
+  [ ! -e /usr/share/doc/libeigen3-dev/copyright ] || [ -s "$(echo "$text"/*/licenses/libeigen3-dev.txt)" ] || fail "$1: no license of Eigen"
   ! grep -rIlF -e "$build" -e "$(dirname "$here")/" "$prefix" || fail "$1: paths of the build in the files above"
   echo "$1: consumer, $said"
 }
