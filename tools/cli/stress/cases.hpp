@@ -61,7 +61,7 @@ Outcome chain_factor();
 Outcome heavy_tip();
 // stacks.cpp
 Outcome stack_penetration();
-Outcome stack_residual();
+Outcome stack_laws();
 Outcome stack_iterations();
 Outcome stack_forces();
 Outcome table_sums();

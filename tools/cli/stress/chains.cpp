@@ -22,31 +22,75 @@ Model chain(int n, double tip = 1) {
   return b.set_gravity({0, -g, 0}).finish();
 }
 
+// Largest eigenvalue of a symmetric operator, by powers.
+template <class F>
+double largest_of(std::size_t n, F&& apply) {
+  Vector x(n), y(n);
+  for (std::size_t i = 0; i < n; ++i) x[i] = 1 + 0.3 * std::sin(7.0 * static_cast<double>(i)) + (i % 2 ? 0.2 : -0.2);
+  double value = 0, before = -1;
+  for (int k = 0; k < 1000 && std::abs(value - before) > 1e-7 * value; ++k) {
+    double size = 0;
+    apply(x, y);
+    for (const double e : y) size += e * e;
+    before = value, value = std::sqrt(size);
+    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] / value;
+  }
+  return value;
+}
+double largest(const Vector& A, std::size_t n) {
+  return largest_of(n, [&](const Vector& x, Vector& y) {
+    std::fill(y.begin(), y.end(), 0.0);
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i) y[i] += A[i + n * j] * x[j];
+  });
+}
+
+// cond(M) of that chain, without the library: M by sums over what hangs on each joint, about that joint; its inverse by a factor.
+double condition_of(const Vector& q, double tip) {
+  const std::size_t n = q.size();
+  Vector x(n + 1), y(n + 1), mass(n), moment_x(n), moment_y(n), inertia(n), M(n * n);
+  double angle = 0;
+  for (std::size_t k = 0; k < n; ++k) angle += q[k], x[k + 1] = x[k] + std::cos(angle), y[k + 1] = y[k] + std::sin(angle);
+  for (std::size_t k = n; k-- > 0;) {
+    const double m = k + 1 == n ? tip : 1, dx = x[k + 1] - x[k], dy = y[k + 1] - y[k];
+    mass[k] = m, moment_x[k] = m * dx / 2, moment_y[k] = m * dy / 2, inertia[k] = m / 3;
+    if (k + 1 == n) continue;
+    const double more = mass[k + 1], hx = moment_x[k + 1], hy = moment_y[k + 1];
+    mass[k] += more, moment_x[k] += hx + more * dx, moment_y[k] += hy + more * dy;
+    inertia[k] += inertia[k + 1] + 2 * (hx * dx + hy * dy) + more;
+  }
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i <= j; ++i)
+      M[i + n * j] = M[j + n * i] = inertia[j] + (x[j] - x[i]) * moment_x[j] + (y[j] - y[i]) * moment_y[j];
+  const double high = largest(M, n);
+  for (std::size_t j = 0; j < n; ++j) {  // M = L L^T, L in the lower half
+    for (std::size_t k = 0; k < j; ++k)
+      for (std::size_t i = j; i < n; ++i) M[i + n * j] -= M[i + n * k] * M[j + n * k];
+    const double pivot = std::sqrt(M[j + n * j]);
+    for (std::size_t i = j; i < n; ++i) M[i + n * j] /= pivot;
+  }
+  return high * largest_of(n, [&](const Vector& b, Vector& z) {
+           z = b;
+           for (std::size_t j = 0; j < n; ++j) {
+             z[j] /= M[j + n * j];
+             for (std::size_t i = j + 1; i < n; ++i) z[i] -= M[i + n * j] * z[j];
+           }
+           for (std::size_t j = n; j-- > 0;) {
+             for (std::size_t i = j + 1; i < n; ++i) z[j] -= M[i + n * j] * z[i];
+             z[j] /= M[j + n * j];
+           }
+         });
+}
+
 struct Arm : Data {
   explicit Arm(const Model& model)
       : Data(model, DYN_PART_MINV | DYN_PART_MASS | DYN_PART_INVERSE | DYN_PART_FORWARD | DYN_PART_CHOLESKY),
         n(static_cast<std::size_t>(model.nv())) {}
   std::size_t n;
 
-  // Largest eigenvalue of a symmetric matrix, by powers.
-  double largest(const double* A) const {
-    Vector x(n), y(n);
-    for (std::size_t i = 0; i < n; ++i) x[i] = 1 + 0.3 * std::sin(7.0 * static_cast<double>(i)) + (i % 2 ? 0.2 : -0.2);
-    double value = 0, before = -1;
-    for (int k = 0; k < 1000 && std::abs(value - before) > 1e-10 * value; ++k) {
-      double size = 0;
-      std::fill(y.begin(), y.end(), 0.0);
-      for (std::size_t j = 0; j < n; ++j)
-        for (std::size_t i = 0; i < n; ++i) y[i] += A[i + n * j] * x[j];
-      for (const double e : y) size += e * e;
-      before = value, value = std::sqrt(size);
-      for (std::size_t i = 0; i < n; ++i) x[i] = y[i] / value;
-    }
-    return value;
-  }
   double condition(const Vector& q) {
-    const double high = largest(crba(q).data());
-    return high * largest(minv(q).data());
+    const Vector M = crba(q).copy(), inverse = minv(q).copy();
+    return largest(M, n) * largest(inverse, n);
   }
 };
 
@@ -99,7 +143,7 @@ Outcome over_chains(F&& measure) {
     Arm arm(chain(n));
     for (const Pose p : {Pose::straight, Pose::random, Pose::coil}) {
       const Vector q = pose(arm.n, p, dice);
-      const double error = measure(arm, q, arm.condition(q), dice);
+      const double error = measure(arm, q, condition_of(q, 1), dice);
       out.off_by(error);
       out.picture.curves[static_cast<std::size_t>(p)].add(std::log10(n), error);
     }
@@ -131,7 +175,7 @@ Outcome heavy_tip() {
     for (const double tip : {1.0, 1e2, 1e3, 1e4, 1e6}) {
       Arm arm(chain(n, tip));
       const Vector q(arm.n);
-      const double condition = arm.condition(q),
+      const double condition = condition_of(q, tip),
                    error = std::max(round_trip(arm, q, condition, dice), disagreement(arm, q, condition, dice));
       out.off_by(error);
       out.picture.curves[n == 20].add(std::log10(tip), error);

@@ -20,41 +20,83 @@ Model four_bar(int closures) {
   return b.finish();
 }
 
+// The four-bar by itself: its bars' angles to the horizontal, their rates and accelerations, by virtual work of one coordinate.
+struct PlanarFourBar {
+  static constexpr double lengths[3] = {1, 3, 2.5};
+  double angle[3], rate[3], acceleration[3];
+  Vector forces;  // generalized ones of the corner's force, in the tree's joints
+
+  // q, v: of the tree; torque at the crank
+  PlanarFourBar(const Vector& q, const Vector& v, double torque) : forces(3) {
+    const double at[3] = {q[0], q[0] + q[1], q[2]}, turns[3] = {v[0], v[0] + v[1], v[2]};
+    double c[3], s[3];
+    for (int k = 0; k < 3; ++k) angle[k] = at[k], rate[k] = turns[k], c[k] = std::cos(at[k]), s[k] = std::sin(at[k]);
+    const double l1 = lengths[0], l2 = lengths[1], l3 = lengths[2], w1 = rate[0] * rate[0], w2 = rate[1] * rate[1],
+                 w3 = rate[2] * rate[2];
+    // l1 e(1) + l2 e(2) - l3 e(3) = const, differentiated twice: accelerations of coupler and rocker are ratio[k] x + rest[k]
+    const double det = l2 * l3 * (s[1] * c[2] - c[1] * s[2]);
+    const auto solve = [&](double x, double y) {  // l2 e'(2) a - l3 e'(3) b = (x, y)
+      return std::pair{(-l3 * c[2] * x - l3 * s[2] * y) / det, (-l2 * c[1] * x - l2 * s[1] * y) / det};
+    };
+    const auto [r2, r3] = solve(l1 * s[0], -l1 * c[0]);
+    const auto [b2, b3] = solve(l1 * c[0] * w1 + l2 * c[1] * w2 - l3 * c[2] * w3, l1 * s[0] * w1 + l2 * s[1] * w2 - l3 * s[2] * w3);
+    const double ratio[3] = {1, r2, r3}, rest[3] = {0, b2, b3};
+    // sum over bars of m a . dp + I alpha dangle = torque - sum of m g dy: m = 1, I = l^2 / 12, centres half way
+    double inertia = 0, load = torque;
+    for (int k = 0; k < 3; ++k) {
+      const bool carried = k == 1;  // by the crank's end
+      const double l = lengths[k], I = l * l / 12;
+      const double dx = (carried ? -l1 * s[0] : 0) - l / 2 * s[k] * ratio[k], dy = (carried ? l1 * c[0] : 0) + l / 2 * c[k] * ratio[k];
+      const double ax = (carried ? -l1 * c[0] * w1 : 0) - l / 2 * (s[k] * rest[k] + c[k] * rate[k] * rate[k]),
+                   ay = (carried ? -l1 * s[0] * w1 : 0) + l / 2 * (c[k] * rest[k] - s[k] * rate[k] * rate[k]);
+      inertia += dx * dx + dy * dy + I * ratio[k] * ratio[k];
+      load -= ax * dx + (ay + g) * dy + I * rest[k] * ratio[k];
+    }
+    for (int k = 0; k < 3; ++k) acceleration[k] = ratio[k] * (load / inertia) + rest[k];
+    // F on the rocker's end, -F on the coupler's: moments of the rocker about its foot, of the coupler about the crank's end
+    const double rocker = l3 * l3 / 3 * acceleration[2] + g * l3 / 2 * c[2];
+    const double end_x = -l1 * (s[0] * acceleration[0] + c[0] * w1), end_y = l1 * (c[0] * acceleration[0] - s[0] * w1);
+    const double coupler = l2 * l2 / 3 * acceleration[1] + l2 / 2 * (c[1] * (end_y + g) - s[1] * end_x);
+    // l3 (c3 Fy - s3 Fx) = rocker, l2 (c2 Fy - s2 Fx) = -coupler
+    const double d = s[1] * c[2] - c[1] * s[2], x = rocker / l3, y = -coupler / l2;
+    const double Fx = (c[1] * x - c[2] * y) / d, Fy = (s[1] * x - s[2] * y) / d;
+    forces[0] = -((l1 * c[0] + l2 * c[1]) * Fy - (l1 * s[0] + l2 * s[1]) * Fx), forces[1] = coupler, forces[2] = rocker;
+  }
+};
+
 }  // namespace
 
-// One, two and ten times the same rows: the same accelerations and forces at the joints.
+// One, two and ten times the same rows: accelerations and forces at the joints.
 Outcome duplicate_rows() {
   Outcome out;
-  Vector once, forces_once;
   Data single(four_bar(1), DYN_PART_CONSTRAINTS);
   const auto start = single.project(Vector{1.2, -0.9, 1.4}, Vector{1, 0.3, 0.2});
+  const PlanarFourBar bars(start.q, start.v, 0.5);
+  const double expected[] = {bars.acceleration[0], bars.acceleration[1] - bars.acceleration[0], bars.acceleration[2]};
   for (const int times : {1, 2, 10}) {
     Data data(four_bar(times), DYN_PART_CONSTRAINTS | DYN_PART_INVERSE);
     const auto found = data.constrained_dynamics(start.q, start.v, Vector{0.5, 0, 0});
     const auto terms = data.constraint_terms(start.q, start.v);
-    Vector forces(3);
-    for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < terms.J.rows; ++r)
-        forces[static_cast<std::size_t>(c)] += terms.J(r, c) * found.lambda[static_cast<std::size_t>(r)];
-    if (times == 1) once = found.x, forces_once = forces;
-    for (std::size_t k = 0; k < 3; ++k)
-      out.compare(once[k], found.x[k], std::abs(once[k]))
-          .compare(forces_once[k], forces[k], std::max(1.0, std::abs(forces_once[k])));
+    for (std::size_t c = 0; c < 3; ++c) {
+      double force = 0;
+      for (int r = 0; r < terms.J.rows; ++r) force += terms.J(r, static_cast<int>(c)) * found.lambda[static_cast<std::size_t>(r)];
+      out.compare(expected[c], found.x[c], std::abs(expected[c]))
+          .compare(bars.forces[c], force, std::max(1.0, std::abs(bars.forces[c])));
+    }
   }
   return out;
 }
 
-// Three bodies that fly freely, tied by four hinges: 20 rows of rank 17 for 18 degrees of freedom; the accelerations of the tree.
+// Three bodies that fly freely, tied by four hinges: 20 rows of rank 17 for 18 degrees of freedom.
 Outcome four_bar_in_space() {
-  Data tree(four_bar(1), DYN_PART_CONSTRAINTS | DYN_PART_KINEMATICS);
+  Data tree(four_bar(1), DYN_PART_CONSTRAINTS);
   const auto start = tree.project(Vector{1.2, -0.9, 1.4}, Vector{1, 0.3, 0.2});
-  const auto reference = tree.constrained_dynamics(start.q, start.v, Vector(3));
+  const PlanarFourBar bars(start.q, start.v, 0);
   Builder b("bodies");
   b.set_gravity({0, -g, 0});
   const char* names[] = {"crank", "coupler", "rocker"};
-  const double lengths[] = {1, 3, 2.5};
   for (int k = 0; k < 3; ++k) {
-    const double l = lengths[k];
+    const double l = bars.lengths[k];
     b.add_joint(names[k], DYN_JOINT_TYPE_FREE_FLYER)
         .add_body(std::string(names[k]) + "_bar", names[k], 1, {l / 2, 0, 0}, diagonal(0.01, l * l / 12, l * l / 12));
   }
@@ -67,17 +109,19 @@ Outcome four_bar_in_space() {
   tie("O", {0, 0, 0}, {0, 0, 0}, "crank_bar", ""), tie("A", {0, 0, 0}, {1, 0, 0}, "coupler_bar", "crank_bar");
   tie("B", {3, 0, 0}, {2.5, 0, 0}, "coupler_bar", "rocker_bar"), tie("C", {0, 0, 0}, {3, 0, 0}, "rocker_bar", "");
   Data data(b.finish(), DYN_PART_CONSTRAINTS);
-  Vector q, v;
+  Vector q, v, expected;
   Outcome out;
-  tree.forward_kinematics(start.q, start.v, reference.x);
-  Vector expected;
-  for (const char* name : names) {
-    const int frame = tree.model().frame_id(std::string(name) + "_bar");
-    const Placement X = tree.frame_placement(frame);
-    const double angle = std::atan2(X[1], X[0]);
-    q.insert(q.end(), {X[9], X[10], X[11], 0, 0, std::sin(angle / 2), std::cos(angle / 2)});
-    const auto V = tree.frame_velocity(frame), A = tree.frame_acceleration(frame);
-    v.insert(v.end(), V.begin(), V.end()), expected.insert(expected.end(), A.begin(), A.end());
+  const double c = std::cos(bars.angle[0]), s = std::sin(bars.angle[0]), w = bars.rate[0], x = bars.acceleration[0];
+  const Vector3 places[] = {{0, 0, 0}, {c, s, 0}, {3, 0, 0}}, speeds[] = {{0, 0, 0}, {-s * w, c * w, 0}, {0, 0, 0}},
+                accelerations[] = {{0, 0, 0}, {-s * x - c * w * w, c * x - s * w * w, 0}, {0, 0, 0}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double angle = bars.angle[k], cosine = std::cos(angle), sine = std::sin(angle), turn = bars.rate[k];
+    const auto in_bar = [&](const Vector3& y) { return Vector3{cosine * y[0] + sine * y[1], cosine * y[1] - sine * y[0], 0}; };
+    const Vector3 speed = in_bar(speeds[k]), a = in_bar(accelerations[k]);
+    q.insert(q.end(), {places[k][0], places[k][1], 0, 0, 0, std::sin(angle / 2), std::cos(angle / 2)});
+    v.insert(v.end(), {speed[0], speed[1], 0, 0, 0, turn});
+    // the rate of v, in the bar's axes, which turn: less w x v
+    expected.insert(expected.end(), {a[0] + turn * speed[1], a[1] - turn * speed[0], 0, 0, 0, bars.acceleration[k]});
   }
   const auto found = data.constrained_dynamics(q, v, Vector(18));
   for (std::size_t k = 0; k < 18; ++k) out.compare(expected[k], found.x[k]);
