@@ -18,8 +18,9 @@ try:
 except ImportError:
     VERSION = "?"
 NAME = "Drake"
-FIXED = ("semi_explicit_euler", "runge_kutta2", "runge_kutta3", "runge_kutta5", "radau3")
-CONTROLLED = ("bogacki_shampine3", "runge_kutta3", "runge_kutta5", "radau3", "implicit_euler")
+FIXED = ("explicit_euler", "semi_explicit_euler", "implicit_euler", "velocity_implicit_euler", "runge_kutta2", "runge_kutta3",
+         "bogacki_shampine3", "runge_kutta5", "radau1", "radau3")
+CONTROLLED = ("bogacki_shampine3", "runge_kutta3", "runge_kutta5", "radau1", "radau3", "implicit_euler", "velocity_implicit_euler")
 TOUCHING = ("runge_kutta3", "radau3", "cenic")
 
 
@@ -148,6 +149,7 @@ def points(problem, reference):
     out = [p for approximation in ("sap", "similar", "lagged") for p in discrete(problem, reference, approximation)]
     if problem.kind == "loops":
         return out
+    out += discrete(problem, reference, "tamsi")  # has no constraints
     out += [p for approximation in ("sap", "lagged") for p in discrete(problem, reference, approximation, ", stiff",
                                                                        stiffness=1e9, stiction=1e-6)]
     out += continuous(problem, reference, TOUCHING, ())

@@ -1,4 +1,4 @@
-// latency_dyn CALLS arm.urdf quadruped.urdf scene.xml
+// latency_dyn CALLS arm.urdf quadruped.urdf landed.xml scene.xml...
 #include "dyn.h"
 #include "latency.hpp"
 
@@ -9,14 +9,14 @@ static void check(dynStatus s) {
 static dynModel* load(const char* path, dynBase base) {
   dynLoadOptions options;
   dyn_load_options_init(&options);
-  options.base = base;
+  options.base = base, options.meshes = DYN_MESH_USE_HULL;
   dynModel* m = nullptr;
   check(dyn_model_load(path, &options, &m));
   return m;
 }
 
 int main(int argc, char** argv) {
-  if (argc != 5) return 2;
+  if (argc < 5) return 2;
   const std::int64_t calls = std::atoll(argv[1]);
   const char* names[2][3] = {{"arm RNEA", "arm ABA", "arm CRBA"}, {"quadruped RNEA", "quadruped ABA", "quadruped CRBA"}};
   for (int robot = 0; robot < 2; ++robot) {
@@ -35,18 +35,22 @@ int main(int argc, char** argv) {
     latency::measure(names[robot][1], calls, change, [&] { dyn_aba(m, d, q.data(), v.data(), a.data(), nullptr, out.data()); });
     latency::measure(names[robot][2], calls, change, [&] { dyn_crba(m, d, q.data(), out.data()); });
   }
-  dynModel* m = load(argv[4], DYN_BASE_UNSPECIFIED);
-  dynData* d = nullptr;
-  check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_data_warm_up(m, d));
-  std::vector<double> q(static_cast<std::size_t>(dyn_model_nq(m)));
-  check(dyn_model_configuration(m, "qpos0", q.data())), check(dyn_data_set_state(m, d, q.data(), nullptr, nullptr, nullptr));
-  std::vector<char> start(dyn_model_state_size(m));
-  for (int k = 0; k < 200; ++k) check(dyn_step(m, d));  // it has landed
-  check(dyn_data_save_state(m, d, start.data(), start.size()));
-  latency::measure(
-      "step in contact", calls / 10,
-      [&](int k) {
-        if (k % 100 == 0) check(dyn_data_restore_state(m, d, start.data(), start.size()));
-      },
-      [&] { check(dyn_step(m, d)); });
+  for (int k = 4; k < argc; ++k) {
+    const bool landed = k == 4;  // steps of a scene that rests, or of one from its beginning
+    dynModel* m = load(argv[k], DYN_BASE_UNSPECIFIED);
+    dynData* d = nullptr;
+    check(dyn_data_new(m, DYN_PART_SIMULATION, &d)), check(dyn_data_warm_up(m, d));
+    std::vector<double> q(static_cast<std::size_t>(dyn_model_nq(m)));
+    check(dyn_model_configuration(m, "qpos0", q.data())), check(dyn_data_set_state(m, d, q.data(), nullptr, nullptr, nullptr));
+    std::vector<char> start(dyn_model_state_size(m));
+    for (int i = 0; landed && i < 200; ++i) check(dyn_step(m, d));
+    check(dyn_data_save_state(m, d, start.data(), start.size()));
+    latency::measure(
+        landed ? "step in contact" : latency::row_of(argv[k]).c_str(), landed ? calls / 10 : latency::scene_calls(calls),
+        [&](int i) {
+          if (i % (landed ? 100 : latency::scene_steps) == 0) check(dyn_data_restore_state(m, d, start.data(), start.size()));
+        },
+        [&] { check(dyn_step(m, d)); });
+    dyn_data_free(d), dyn_model_free(m);
+  }
 }

@@ -6,11 +6,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <vector>
 
 namespace latency {
 
-// Prints: name, p50, p99, p99.99, maximum in us. change(k) makes the next input, outside of the time taken.
+// Prints: name, p50, p99, p99.9, p99.99, maximum in us. change(k) makes the next input, outside of the time taken.
 template <class Change, class Call>
 void measure(const char* name, std::int64_t calls, Change&& change, Call&& call) {
   using clock = std::chrono::steady_clock;
@@ -24,7 +25,16 @@ void measure(const char* name, std::int64_t calls, Change&& change, Call&& call)
   }
   std::sort(taken.begin(), taken.end());
   const auto at = [&](double share) { return taken[std::size_t(double(calls - 1) * share)] * 1e-3; };
-  std::printf("%s\t%.2f\t%.2f\t%.2f\t%.2f\n", name, at(0.5), at(0.99), at(0.9999), at(1));
+  std::printf("%s\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\n", name, at(0.5), at(0.99), at(0.999), at(0.9999), at(1));
+  std::fflush(stdout);
+}
+
+// Steps of a scene from its beginning, again and again; its file's name is that of the row.
+inline constexpr int scene_steps = 1000;
+inline std::int64_t scene_calls(std::int64_t calls) { return std::max<std::int64_t>(calls / 100, scene_steps); }
+inline std::string row_of(const std::string& path) {
+  const std::size_t begin = path.rfind('/') + 1;
+  return path.substr(begin, path.rfind('.') - begin);
 }
 
 // Input k, component i: the same numbers in every library.

@@ -1,10 +1,10 @@
-// latency_mujoco CALLS arm.xml quadruped.xml scene.xml
+// latency_mujoco CALLS arm.xml quadruped.xml landed.xml scene.xml...
 #include <mujoco/mujoco.h>
 
 #include "latency.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 5) return 2;
+  if (argc < 5) return 2;
   const std::int64_t calls = std::atoll(argv[1]);
   char error[500] = "";
   const char* names[2][3] = {{"arm RNEA", "arm ABA", "arm CRBA"}, {"quadruped RNEA", "quadruped ABA", "quadruped CRBA"}};
@@ -28,15 +28,19 @@ int main(int argc, char** argv) {
                      [&] { mj_kinematics(m, d), mj_comPos(m, d), mj_makeM(m, d), mj_fullM(m, d, out.data()); });
     mj_deleteData(d), mj_deleteModel(m);
   }
-  mjModel* m = mj_loadXML(argv[4], nullptr, error, sizeof error);
-  if (!m) return std::fprintf(stderr, "%s\n", error), 1;
-  mjData *d = mj_makeData(m), *start = mj_makeData(m);
-  for (int k = 0; k < 200; ++k) mj_step(m, d);
-  mj_copyData(start, m, d);
-  latency::measure(
-      "step in contact", calls / 10,
-      [&](int k) {
-        if (k % 100 == 0) mj_copyData(d, m, start);
-      },
-      [&] { mj_step(m, d); });
+  for (int k = 4; k < argc; ++k) {
+    const bool landed = k == 4;
+    mjModel* m = mj_loadXML(argv[k], nullptr, error, sizeof error);
+    if (!m) return std::fprintf(stderr, "%s\n", error), 1;
+    mjData *d = mj_makeData(m), *start = mj_makeData(m);
+    for (int i = 0; landed && i < 200; ++i) mj_step(m, d);
+    mj_copyData(start, m, d);
+    latency::measure(
+        landed ? "step in contact" : latency::row_of(argv[k]).c_str(), landed ? calls / 10 : latency::scene_calls(calls),
+        [&](int i) {
+          if (i % (landed ? 100 : latency::scene_steps) == 0) mj_copyData(d, m, start);
+        },
+        [&] { mj_step(m, d); });
+    mj_deleteData(start), mj_deleteData(d), mj_deleteModel(m);
+  }
 }

@@ -3,8 +3,11 @@
 import base64
 import os
 import re
+import resource
 import socket
 import subprocess
+import time
+from pathlib import Path
 
 import pytest
 from conftest import MODELS, dyn
@@ -13,9 +16,9 @@ ROBOT = (MODELS / "robots/go2.urdf", "--floating", "--ground")
 
 
 class Live:
-    def __init__(self, *arguments):
+    def __init__(self, *arguments, **process):
         self.process = subprocess.Popen([dyn.command, "view", *map(str, arguments), "--live", "--no-browser"],
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **process)
         self.address = self.process.stdout.readline().strip()
         self.port, self.word = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/", self.address).groups()
 
@@ -66,6 +69,26 @@ def test_listens_on_the_loopback_interface_alone(live):
 
 def test_ends_when_asked(live):
     assert live.stop() == 0
+
+
+def test_waits_when_it_is_out_of_descriptors():
+    few = 24
+    live = Live(*ROBOT, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (few, few)))
+
+    def seconds():
+        used = Path(f"/proc/{live.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(used[11]) + int(used[12])) / os.sysconf("SC_CLK_TCK")
+
+    try:
+        open_ones = [socket.create_connection(("127.0.0.1", int(live.port)), timeout=10) for _ in range(2 * few)]
+        before = seconds()
+        time.sleep(1)
+        assert seconds() - before < 0.3  # of the processor: one that spins takes all of it
+        for s in open_ones:
+            s.close()
+        assert live.request(f"/{live.word}/", Host=f"127.0.0.1:{live.port}") == 200
+    finally:
+        live.stop()
 
 
 def test_a_taken_port_is_said(live):
