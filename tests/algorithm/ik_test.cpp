@@ -76,6 +76,26 @@ TEST(InverseKinematics, JacobiansAreTheDerivativesOfTheErrors) {
   }, 60, small);
 }
 
+// Of products of random matrices, wide and tall: J itself and its normal equations.
+TEST(LeastSquares, RankOfAProduct) {
+  Dice dice(11);
+  for (Index n = 1; n <= 7; ++n)
+    for (Index rows = 1; rows <= 7; ++rows)
+      for (Index inner = 1; inner <= std::min(n, rows); ++inner) {
+        const auto random = [&](Index a, Index b) { return MatrixXd(dice.vector(a * b).reshaped(a, b)); };
+        const MatrixXd J = random(rows, inner) * random(inner, n);
+        const VectorXd e = dice.vector(rows);
+        std::vector<Index> list;
+        for (Index k = 0; k < n; ++k) list.push_back(k);
+        VectorXd matrix(49), factor(49), r(7), g(7);
+        LeastSquares<double> s{n, rows, matrix.data(), factor.data(), r.data(), g.data(), 0};
+        s.clear();
+        s.add(rows, e.data(), J.data(), list.data(), n);
+        s.finish();
+        EXPECT_EQ(inner, rank(s)) << rows << " x " << n;
+      }
+}
+
 // Against the optimality conditions, which are sufficient for a strictly convex program; J itself and J^T J alike.
 TEST(BoxStep, SolvesTheProgram) {
   Dice dice(7);

@@ -1,4 +1,5 @@
 // Constraints through dyn.h: slots, what is refused and leaves all as it was, huge states, and what a failure leaves behind.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -72,6 +73,74 @@ TEST(Constraint, SlotsAreSetSwitchedAndEmptied) {
   EXPECT_EQ(nullptr, dyn_model_constraint_name(x.m, 0));
   EXPECT_EQ(-1, dyn_model_constraint_id(x.m, "knee"));
   EXPECT_TRUE(says({"no constraint 'knee'"}));
+}
+
+// A slider of 2 kg within [0.5, 1.25] m, without gravity, and a free body, whose weld has six rows. The first row is the
+// slider's.
+struct Slider {
+  Model m = build();
+  Data d{m};
+  double lambda = 0;
+  static Model build() {
+    Builder b("slider");
+    const double none[3] = {}, lower = 0.5, upper = 1.25;
+    EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+    Spec slide("slide", DYN_JOINT_TYPE_PRISMATIC);
+    slide.about(1, 0, 0), slide.lower = &lower, slide.upper = &upper;
+    b.joint(slide).body("sled", "slide", 2).joint(Spec("free", DYN_JOINT_TYPE_FREE_FLYER)).body("stone", "free");
+    return b.finish();
+  }
+  explicit Slider(dynConstraintType type, double force = 0) {
+    dynConstraint c = make(type, dyn_model_joint_id(m, "slide"));
+    c.force = force;
+    EXPECT_EQ(DYN_OK, dyn_data_set_constraint(m, d, 0, &c)) << dyn_last_error();
+    c = make(DYN_CONSTRAINT_TYPE_WELD, dyn_model_frame_id(m, "stone"));
+    EXPECT_EQ(DYN_OK, dyn_data_set_constraint(m, d, 1, &c)) << dyn_last_error();
+  }
+  static Numbers at(double x) { return {x, 0, 0, 0, 0, 0, 0, 1}; }
+  // Its acceleration where a force pushes it. lambda: of its row.
+  double accelerate(double x, double push) {
+    const Numbers q = at(x), v(7), tau = {push, 0, 0, 0, 0, 0, 0};
+    Numbers ddq(7), all(7);
+    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, q.data(), v.data(), tau.data(), nullptr, nullptr,
+                                               with<dynConstrainedOutput>({0, ddq.data(), nullptr, all.data(), nullptr})))
+        << dyn_last_error();
+    lambda = all[0];
+    return ddq[0];
+  }
+};
+
+// At a limit, a push outwards is taken by lambda, >= 0 at the lower limit and <= 0 at the upper one; a push inwards is not.
+TEST(Constraint, LimitsHoldOneSide) {
+  Slider x(DYN_CONSTRAINT_TYPE_LIMIT);
+  for (const double at : {0.5, 1.25})
+    for (const double push : {-3.0, 3.0}) {
+      const bool outwards = (at == 1.25) == (push > 0);
+      EXPECT_NEAR(outwards ? 0 : push / 2, x.accelerate(at, push), 1e-12) << at;
+      EXPECT_NEAR(outwards ? -push : 0, x.lambda, 1e-12) << at;
+    }
+  for (const double push : {-3.0, 3.0}) EXPECT_NEAR(push / 2, x.accelerate(0.8, push), 1e-12);
+}
+
+// C = q - limit beyond a limit, and 0 between them.
+TEST(Constraint, LimitsMeasureHowFarTheyArePassed) {
+  Slider x(DYN_CONSTRAINT_TYPE_LIMIT);
+  for (const auto& [at, expected] : {std::pair{0.4, -0.1}, {0.5, 0.0}, {0.8, 0.0}, {1.25, 0.0}, {1.35, 0.1}}) {
+    const Numbers q = Slider::at(at), v(7);
+    Numbers error(7);
+    ASSERT_EQ(DYN_OK, dyn_constraint_terms(x.m, x.d, q.data(), v.data(), error.data(), nullptr, nullptr, nullptr));
+    EXPECT_NEAR(expected, error[0], 1e-15) << at;
+  }
+}
+
+// Dry friction of 3 N takes a push up to 3 N to either side, and 3 N of a larger one.
+TEST(Constraint, DryFrictionHasTwoBounds) {
+  Slider x(DYN_CONSTRAINT_TYPE_FRICTION, 3);
+  for (const double push : {-5.0, -2.0, 0.0, 2.0, 5.0}) {
+    const double taken = std::clamp(push, -3.0, 3.0);
+    EXPECT_NEAR((push - taken) / 2, x.accelerate(0.8, push), 1e-12) << push;
+    EXPECT_NEAR(-taken, x.lambda, 1e-12) << push;
+  }
 }
 
 TEST(Constraint, Refusals) {

@@ -244,6 +244,27 @@ TEST(Ik, WhatCannotBeReachedIsALeastSquaresOptimum) {
   }
 }
 
+// However early it is stopped, and also where its first steps overshoot: the cost is no more than that of the start.
+TEST(Ik, NoStepRaisesTheCost) {
+  Arm a(4);
+  Random random{5};
+  a.o.restarts = 0;
+  for (int k = 0; k < 40; ++k) {
+    const Numbers start = random.numbers(4, -3, 3);
+    const std::vector<dynIkTask> tasks = {at(a.tip, random.uniform(-2, 2), random.uniform(-2, 2))};
+    a.q = start;
+    double X[12];
+    ASSERT_EQ(DYN_OK, dyn_forward_kinematics(a.m, a.d, start.data(), nullptr, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_frame_placement(a.m, a.d, a.tip, X));
+    const double x = X[9] - tasks[0].target[9], y = X[10] - tasks[0].target[10], cost = (x * x + y * y) / 2;
+    for (int most = 1; most <= 6; ++most) {
+      a.q = start, a.o.max_iterations = most;
+      a.solve(tasks);
+      EXPECT_LE(a.r.cost, cost * (1 + 1e-12)) << k << " " << most;
+    }
+  }
+}
+
 TEST(Ik, IterationsRunOut) {
   Arm a(3);
   a.o.max_iterations = 1, a.o.restarts = 0;

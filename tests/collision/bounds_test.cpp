@@ -59,5 +59,23 @@ TEST(Bounds, FacesThatTouchAreNotApart) {
   }
 }
 
+// Over a plane the bound is the height of the lowest corner, less 1e-12 of the sizes for rounding: of grains as of hills.
+TEST(Bounds, PlaneDistanceIsThatOfTheLowestCorner) {
+  const Solid plane = make(Type::HalfSpace, Vec::zero(), 0);
+  for (const double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6})
+    for (int k = 0; k < samples(50); ++k) {
+      Chance g{std::uint64_t(k + 1)};
+      const Vec half = Vec::make(g.uniform(0.1, 1), g.uniform(0.1, 1), g.uniform(0.1, 1)) * scale;
+      const Pose X = {g.rotation(), g.direction() * scale};
+      double lowest = shape::infinity;
+      for (const Vec& c : corners(2 * half[0], 2 * half[1], 2 * half[2])) lowest = std::min(lowest, X.act(c)[2]);
+      for (const Solid& s : {make(Type::Box, half, 0), make_convex(corners(2 * half[0], 2 * half[1], 2 * half[2]))}) {
+        const double bound = collision::distance_lower_bound(geom(plane), at(0, 0, 0), geom(s), X);
+        EXPECT_LE(bound, lowest) << scale << ' ' << k;
+        EXPECT_GE(bound, lowest - 4e-12 * scale) << scale << ' ' << k;
+      }
+    }
+}
+
 }  // namespace
 }  // namespace dyn_test

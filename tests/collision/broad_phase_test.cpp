@@ -171,5 +171,23 @@ TEST(BroadPhase, TouchingFarAway) {
   EXPECT_EQ(199u, b.found().size());
 }
 
+// Boxes are closed: a ray in the plane of a face, along an edge or to a corner meets the box, and so does one that ends there.
+TEST(BroadPhase, RaysInAFaceMeetTheBox) {
+  Boxes b(8, 8, 0);
+  b.insert({Vec::make(-1, -1, -1), Vec::make(1, 1, 1)});
+  for (int i = 0; i < 3; ++i)
+    for (const double u : {-1.0, 0.5, 1.0, 1.25})
+      for (const double v : {-1.0, 0.5, 1.0, -1.25})
+        for (const double side : {-1.0, 1.0}) {
+          const int j = (i + 1) % 3, k = (i + 2) % 3;
+          const Vec o = shape::axis(i) * (-2 * side) + shape::axis(j) * u + shape::axis(k) * v, d = shape::axis(i) * side;
+          for (const double far : {0.75, 1.0, 4.0}) {
+            int met = 0;
+            b.tree.ray(o, d, far, [&](Index) { ++met; });
+            EXPECT_EQ(int(std::abs(u) <= 1 && std::abs(v) <= 1 && far >= 1), met) << i << ' ' << u << ' ' << v << ' ' << far;
+          }
+        }
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -5,6 +5,7 @@
 
 #include "collision/scene.hpp"
 #include "collision/manifold.hpp"
+#include "collision/manifold_clip.hpp"
 
 namespace dyn_test {
 namespace {
@@ -299,6 +300,97 @@ TEST(Manifold, ThinnedOut) {
       }
       EXPECT_GT(reach, 0.8);
     }
+}
+
+// An axis along the normal is a point. So a capsule that stands, or leans by a sine below 0.05, touches as the ball at its
+// lower end does, however large the margin. A capsule without length is a ball at any turn.
+TEST(Manifold, StandingCapsuleIsTheBallAtItsEnd) {
+  const Solid stick = capsule(0.25, 1), point = capsule(0.25, 0), ball = sphere(0.25), grounds[] = {ground(), capsule(0.25, 2)};
+  const Pose poses[] = {at(0, 0, 0), {turn(shape::axis(1), pi / 2), Vec::make(0, 0, -0.25)}};  // the other capsule lies along x
+  const auto expect_one = [](const Scene& s, const Vec& center) {
+    const Manifold m = manifold(s, 3);  // more than the length
+    ASSERT_EQ(1, m.count);
+    EXPECT_NEAR(center[2] - 0.25, m.points[0].distance, 1e-12);
+    EXPECT_LE(shape::norm(m.points[0].position - Vec::make(center[0], center[1], (center[2] - 0.25) / 2)), 1e-12);
+  };
+  for (int k = 0; k < 2; ++k)
+    for (const double lean : {0.0, 0.01, 0.04})
+      for (const double turned : {0.0, pi})
+        for (const double x : {0.0, 0.97}) {  // over the middle, and near an end
+          SCOPED_TRACE(testing::Message() << k << ' ' << lean << ' ' << turned << ' ' << x);
+          const Mat3<double> R = turn(shape::axis(1), lean) * turn(shape::axis(0), turned);
+          const Vec end = Vec::make(x, 0, 0.24);
+          const Pose B = {R, end + R.z * (turned > 0 ? -0.5 : 0.5)};
+          expect_one({grounds[k], stick, poses[k], B}, end), expect_one({stick, grounds[k], B, poses[k]}, end);
+          expect_one({grounds[k], ball, poses[k], {R, end}}, end);
+          if (k == 0) expect_one({grounds[k], point, poses[k], {R * turn(shape::axis(0), 1.2), end}}, end);
+        }
+}
+
+// A face seen edge-on is its upper edge, whichever of its corners comes first.
+TEST(Manifold, FaceSeenEdgeOnIsItsUpperEdge) {
+  const Vec square[] = {Vec::make(-1, 0, -1), Vec::make(1, 0, -1), Vec::make(1, 0, 1), Vec::make(-1, 0, 1)};
+  const collision::ContactPlane plane(shape::axis(2), Vec::make(0, 0, 0.5));
+  for (int first = 0; first < 4; ++first)
+    for (const double towards : {1.0, -1.0}) {
+      shape::Feature face{};
+      for (int k = 0; k < 4; ++k) face.add(square[(first + k) % 4], 10 + (first + k) % 4);
+      collision::PlanarFeature line;
+      collision::project(face, at(0, 0, 0), plane, towards, line);
+      ASSERT_EQ(2, line.count);
+      EXPECT_EQ(towards > 0 ? 12 : 10, line.p[0].id);
+      EXPECT_EQ(towards > 0 ? 13 : 11, line.p[1].id);
+      for (const collision::Corner& c : {line.p[0], line.p[1]}) {
+        const Vec& corner = square[c.id - 10];
+        EXPECT_NEAR(dot(plane.u, corner), c.x, 1e-15);
+        EXPECT_NEAR(dot(plane.v, corner), c.y, 1e-15);
+        EXPECT_NEAR(towards - 0.5, line.height(c.x, c.y), 1e-15);
+      }
+    }
+}
+
+// The corner of a core that faces n and has a number, in the core's axes. Returns false if there is none.
+bool corner_of(const Shape& s, const Vec& n, std::uint32_t number, Vec& out) {
+  if (s.type == Type::Box)
+    return out = hadamard(s.size, Vec::make(number & 1 ? 1 : -1, number & 2 ? 1 : -1, number & 4 ? 1 : -1)), number < 8;
+  if (s.type == Type::Convex) return number < std::uint32_t(s.hull->vertices) && (out = s.hull->vertex(Index(number)), true);
+  shape::Feature f;
+  shape::visit(s, [&]<class S>(const S& x) {
+    if constexpr (S::type != Type::HalfSpace) x.facing(n, 0, f);
+  });
+  for (int k = 0; k < f.count; ++k)
+    if (f.id[k] == number) return out = f.p[k], true;
+  return false;
+}
+
+// A point of contact lies on the corner or edge that it names, seen along the normal. One that names an edge is not at its end.
+TEST(Manifold, PointsLieOnThePartsThatTheyName) {
+  int named[shape::type_count][2] = {};  // corners, edges
+  for_each_sample(samples(60), [&](const Sample& x) {
+    const Manifold m = manifold(x.s, x.margin);
+    const double same = 1e-5 * x.size, rounding = 1e-9 * x.size + 1e-13 * (shape::norm(x.s.A.p) + shape::norm(x.s.B.p));
+    for (int i = 0; i < m.count; ++i)
+      for (const bool of_a : {true, false}) {
+        const Shape& s = (of_a ? x.s.a : x.s.b).shape;
+        const Pose& X = of_a ? x.s.A : x.s.B;
+        const std::uint32_t part = std::uint32_t(m.points[i].feature >> (of_a ? 32 : 0)), first = part >> 16,
+                            last = part & 0xffff;
+        if (part == 0xffffffff || s.type == Type::HalfSpace) continue;
+        const Vec n = transpose_times(X.R, of_a ? m.normal : -m.normal), p = X.act_inverse(m.points[i].position);
+        Vec a, b;
+        ASSERT_TRUE(corner_of(s, n, first, a) && corner_of(s, n, last, b)) << first << ' ' << last;
+        const auto across = [&](const Vec& v) { return v - n * dot(n, v); };
+        const Vec e = across(b - a), r = across(p - a);
+        const double ee = dot(e, e), t = ee > 0 ? std::clamp(dot(r, e) / ee, 0.0, 1.0) : 0;
+        EXPECT_LE(shape::norm(r - e * t), same + rounding) << first << ' ' << last;
+        if (first != last) {
+          EXPECT_GE(std::min(shape::norm(r), shape::norm(r - e)), same - rounding) << first << ' ' << last;
+        }
+        ++named[int(s.type)][first != last];
+      }
+  });
+  for (const Type t : {Type::Box, Type::Capsule, Type::Cylinder, Type::Cone, Type::Convex})
+    for (int edge = 0; edge < 2; ++edge) EXPECT_GT(named[int(t)][edge], 20) << name_of(t) << ' ' << edge;
 }
 
 }  // namespace

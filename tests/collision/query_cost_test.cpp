@@ -146,6 +146,13 @@ TEST(QueryCost, GapAlongADirectionIsALowerBound) {
       }
 }
 
+// The gap is known of bounded convex shapes. A half-space has no height along most directions. Of a surface it would be the gap
+// of its hull.
+TEST(QueryCost, GapIsKnownOfBoundedConvexShapes) {
+  for (int t = 0; t < shape::type_count; ++t) EXPECT_EQ(Type(t) != Type::HalfSpace, collision::has_support(Type(t))) << t;
+  for (const Type t : {Type::Triangles, Type::HeightField}) EXPECT_FALSE(collision::has_support(t));
+}
+
 // A limited query finds the same distance within the limit, and a lower bound beyond it.
 TEST(QueryCost, LimitedDistanceIsALowerBound) {
   for (int a = 1; a < shape::type_count; ++a)

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "collision/every_pair.hpp"
+#include "collision/newton_refine.hpp"
 #include "collision/survey.hpp"
 
 namespace dyn_test::survey_test {
@@ -57,6 +58,36 @@ INSTANTIATE_TEST_SUITE_P(All, Survey, testing::ValuesIn(pairs()), pair_name);
 class SlowSurvey : public testing::TestWithParam<std::pair<Type, Type>> {};
 TEST_P(SlowSurvey, All) { survey(GetParam(), samples(100000), std::min(samples(100000), 10000)); }
 INSTANTIATE_TEST_SUITE_P(All, SlowSurvey, testing::ValuesIn(pairs()), pair_name);
+
+// Of three pieces on one line, Newton's iteration drops the middle one, in any order, and keeps the weighted mean. The weights
+// of both ends stay positive.
+struct Points {
+  Mat3<double> Rt = Mat3<double>::identity();
+  double small = 1;
+  collision::Vertex support_on_piece(const collision::Vertex& p, const Vec&, const Vec&) const { return p; }
+};
+TEST(NewtonRefine, MiddleOfThreePointsOnALineIsDropped) {
+  const Vec n = shape::axis(2), low = Vec::make(-1, 0.5, 0.3), along = Vec::make(2, 1, 0);
+  const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  const Points d;
+  for (const auto& order : orders)
+    for (const double middle : {0.1, 0.5, 0.9}) {
+      const double at[3] = {0, middle, 1}, weight[3] = {0.2, 0.5, 0.3};
+      collision::detail::Pieces<Points> p{&d, {}, {}, 3, {}, {}, 0, 0, {}, {}, 0, true, false};
+      Vec mean = Vec::zero();
+      for (int i = 0; i < 3; ++i) {
+        const Vec w = low + along * at[order[i]];
+        p.s[i] = {w, w, Vec::zero()}, p.weight[i] = weight[order[i]], mean += w * p.weight[i];
+      }
+      p.evaluate(n);
+      ASSERT_EQ(2, p.size);
+      EXPECT_NEAR(1, shape::norm(p.s[1].w - p.s[0].w) / shape::norm(along), 1e-15);
+      EXPECT_NEAR(1, p.weight[0] + p.weight[1], 1e-15);
+      EXPECT_GT(std::min(p.weight[0], p.weight[1]), 0);
+      EXPECT_LE(shape::norm(p.y - mean), 1e-15);
+      EXPECT_NEAR(-0.3, p.f, 1e-15);
+    }
+}
 
 }  // namespace
 }  // namespace dyn_test::survey_test

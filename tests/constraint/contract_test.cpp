@@ -114,6 +114,20 @@ TEST(ConstraintContract, BetweenFrames) {
   EXPECT_EQ(0 DYN_FRAME_CONSTRAINTS(DYN_ONE_MORE), types);
 }
 
+// A screw moves by its pitch for each radian, over turns without end, and what it is off is measured to the nearest turn.
+TEST(ConstraintContract, ScrewsGoOnOverManyTurns) {
+  Constraint c{};
+  c.type = DYN_CONSTRAINT_TYPE_LOOP, c.joint_type = DYN_JOINT_TYPE_HELICAL, c.pitch = 0.3;
+  c.axis = vec({0, 0, 1}), c.n1 = vec({1, 0, 0}), c.n2 = vec({0, 1, 0});
+  for (int turns = -3; turns <= 3; ++turns)
+    for (const double off : {-0.4, 0.0, 0.2}) {  // m, within half a turn: 0.94
+      const double angle = 0.7 + 6.283185307179586 * turns;
+      const Relative<double> X{vec({0, 0, 0.3 * angle + off}), Vec3<double>::zero(), Vec3<double>::zero(),
+                               exp3(vec({0, 0, angle}))};
+      EXPECT_NEAR(off, evaluate<constraint::Loop>(c, X).error[2], 1e-14) << turns;
+    }
+}
+
 TEST(ConstraintContract, BetweenJoints) {
   int types = 0;
   for (int type = 0; type < beyond; ++type)

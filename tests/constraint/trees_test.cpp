@@ -3,6 +3,7 @@
 #include "constraint/trees.hpp"
 
 #include "algorithm/constrained/kkt_inverse.hpp"
+#include "algorithm/constrained/project.hpp"
 
 namespace dyn_test {
 namespace {
@@ -85,6 +86,36 @@ TEST(ConstrainedTrees, AgainstExtendedPrecision) {
   });
   EXPECT_GT(checked, tree_count / 2);
   EXPECT_GT(deficient, 20);
+}
+
+// A point that is tied twice, to places 1e-4 m apart: the cost of a projection is the sum of squares of the rows that are kept.
+TEST(ConstrainedTrees, RowsThatAreLeftOutCostNothing) {
+  int checked = 0;
+  for (int seed = 1; seed <= 40; ++seed) {
+    TreeOptions options;
+    options.joints = 3 + seed % 4, options.massless = 0;
+    Case x(std::uint64_t(seed), options);
+    Data<double>& d = x.w.d;
+    dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_CONNECT);
+    c.first = x.m.n.frames - 1;
+    char message[512];
+    if (check_constraint(x.m, c, message, sizeof message) != DYN_OK) continue;
+    for (Index slot = 0; slot < 2; ++slot) c.placement2[9] += 1e-4 * slot, set_constraint(x.m, d, slot, c);
+    number_rows(x.m, d);
+    x.w.q(x.x.q);
+    ASSERT_EQ(0, project_rows(x.m, d, true));
+    propagate_rows(x.m, d);
+    checked += drop_redundant_rows(x.m, d, misalignment_tolerance) > 0;
+    double kept = 0;
+    for_each_constraint(x.m, d, [&](const ConstraintInstance<double>& s, Index) {
+      for (Index r = 0; r < s.rows; ++r)
+        if (!(s.dropped >> r & 1)) kept += s.error[r] * s.error[r];
+    });
+    DescentResult<double> found;
+    ASSERT_EQ(0, levenberg_marquardt(x.m, d, 0, true, 0.0, 1e-14, 0.0, found));
+    EXPECT_NEAR(kept, found.cost, 1e-14 * kept) << seed;
+  }
+  EXPECT_GT(checked, 20);
 }
 
 // Compares the derivatives of ddq and lambda with extrapolated central differences. Returns false where the rows are nearly

@@ -157,6 +157,32 @@ TEST(Urdf, MassProperties) {
   for (int i = 0; i < 9; ++i) EXPECT_NEAR(turned[i], f.inertia[i], 1e-6) << i;
 }
 
+// Strict: what a joint moves has mass, be it a point; a follower's mass counts for its leader.
+TEST(Urdf, StrictJointsMoveMass) {
+  const Options strict(DYN_BASE_FIXED, true);
+  const std::string turn = "<axis xyz=\"0 0 1\"/>" + limit,
+                    point =
+                        "<inertial><origin xyz=\"1 0 0\"/><mass value=\"1\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" "
+                        "iyz=\"0\" izz=\"0\"/></inertial>";
+  EXPECT_EQ(DYN_OK, load(robot(link("a") + link("b", point) + joint("j", "revolute", "a", "b", turn)), strict).status);
+  const std::string follows = turn + "<mimic joint=\"j\"/>";
+  EXPECT_EQ(DYN_OK, load(robot(link("a") + link("b", "") + link("c", point) + joint("j", "revolute", "a", "b", turn) +
+                               joint("k", "revolute", "a", "c", follows)),
+                         strict)
+                        .status);
+  std::string text = link("a"), joints;
+  for (char k = '0'; k < '8'; ++k) {
+    text += link(std::string("l") + k, "");
+    joints +=
+        joint(std::string("j") + k, "revolute", k == '0' ? "a" : std::string("l") + char(k - 1), std::string("l") + k, turn);
+  }
+  const Loaded refused = load(robot(text + joints), strict);
+  EXPECT_EQ(DYN_ERROR_INVALID, refused.status);
+  EXPECT_NE(std::string::npos, refused.error.find("joint 'j0': neither link 'l0' nor anything on it has mass"))
+      << refused.error;
+  EXPECT_NE(std::string::npos, refused.error.find("; so also 'j1', 'j2', 'j3', 'j4', 'j5' and 2 more")) << refused.error;
+}
+
 TEST(Urdf, Limits) {
   const Loaded l = good(robot(ab + link("c") +
                               joint("j", "revolute", "a", "b",

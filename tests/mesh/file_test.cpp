@@ -251,6 +251,229 @@ TEST(MeshFile, QuadsPointsAndLines) {
   lines.says("no triangles");
 }
 
+// ---------------------------------------------------------------------------------------------------- parts of formats
+
+// A mesh's size, volume and place: low and high ends.
+void expect_solid(const Made& m, const std::array<double, 6>& ends, double volume, double tolerance = 1e-6) {
+  ASSERT_EQ(DYN_OK, m.status) << m.error;
+  const dynMeshInfo i = m.info();
+  EXPECT_EQ(1, i.closed);
+  EXPECT_EQ(1, i.orientation);
+  EXPECT_NEAR(volume, i.volume, tolerance * volume);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(ends[k], i.lower[k], tolerance) << k;
+    EXPECT_NEAR(ends[k + 3], i.upper[k], tolerance) << k;
+  }
+}
+constexpr std::array<double, 6> unit_cube = {0, 0, 0, 1, 1, 1};
+
+TEST(MeshFile, CornersOfObj) {
+  NEEDS_MODULE();
+  const Folder folder;
+  // counted from the last vertex so far, with texture coordinates and normals, on joined lines, with comments
+  const std::string first = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -3\n", fourth = "v 0 0 1 # up\n";
+  for (const char* faces : {"f -4 -3 -1\nf -3 -2 -1\nf -2 -4 -1\n", "f 1/1/1 2/2/2 4/4/4\nf 2//1 3//1 4//1\nf 3/1 1/1 4/1\n",
+                            "f 1 \\\n2 4\nf 2 3 \\\n4\r\nf 3 1 4 # last\n"})
+    expect_solid(mesh_file(folder.write("a.obj", first + fourth + faces)), unit_cube, 1.0 / 6, 1e-14);
+  // a face may name vertices that follow it; names of materials have blanks
+  folder.write("a.mtl", "newmtl dark red\nKd 0.9 0.1 0.2\n");
+  EXPECT_EQ((Count{{none, 1}, {paint, 1}}),
+            colours_of(mesh_file(folder.write(
+                "b.obj", "mtllib a.mtl\nf 1 2 3\nusemtl dark red\nf 3 2 4\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"))));
+  // a vertex's colour times that of the material
+  EXPECT_EQ((Count{{{115, 26, 51}, 1}}),
+            colours_of(mesh_file(folder.write("c.obj",
+                                              "mtllib a.mtl\nusemtl dark red\nv 0 0 0 0.5 1 1\nv 1 0 0 0.5 1 1\n"
+                                              "v 0 1 0 0.5 1 1\nf 1 2 3\n"))));
+}
+
+TEST(MeshFile, ColoursOfStl) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const std::pair<std::uint16_t, Colour> facets[] = {
+      {0x8000 | 31 << 10, {255, 0, 0}}, {0x8000 | 31 << 5, {0, 255, 0}}, {0x8000 | 31, {0, 0, 255}}, {31, none}};
+  for (const auto& [word, colour] : facets) {
+    std::string s = binary_stl(brick);
+    for (std::size_t t = 0; t < 12; ++t) std::memcpy(&s[84 + 50 * t + 48], &word, 2);
+    EXPECT_EQ((Count{{colour, 12}}), colours_of(mesh_file(folder.write("s.stl", s)))) << word;
+  }
+}
+
+TEST(MeshFile, NodesOfGltf) {
+  NEEDS_MODULE();
+  const Folder folder;
+  folder.write("a.bin", gltf_buffer(box(1, 2, 3)));
+  const auto placed = [&](const std::string& node) {
+    return mesh_file(folder.write("a.gltf", gltf(box(1, 2, 3), "a.bin", node)));
+  };
+  // by columns: x to 2 y, y to -z, z to x, moved by (5, 6, 7)
+  expect_solid(placed(",\"matrix\":[0,2,0,0, 0,0,-1,0, 1,0,0,0, 5,6,7,1]"), {5, 6, 5, 8, 8, 7}, 12);
+  // scaled, turned by 90 degrees about z (any length), moved
+  expect_solid(placed(",\"scale\":[1,2,3],\"rotation\":[0,0,2,2],\"translation\":[10,20,30]"), {6, 20, 30, 10, 21, 39}, 36);
+  expect_solid(placed(",\"rotation\":[0.7071067811865476,0,0,0.7071067811865476]"), {0, -3, 0, 1, 0, 2}, 6);
+  expect_solid(placed(",\"rotation\":[0,0.7071067811865476,0,0.7071067811865476]"), {0, 0, -1, 3, 2, 0}, 6);
+  // a child in its parent's frame
+  std::string nested = replaced(gltf(box(1, 2, 3), "a.bin"), "\"nodes\":[{\"mesh\":0}]",
+                                "\"nodes\":[{\"scale\":[2,2,2],\"children\":[1]},{\"mesh\":0,\"translation\":[1,1,1]}]");
+  expect_solid(mesh_file(folder.write("b.gltf", nested)), {2, 2, 2, 4, 6, 8}, 48);
+}
+
+// A tetrahedron whose corners are floats with 4 bytes between them, by modes, widths of indices, and colours.
+TEST(MeshFile, PrimitivesOfGltf) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const auto file = [&](const std::vector<int>& indices, int component, int mode, const std::string& attributes = "",
+                        const std::string& more = "", const std::string& extra_buffer = "") {
+    std::string bytes;
+    for (const float x : {0.f, 0.f, 0.f, 9.f, 1.f, 0.f, 0.f, 9.f, 0.f, 1.f, 0.f, 9.f, 0.f, 0.f, 1.f, 9.f}) append(bytes, x);
+    for (const int i : indices) {
+      if (component == 5121) append(bytes, std::uint8_t(i));
+      if (component == 5123) append(bytes, std::uint16_t(i));
+      if (component == 5125) append(bytes, std::uint32_t(i));
+    }
+    const std::size_t end = bytes.size();
+    bytes += extra_buffer;
+    folder.write("t a.bin", bytes);
+    const std::string n = std::to_string(indices.size());
+    return mesh_file(
+        folder.write("t.gltf",
+                     "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+                     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0" +
+                         attributes + "},\"indices\":1,\"mode\":" + std::to_string(mode) + more +
+                         "}]}],\"buffers\":[{\"uri\":\"t%20a.bin\",\"byteLength\":" + std::to_string(bytes.size()) +
+                         "}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":"
+                         "[0.5,1,1,1]}}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":64,\"byteStride\":16},"
+                         "{\"buffer\":0,\"byteOffset\":64,\"byteLength\":" +
+                         std::to_string(end - 64) + "},{\"buffer\":0,\"byteOffset\":" + std::to_string(end) +
+                         ",\"byteLength\":" + std::to_string(extra_buffer.size()) +
+                         "}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,"
+                         "\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":" +
+                         std::to_string(component) + ",\"count\":" + n +
+                         ",\"type\":\"SCALAR\"},{\"bufferView\":2,\"componentType\":5121,\"normalized\":true,\"count\":4,"
+                         "\"type\":\"VEC4\"},{\"bufferView\":2,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}]}"));
+  };
+  const std::vector<int> triangles = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
+  for (const int component : {5121, 5123, 5125}) expect_solid(file(triangles, component, 4), unit_cube, 1.0 / 6);
+  expect_solid(file({0, 2, 1, 3, 0, 2}, 5125, 5), unit_cube, 1.0 / 6);  // every other one of a strip is turned round
+  // three of a fan about a corner, without the triangle opposite to it
+  const Made fan = file({3, 0, 1, 2, 0}, 5125, 6);
+  ASSERT_EQ(DYN_OK, fan.status) << fan.error;
+  EXPECT_EQ(3, fan.info().triangles);
+  EXPECT_EQ(3, fan.info().open_edges);
+  EXPECT_NEAR(1 + std::sqrt(3.0) / 2, fan.info().area, 1e-6);
+  // corners of lines are no triangles
+  EXPECT_TRUE(file(triangles, 5125, 1).says("only 6 points and lines"));
+  EXPECT_TRUE(file(triangles, 5125, 0).says("only 12 points and lines"));
+  // colours of corners are linear, and multiply the material's: (.5, 1, 1) times the mean of four corners' numbers
+  std::string bytes, floats;
+  for (int i = 0; i < 4; ++i) bytes += std::string("\xff\x33\x00\xff", 4);
+  for (int i = 0; i < 4; ++i) append(floats, 1.f), append(floats, .2f), append(floats, 0.f);
+  const Colour plain = {255, 124, 0}, painted = {188, 124, 0};  // .2 is 124, .5 is 188 of 255 (IEC 61966-2-1)
+  EXPECT_EQ((Count{{plain, 4}}), colours_of(file(triangles, 5125, 4, ",\"COLOR_0\":2", "", bytes)));
+  EXPECT_EQ((Count{{plain, 4}}), colours_of(file(triangles, 5125, 4, ",\"COLOR_0\":3", "", floats)));
+  EXPECT_EQ((Count{{painted, 4}}), colours_of(file(triangles, 5125, 4, ",\"COLOR_0\":2", ",\"material\":0", bytes)));
+  EXPECT_EQ((Count{{{188, 255, 255}, 4}}), colours_of(file(triangles, 5125, 4, "", ",\"material\":0")));
+}
+
+// A buffer in the file itself.
+TEST(MeshFile, DataOfGltf) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", bytes = gltf_buffer(brick);
+  std::string text;
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    std::uint32_t x = 0;
+    for (std::size_t i = 0; i < 3; ++i) x = x << 8 | (k + i < bytes.size() ? std::uint8_t(bytes[k + i]) : 0u);
+    for (int i = 3; i >= 0; --i) text += letters[x >> 6 * i & 63];
+  }
+  expect_brick(mesh_file(folder.write("a.gltf", gltf(brick, "data:application/octet-stream;base64," + text))), single);
+}
+
+TEST(MeshFile, NodesOfCollada) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const auto placed = [&](const std::string& node) { return mesh_file(folder.write("a.dae", dae(box(1, 2, 3), "", node))); };
+  // by rows
+  expect_solid(placed("<matrix>0 0 1 5 2 0 0 6 0 -1 0 7 0 0 0 1</matrix>"), {5, 6, 5, 8, 8, 7}, 12, 1e-12);
+  // from the outermost to the innermost
+  expect_solid(placed("<translate>10 20 30</translate><rotate>0 0 2 90</rotate><scale>1 2 3</scale>"), {6, 20, 30, 10, 21, 39},
+               36, 1e-12);
+  expect_solid(placed("<rotate>1 0 0 90</rotate>"), {0, -3, 0, 1, 0, 2}, 6, 1e-12);
+  expect_solid(placed("<rotate>0 1 0 90</rotate>"), {0, 0, -1, 3, 2, 0}, 6, 1e-12);
+  expect_solid(placed("<rotate>1 1 1 120</rotate>"), {0, 0, 0, 3, 1, 2}, 6, 1e-12);
+  // a node in a node, and one that another names
+  const std::string nested =
+      replaced(dae(box(1, 2, 3), "", "<scale>2 2 2</scale><node id=\"in\"><translate>1 1 1</translate>"),
+               "<instance_geometry url=\"#g\"/></node>", "<instance_geometry url=\"#g\"/></node></node>");
+  expect_solid(mesh_file(folder.write("b.dae", nested)), {2, 2, 2, 4, 6, 8}, 48, 1e-12);
+  std::string named = replaced(dae(box(1, 2, 3), "", "<translate>1 1 1</translate>"), "<instance_geometry url=\"#g\"/>",
+                               "<instance_node url=\"#part\"/>");
+  named = replaced(named, "<library_visual_scenes>",
+                   "<library_nodes><node id=\"part\"><scale>2 1 1</scale><instance_geometry "
+                   "url=\"#g\"/></node></library_nodes><library_visual_scenes>");
+  expect_solid(mesh_file(folder.write("c.dae", named)), {1, 1, 1, 3, 3, 4}, 12, 1e-12);
+  // a skin, undeformed
+  std::string skin = replaced(dae(box(1, 2, 3)), "<instance_geometry url=\"#g\"/>", "<instance_controller url=\"#c\"/>");
+  skin = replaced(skin, "<library_visual_scenes>",
+                  "<library_controllers><controller id=\"c\"><skin source=\"#g\"/></controller>"
+                  "</library_controllers><library_visual_scenes>");
+  expect_solid(mesh_file(folder.write("d.dae", skin)), {0, 0, 0, 1, 2, 3}, 6, 1e-12);
+}
+
+// A tetrahedron by each kind of primitive, and of numbers in another order.
+TEST(MeshFile, PrimitivesOfCollada) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const Solid s = {{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2}};
+  const std::string whole = dae(s), begin = "<triangles count=\"4\">", end = "</triangles>";
+  const std::size_t from = whole.find(begin), to = whole.find(end) + end.size();
+  const auto with_primitives = [&](const std::string& text) {
+    return mesh_file(folder.write("p.dae", whole.substr(0, from) + text + whole.substr(to)));
+  };
+  const std::string input = "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>";
+  expect_solid(
+      with_primitives("<polylist count=\"4\">" + input + "<vcount>3 3 3 3</vcount><p>0 2 1 0 1 3 1 2 3 0 3 2</p></polylist>"),
+      unit_cube, 1.0 / 6, 1e-14);
+  expect_solid(
+      with_primitives("<polygons count=\"4\">" + input + "<p>0 2 1</p><p>0 1 3</p><p>1 2 3</p><p>0 3 2</p></polygons>"),
+      unit_cube, 1.0 / 6, 1e-14);
+  expect_solid(with_primitives("<tristrips count=\"1\">" + input + "<p>0 2 1 3 0 2</p></tristrips>"), unit_cube, 1.0 / 6,
+               1e-14);
+  expect_solid(with_primitives("<trifans count=\"1\">" + input + "<p>3 0 1 2 0</p></trifans><triangles count=\"1\">" + input +
+                               "<p>0 2 1</p></triangles>"),
+               unit_cube, 1.0 / 6, 1e-14);
+  // a corner has other indices, too, and the vertex is the second one
+  expect_solid(
+      with_primitives("<triangles count=\"4\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"1\"/><input "
+                      "semantic=\"NORMAL\" source=\"#p\" offset=\"0\"/><p>7 0 7 2 7 1 7 0 7 1 7 3 7 1 7 2 7 3 7 0 7 3 7 "
+                      "2</p></triangles>"),
+      unit_cube, 1.0 / 6, 1e-14);
+  EXPECT_TRUE(with_primitives("<lines count=\"5\">" + input + "<p>0 1</p></lines>").says("only 5 points and lines"));
+  // the array has two numbers before, and each vertex z, x, y and one more
+  std::string other = replaced(dae(box(1, 2, 3)),
+                               "stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
+                               "<param name=\"Z\" type=\"float\"/>",
+                               "stride=\"4\" offset=\"2\"><param name=\"Z\"/><param name=\"X\"/><param name=\"Y\"/>");
+  std::string numbers = "8 8 ";
+  for (int i = 0; i < 8; ++i)
+    numbers += std::string(i & 4 ? "3 " : "0 ") + (i & 1 ? "1 " : "0 ") + (i & 2 ? "2 " : "0 ") + "9 ";
+  const std::size_t array = other.find("count=\"24\">");
+  ASSERT_NE(other.npos, array);
+  other = other.substr(0, array) + "count=\"34\">" + numbers + other.substr(other.find("</float_array>"));
+  expect_solid(mesh_file(folder.write("o.dae", other)), {0, 0, 0, 1, 2, 3}, 6, 1e-12);
+  // the mean of the corners' colours, of one triangle alone
+  const std::string colours =
+      "<source id=\"c\"><float_array id=\"ca\" count=\"6\">1 0 0 0 0 1</float_array><technique_common>"
+      "<accessor source=\"#ca\" count=\"2\" stride=\"3\"><param name=\"R\"/><param name=\"G\"/>"
+      "<param name=\"B\"/></accessor></technique_common></source>";
+  const std::string coloured =
+      replaced(whole.substr(0, from) + "<triangles count=\"3\">" + input +
+                   "<p>0 2 1 0 1 3 1 2 3</p></triangles><triangles count=\"1\">" + input +
+                   "<input semantic=\"COLOR\" source=\"#c\" offset=\"1\"/><p>0 0 3 1 2 1</p></triangles>" + whole.substr(to),
+               "<source id=\"p\">", colours + "<source id=\"p\">");
+  EXPECT_EQ((Count{{{85, 0, 170}, 1}, {{255, 255, 255}, 3}}), colours_of(mesh_file(folder.write("c.dae", coloured))));
+}
+
 // ---------------------------------------------------------------------------------------------------- where files are
 
 TEST(MeshFile, SearchAndWhatWasTried) {

@@ -224,6 +224,8 @@ TEST(MeshErrors, Arrays) {
   EXPECT_EQ(DYN_ERROR_LIMIT, dyn_mesh_from_arrays(one.data(), 1, t, 10000001, &m));
   EXPECT_NE(std::string::npos, std::string(dyn_last_error()).find("10000001 triangles, and the limit is 10000000"));
   EXPECT_EQ(DYN_ERROR_LIMIT, dyn_mesh_from_arrays(one.data(), SIZE_MAX, t, 1, &m));
+  EXPECT_EQ(DYN_ERROR_LIMIT, dyn_mesh_from_arrays(one.data(), 30000001, t, 1, &m));
+  EXPECT_NE(std::string::npos, std::string(dyn_last_error()).find("30000001 vertices, and the limit is 30000000"));
   EXPECT_EQ(nullptr, m);
 }
 

@@ -237,6 +237,95 @@ TEST(Urdf, WhatASceneLosesIsSaid) {
   }
 }
 
+TEST(Urdf, ResistanceOfAFloatingBaseIsLost) {
+  for (int k = 0; k < 4; ++k) {
+    Builder b("r");
+    JointSpec base;
+    base.name = "root_joint", base.type = DYN_JOINT_TYPE_FREE_FLYER;
+    if (k == 1) base.armature.assign(6, 0.1);
+    if (k == 2) base.damping.assign(6, 0.1);
+    if (k == 3) base.friction.assign(6, 0.1);
+    b.joint(base);
+    b.body("trunk", {"root_joint", 0}, identity_placement, 1, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    SaveReport lines;
+    const ModelPtr m = b.finish(), back = again(*m, DYN_FORMAT_URDF, DYN_BASE_FLOATING, &lines);
+    EXPECT_EQ(k > 0, lost(lines, "armature, damping and dry friction of the floating base")) << k;
+    ASSERT_EQ(2, back->n.joints) << k;
+    EXPECT_EQ(DYN_JOINT_TYPE_FREE_FLYER, back->joints()[1].type);
+  }
+}
+
+// Every number of a joint and of each kind of constraint.
+TEST(Urdf, NumbersComeBack) {
+  const std::string solid =
+      "<inertial><origin xyz='.1 .2 .3' rpy='.4 .5 .6'/><mass value='2'/><inertia ixx='.3' ixy='.01' ixz='.02' "
+      "iyy='.4' iyz='.03' izz='.5'/></inertial>";
+  std::string text =
+      "<robot name='r'><link name='base'><collision name='c'><origin xyz='1 2 3' rpy='.1 .2 .3'/><geometry><box "
+      "size='1 2 3'/></geometry></collision><visual name='v'><geometry><cylinder radius='.1' length='.5'/></geometry>"
+      "<material name='m'><color rgba='.2 .4 .6 .8'/></material></visual></link>";
+  const char* const of_joints[] = {
+      "type='revolute'><axis xyz='0 0 1'/><limit lower='-1' upper='2' effort='3' velocity='4'/><dynamics damping='5' "
+      "friction='6'/>",
+      "type='prismatic'><axis xyz='1 0 0'/><limit lower='-.5' upper='.25' effort='7' velocity='8'/><dynamics damping='9'/>",
+      "type='continuous'><axis xyz='0 1 0'/><limit effort='10' velocity='11'/><dynamics friction='12'/>",
+      "type='spherical'><dynamics damping='13' friction='14'/>",
+      "type='revolute'><axis xyz='0 1 0'/><limit lower='-9' upper='9' effort='15' velocity='16'/><mimic joint='j0' "
+      "multiplier='-2' offset='.5'/>"};
+  for (int k = 0; k < 5; ++k) {
+    const std::string n = std::to_string(k);
+    text += "<link name='l" + n + "'>" + solid + "</link><joint name='j" + n + "' " + of_joints[k] + "<origin xyz='.1 .2 ." +
+            n + "' rpy='.3 .2 .1'/><parent link='" + (k ? "l" + std::to_string(k - 1) : "base") + "'/><child link='l" + n +
+            "'/></joint>";
+  }
+  const std::string ends =
+      "<first link='l1'><origin xyz='1 2 3' rpy='.1 .2 .3'/></first><second link='l3'><origin xyz='4 5 6'/></second>";
+  text += "<libdyn><constraint name='a' type='distance' length='2' stiffness='3' damping='4' restitution='.5'>" + ends +
+          "</constraint><constraint name='b' type='weld'>" + ends +
+          "</constraint><constraint name='c' type='helical' pitch='.7'>" + ends +
+          "<axis xyz='1 0 0'/></constraint><constraint name='d' type='universal'>" + ends +
+          "<axis xyz='1 0 0'/><axis2 xyz='0 1 0'/></constraint>"
+          "<constraint name='e' type='coupling' coefficients='1 2 3 4 5'><first joint='j1'/><second joint='j0'/></constraint>"
+          "<constraint name='f' type='friction' force='6' damping='7'><first joint='j0'/></constraint>"
+          "<constraint name='g' type='limit' restitution='.25'><first joint='j1'/></constraint></libdyn></robot>";
+  LoadOptions options;
+  options.base = DYN_BASE_FIXED;
+  const ModelPtr m = load_string(text, options), back = again(*m, DYN_FORMAT_URDF, DYN_BASE_FIXED);
+  const Model &a = *m, &b = *back;
+  expect_same(a, b, 3, true);
+  for (Index k = 0; k < a.n.nv; ++k) EXPECT_EQ(a.velocity_limit()[k], b.velocity_limit()[k]);
+  EXPECT_EQ(3, b.effort_limit()[0]);
+  EXPECT_EQ(8, b.velocity_limit()[1]);
+  const JointRecord& follower = b.joints()[b.n.joints - 1];
+  EXPECT_EQ(-2, follower.ratio);
+  EXPECT_EQ(.5, follower.offset);
+  ASSERT_EQ(a.n.shapes, b.n.shapes);
+  for (Index k = 0; k < a.n.shapes; ++k) {
+    const ShapeRecord &x = a.shapes()[k], &y = b.shapes()[k];
+    EXPECT_STREQ(a.string(x.name), b.string(y.name));
+    EXPECT_EQ(x.role, y.role);
+    EXPECT_EQ(x.colour, y.colour);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(x.size[i], y.size[i]);
+    for (int i = 0; i < 12; ++i) EXPECT_NEAR(x.placement[i], y.placement[i], 1e-15);
+  }
+  ASSERT_EQ(7, a.n.constraints);
+  ASSERT_EQ(7, b.n.constraints);
+  for (Index k = 0; k < 7; ++k) {
+    SCOPED_TRACE(k);
+    const dynConstraint &x = a.constraints()[k].spec, &y = b.constraints()[k].spec;
+    EXPECT_EQ(x.type, y.type);
+    EXPECT_EQ(x.joint_type, y.joint_type);
+    for (const auto number : {&dynConstraint::length, &dynConstraint::pitch, &dynConstraint::force, &dynConstraint::stiffness,
+                              &dynConstraint::damping, &dynConstraint::restitution})
+      EXPECT_EQ(x.*number, y.*number);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(x.axis[i], y.axis[i], 1e-15);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(x.axis2[i], y.axis2[i], 1e-15);
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(x.coefficients[i], y.coefficients[i]);
+    for (int i = 0; i < 12; ++i) EXPECT_NEAR(x.placement1[i], y.placement1[i], 1e-14);
+    for (int i = 0; i < 12; ++i) EXPECT_NEAR(x.placement2[i], y.placement2[i], 1e-14);
+  }
+}
+
 // Contact between neighbours: a slider on the world and the floor, an arm and its plinth, another plinth.
 TEST(Save, TheSamePairsAreTested) {
   const ModelPtr m = load_string(R"(<mujoco><worldbody><geom name='floor' type='box' size='5 5 .1' pos='0 0 -5'/>

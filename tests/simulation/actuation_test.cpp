@@ -60,6 +60,33 @@ TEST(Actuators, LargeGainsAreStable) {
   }
 }
 
+// A step of a motor under a controller of position and velocity. Where the voltage has no bound, its force is that of the
+// controller at the end of the step: I (v' - v) = h (kp (u - q - h v') + kd (u_v - v')).
+TEST(Actuators, ControlledMotorIsAnImplicitServo) {
+  constexpr double h = 0.01, kp = 1e4, kd = 30, q = 0.1, v = 0.4, u = 0.3, u_v = -0.7;
+  dynActuator a = actuator(DYN_ACTUATOR_TYPE_DC_MOTOR);
+  a.inputs = DYN_INPUT_POSITION | DYN_INPUT_VELOCITY;
+  a.motor.resistance = 0.8, a.motor.constant = 0.05, a.motor.kp = kp, a.motor.kd = kd;
+  Simulation run(wheel(a), h);
+  run.set({q}, {v});
+  control(run, {u, u_v});
+  run.steps(1);
+  // rows of stiff actuators are solved to 1e-9
+  EXPECT_NEAR((inertia * v + h * (kp * (u - q) + kd * u_v)) / (inertia + h * kd + h * h * kp), run.v[0], 1e-9);
+}
+
+// At a constant voltage a motor loses K^2 / R of its rate, here 16 times in a step: v' = (I v + h K V / R) / (I + h K^2 / R).
+TEST(Actuators, MotorAtAConstantVoltageIsADamper) {
+  constexpr double h = 0.01, K = 20, R = 0.5, v = 0.4, V = 3;
+  dynActuator a = actuator(DYN_ACTUATOR_TYPE_DC_MOTOR);
+  a.motor.resistance = R, a.motor.constant = K;
+  Simulation run(wheel(a), h);
+  run.set({0}, {v});
+  control(run, {V});
+  run.steps(1);
+  EXPECT_NEAR((inertia * v + h * K * V / R) / (inertia + h * K * K / R), run.v[0], 1e-9);
+}
+
 // Far from its target a servo applies its largest force; near it, it settles without chatter.
 TEST(Actuators, ForcesStayWithinTheirRange) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_POSITION, 1e6, 1e6);

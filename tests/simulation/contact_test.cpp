@@ -265,5 +265,34 @@ TEST(Contact, ArmFallingOntoItselfLosesEnergy) {
   EXPECT_GE(run.contacts().size(), 6u);
 }
 
+// A table whose centre of mass is off the middle of its feet. All contacts as one press at a point below it with its weight,
+// and with no moment about that point.
+TEST(Contact, SensorOfTheNetForceFindsTheCentreOfPressure) {
+  Scene scene;
+  scene.ground().free("table", 3, {0.1, 0.1, 0.1}, {0.07, -0.04, 0});
+  for (const double x : {-0.2, 0.2})
+    for (const double y : {-0.1, 0.1})
+      scene.shape("table", DYN_SHAPE_TYPE_SPHERE, {0.02, 0, 0}, material(0.5), {x, y, -0.1});
+  dynSensor s;
+  dyn_sensor_init(&s, DYN_QUANTITY_CONTACT);
+  s.side = DYN_SIDE_LINK, s.reduction = DYN_REDUCTION_NETFORCE;
+  s.values = DYN_VALUE_FOUND | DYN_VALUE_FORCE | DYN_VALUE_MOMENT | DYN_VALUE_POSITION;
+  ASSERT_EQ(DYN_OK, dyn_builder_add_sensor(scene, "press", &s, "table", nullptr)) << dyn_last_error();
+  Simulation run(scene.finish());
+  run.exactly();
+  run.place({{1, 2, 0.12}});
+  run.steps(200);
+  double x[10];
+  ASSERT_EQ(10, dyn_model_nsensordata(run.m));
+  ASSERT_EQ(DYN_OK, dyn_sensors(run.m, run.d, nullptr, nullptr, nullptr, x)) << dyn_last_error();
+  EXPECT_EQ(4, x[0]);
+  // forces are solved to 1e-9 of the speed
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(k == 2 ? -3 * g : 0, x[1 + k], 1e-5) << k;
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(0, x[4 + k], 1e-6) << k;
+  EXPECT_NEAR(1.07, x[7], 1e-6);
+  EXPECT_NEAR(1.96, x[8], 1e-6);
+  EXPECT_NEAR(0, x[9], 1e-6);
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -125,5 +125,26 @@ TEST(Limits, InvalidBallLimitsAreRefused) {
   }
 }
 
+// The sensors of a ball joint: its quaternion, of unit length, and its angular velocity.
+TEST(Limits, SensorsOfABallReadItsState) {
+  Builder b;
+  b.joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL)), bob(b, "ball");
+  for (const dynQuantity quantity : {DYN_QUANTITY_BALLQUAT, DYN_QUANTITY_BALLANGVEL}) {
+    dynSensor s;
+    dyn_sensor_init(&s, quantity);
+    ASSERT_EQ(DYN_OK, dyn_builder_add_sensor(b, quantity == DYN_QUANTITY_BALLQUAT ? "turn" : "rate", &s, "ball", nullptr))
+        << dyn_last_error();
+  }
+  Simulation run(b.finish());
+  const double unit[4] = {0.1, -0.5, 0.7, 0.5}, v[3] = {3, -4, 5};
+  for (const double length : {1.0, 1 + 1e-7}) {  // as long as rounding and callers leave it
+    double q[4], x[7];
+    for (int k = 0; k < 4; ++k) q[k] = length * unit[k];
+    ASSERT_EQ(DYN_OK, dyn_sensors(run.m, run.d, q, v, nullptr, x)) << dyn_last_error();
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(unit[k], x[k], 1e-15) << k;
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(v[k], x[4 + k]) << k;
+  }
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -236,5 +236,28 @@ TEST(ManyShapes, MovingHalfSpaceCollides) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
+// A half-space on a moving body finds shapes that sleep: it falls upside down onto a ball that slept while it was far above.
+TEST(ManyShapes, MovingHalfSpaceFindsSleepers) {
+  Heap heap(0, 1000);
+  heap.scene.free("plane", 5, {1, 1, 1})
+      .shape("plane", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5))
+      .sphere("ball", 1, 0.05, material(0.5));
+  Simulation run(heap.scene.finish());
+  ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_DEFAULT | DYN_EFFECT_SLEEPING));
+  run.options.sleep_time = 0.05;
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+  run.set({0, 0, 0.5, 1, 0, 0, 0, 0, 0, 0.1, 0, 0, 0, 1});
+  int slept = 0;
+  double lowest = 1;
+  for (int k = 0; k < 400; ++k) {
+    run.steps(1);
+    lowest = std::min(lowest, run.q[2]);
+    if (run.q[2] > 0.2) slept = std::max(slept, run.report().sleeping);
+  }
+  EXPECT_EQ(1, slept);
+  EXPECT_NEAR(0.15, run.q[2], 2e-6);
+  EXPECT_GT(lowest, 0.149);
+}
+
 }  // namespace
 }  // namespace dyn_test::many_test

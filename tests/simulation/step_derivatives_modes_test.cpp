@@ -110,5 +110,21 @@ TEST(StepDerivatives, ModesThatHoldAreNotDegenerate) {
   }
 }
 
+// A ball that rebounds from where it touches: its impact is no switch, however light the ball is.
+TEST(StepDerivatives, ImpactsOfLightBallsAreNotDegenerate) {
+  for (const double mass : {1.0, 1e-7}) {
+    Scene scene;
+    scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0))
+        .sphere("ball", mass, 0.1, material(0, 0.7));
+    Stepper run(scene.finish());
+    run.set(upright(0, 0, 0.1 + 1e-8), {0, 0, -1, 0, 0, 0});
+    const Derivatives x = run.analytic();
+    ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+    ASSERT_EQ(1u, x.modes.size());
+    EXPECT_EQ(DYN_CONTACT_MODE_IMPACT, x.modes[0]) << mass;
+    EXPECT_EQ(0, x.degenerate[0]) << mass;
+  }
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -44,6 +44,21 @@ TEST(StepDerivatives, OfAnArmAtItsLimit) {
   run.agree();
 }
 
+// A pendulum beyond its one limit, without room for constraints: as many rows are corrected as there can be.
+TEST(StepDerivatives, OfAPendulumBeyondItsLimit) {
+  Builder b;
+  const double upper = 0.2;
+  ASSERT_EQ(DYN_OK, dyn_builder_set_constraint_slots(b, 0));
+  Spec hinge("hinge", DYN_JOINT_TYPE_REVOLUTE);
+  hinge.about(0, 1, 0), hinge.upper = &upper;
+  b.joint(hinge).body("bob", "hinge", 1, {0, 0, -1});
+  Stepper run(b.finish());
+  run.set({0.2 + 2e-4}, {0.1});
+  const Derivatives x = run.agree();
+  EXPECT_EQ(DYN_DERIVATIVE_METHOD_ANALYTIC, x.report.method);
+  EXPECT_NEAR(0.2 + 1e-4, x.q[0], 1e-9);  // a step removes half of what a limit is passed by
+}
+
 TEST(StepDerivatives, OfMechanisms) {
   for (const char* name : {"four_bar.urdf", "four_bar_in_space.urdf"}) {
     SCOPED_TRACE(name);
@@ -80,6 +95,29 @@ TEST(StepDerivatives, OfALoopThatIsOpen) {
   EXPECT_EQ(DYN_OK, run.analytic().status) << dyn_last_error();
   open(2e-5 / a_radian);
   EXPECT_EQ(DYN_ERROR_UNSUPPORTED, run.analytic().status);
+}
+
+// Two sleds, each geared to the other by its own ratio, so that the two rows nearly depend. An error that both rows hardly see
+// closes slowly.
+TEST(StepDerivatives, OfGearsThatNearlyAgree) {
+  const double none[3] = {};
+  for (const double apart : {5e-3, 1e-2}) {
+    Builder b;
+    ASSERT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
+    for (const char* name : {"a", "b"})
+      b.joint(Spec(name, DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)).body((std::string(name) + "_sled").c_str(), name, 1);
+    for (const bool second : {false, true}) {
+      dynConstraint c;
+      dyn_constraint_init(&c, DYN_CONSTRAINT_TYPE_COUPLING);
+      std::fill_n(c.coefficients, 5, 0.0);
+      c.coefficients[1] = second ? 2 * (1 + apart) : 0.5;
+      ASSERT_EQ(DYN_OK, dyn_builder_add_constraint(b, second ? "back" : "there", &c, second ? "b" : "a", second ? "a" : "b"))
+          << dyn_last_error();
+    }
+    Stepper run(b.finish());
+    run.set({1e-6, 2e-6}, {0, 0});
+    run.agree(1e-5);
+  }
 }
 
 // A four-bar whose coupler carries a ball that comes down on the ground within the step. Where the loop is open a little, the

@@ -49,6 +49,36 @@ TEST(StepDerivatives, OtherIntegratorsHaveCentralDifferences) {
   EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "SEMI_IMPLICIT_EULER")) << dyn_last_error();
 }
 
+// Two wheels with motors, by a method of order 4: v' = v + h gear u / I, q' = q + h v + h^2 gear u / (2 I). The same by tau,
+// without the gear.
+TEST(StepDerivatives, DifferencesByControlsOfOtherIntegrators) {
+  constexpr double h = 0.01, inertia[2] = {0.5, 0.2}, gear[2] = {3, -2};
+  Builder b;
+  for (int k = 0; k < 2; ++k) {
+    const std::string name(1, char('a' + k)), body = name + "_wheel";
+    const double com[3] = {}, I[9] = {1, 0, 0, 0, 1, 0, 0, 0, inertia[k]};
+    b.joint(Spec(name.c_str(), DYN_JOINT_TYPE_REVOLUTE).about(0, 0, 1));
+    ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, body.c_str(), name.c_str(), nullptr, 2, com, I)) << dyn_last_error();
+    dynActuator a;
+    dyn_actuator_init(&a, DYN_ACTUATOR_TYPE_MOTOR);
+    a.gear = gear[k];
+    ASSERT_EQ(DYN_OK, dyn_builder_add_actuator(b, name.c_str(), &a, name.c_str())) << dyn_last_error();
+  }
+  Stepper run(b.finish(), h);
+  run.integrate_by(DYN_INTEGRATOR_RK4);
+  run.set({0.1, 0.2}, {1, -2});
+  const Derivatives x = run.central(1e-3);
+  ASSERT_EQ(DYN_OK, x.status) << dyn_last_error();
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double by = i == k ? h / inertia[k] : 0;  // of v' by tau
+      EXPECT_NEAR(by * h / 2, x.B[i + 4 * k], 1e-12);
+      EXPECT_NEAR(by, x.B[2 + i + 4 * k], 1e-12);
+      EXPECT_NEAR(by * gear[k] * h / 2, x.B_control[i + 4 * k], 1e-12);
+      EXPECT_NEAR(by * gear[k], x.B_control[2 + i + 4 * k], 1e-12);
+    }
+}
+
 // ---------------------------------------------------------------------------------------------------- contacts
 
 TEST(StepDerivatives, OfARollingBall) {

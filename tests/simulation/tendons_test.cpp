@@ -50,6 +50,25 @@ void add_weights(Builder& b, const std::vector<double>& x, const std::vector<dou
   }
 }
 
+// A string between two sites has the length of their distance and moves with its rate, however the sites are turned.
+TEST(Tendons, SitesMayBeTurned) {
+  for (int k = 0; k < 8; ++k) {
+    const double c = std::cos(0.3 + 0.7 * k), s = std::sin(0.3 + 0.7 * k);
+    Builder b;
+    add_weights(b, {0.3}, {mass});
+    const double fixed[12] = {c, s, 0, -s, c, 0, 0, 0, 1, 0, 0, 0}, moved[12] = {c, 0, -s, 0, 1, 0, s, 0, c, 0, 0.4, 0};
+    ASSERT_EQ(DYN_OK, dyn_builder_add_frame(b, "fixed", "universe", fixed, DYN_FRAME_TYPE_OP_FRAME)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_frame(b, "moved", "a_link", moved, DYN_FRAME_TYPE_OP_FRAME)) << dyn_last_error();
+    add(b, "string", tendon_of(DYN_TENDON_TYPE_SPATIAL), {site("moved"), site("fixed")});
+    Simulation run(b.finish());
+    const double q = 1.2, v = 0.7, length = std::hypot(0.3, 0.4, q);
+    double l = 0, rate = 0;
+    ASSERT_EQ(DYN_OK, dyn_tendons(run.m, run.d, &q, &v, &l, &rate, nullptr)) << dyn_last_error();
+    EXPECT_NEAR(length, l, 1e-15);
+    EXPECT_NEAR(q * v / length, rate, 1e-15);
+  }
+}
+
 // Two wheels on a spring: the difference of their angles oscillates at sqrt(2 k / I), their sum moves on.
 TEST(Tendons, SpringBetweenTwoWheelsOscillates) {
   const double k = 8, rate = std::sqrt(2 * k / inertia);
@@ -201,6 +220,33 @@ TEST(Tendons, WeightsOverACylinder) {
   const double a = g * (m1 - m2) / (m1 + m2);
   EXPECT_NEAR(-a * 0.5, run.v[0], 1e-6);
   EXPECT_NEAR(a * 0.5, run.v[1], 1e-6);
+}
+
+// A string around a peg whose side is beyond the peg, both ends before it: it goes the long way. Its length is that of two
+// tangents and of the arc between them.
+TEST(Tendons, StringsGoTheLongWayToTheirSide) {
+  constexpr double r = 1;
+  struct Ends {
+    double ax, ay, bx, by;
+  };
+  for (const Ends& e : {Ends{-0.02, -2.93, -0.18, -1.40}, Ends{0.75, -1.80, 0.75, -1.07}, Ends{-2.61, -0.26, -1.26, 0.06},
+                        Ends{-1.5, -2, 1.5, -2}}) {
+    const double la = std::hypot(e.ax, e.ay), lb = std::hypot(e.bx, e.by), x = e.ax / la + e.bx / lb, y = e.ay / la + e.by / lb;
+    Builder b;
+    add_weights(b, {0}, {mass});
+    frame(b, "one", "a_link", {e.ax, e.ay, 0});
+    frame(b, "two", "universe", {e.bx, e.by, 0});
+    frame(b, "peg", "universe", {0, 0, 0});
+    frame(b, "beyond", "universe", {-3 * x, -3 * y, 0});
+    add(b, "string", tendon_of(DYN_TENDON_TYPE_SPATIAL),
+        {site("one"), element(DYN_TENDON_ELEMENT_TYPE_CYLINDER, "peg", r, "beyond"), site("two")});
+    Simulation run(b.finish());
+    double length = 0;
+    ASSERT_EQ(DYN_OK, dyn_tendons(run.m, run.d, nullptr, nullptr, &length, nullptr, nullptr)) << dyn_last_error();
+    const double between = std::acos((e.ax * e.bx + e.ay * e.by) / (la * lb)),
+                 arc = 2 * M_PI - between - std::acos(r / la) - std::acos(r / lb);
+    EXPECT_NEAR(std::sqrt(la * la - r * r) + r * arc + std::sqrt(lb * lb - r * r), length, 1e-12) << e.ax;
+  }
 }
 
 // A pulley's branches count by their divisor: the block and tackle halves the force.

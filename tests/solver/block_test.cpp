@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "solver/interior_point.hpp"
 #include "solver/local_cone.hpp"
 #include "solver/point_contact.hpp"
 
@@ -180,6 +181,60 @@ TEST(PointContact, NearlySingularBlocksAreRefused) {
     const double block[9] = {1, 0, 0, 0, 1, std::sqrt(1 - share), 0, std::sqrt(1 - share), 1};
     PointContact point;
     EXPECT_EQ(share > 1e-10, point.set(block, 3)) << share;
+  }
+}
+
+// Bounded rows that nothing couples: c = G y + g.
+struct Uncoupled {
+  static constexpr bool inverse_laws = false;
+  static constexpr double compliance = 0, edge = 0;
+  static constexpr Index n = 6;
+  double G[n], g[n];
+  Block blocks[n] = {};
+  LawMatrix laws[n];
+
+  template <class F>
+  void for_each(F&& f) const {
+    for (Index k = 0; k < n; ++k) f(blocks[k], k);
+  }
+  LawMatrix& law(Index k) { return laws[k]; }
+  double correction(Index) const { return 0; }
+  bool factorize(bool) const { return true; }
+  void solve(const double* r, double* dy, double* dc) const {
+    for (Index k = 0; k < n; ++k) dy[k] = laws[k][0][0] * r[k] / (1 + laws[k][0][0] * G[k]), dc[k] = G[k] * dy[k];
+  }
+};
+
+// Boxes follow z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c. The last equation is linear: Newton's step of length t
+// leaves 1 - t of its error, in all rows alike.
+TEST(InteriorPoint, StepsReduceTheErrorOfAllBoxesAlike) {
+  Random draw;
+  for (int round = 0; round < 20; ++round) {
+    constexpr Index n = Uncoupled::n;
+    Uncoupled problem;
+    for (Index k = 0; k < n; ++k) {
+      problem.G[k] = draw.power(-1, 1), problem.g[k] = draw.normal();
+      Block& s = problem.blocks[k];
+      s.rows = 1, s.first = k, s.lower = k % 3 == 1 ? -HUGE_VAL : -draw.uniform(0, 1), s.upper = k % 3 == 0 ? HUGE_VAL : 1;
+    }
+    double y[n] = {}, c[n], dy[n], dc[n], rhs[n], U[n], upper[n], dU[n], dupper[n], before[n];
+    InteriorPoint<Uncoupled> path{problem, n, y, c, dy, dc, rhs, U, upper, dU, dupper};
+    const auto set_velocity = [&] {
+      for (Index k = 0; k < n; ++k) c[k] = problem.G[k] * y[k] + problem.g[k];
+    };
+    set_velocity(), path.start_inside(1, 1), set_velocity();
+    const auto error = [&](Index k) { return U[k] - upper[k] - c[k]; };
+    for (int step = 0; step < 4; ++step) {
+      Index worst = 0;
+      for (Index k = 0; k < n; ++k) {
+        before[k] = error(k);
+        if (std::abs(before[k]) > std::abs(before[worst])) worst = k;
+      }
+      ASSERT_TRUE(path.step());
+      const double left = std::abs(before[worst]) > 1e-12 ? error(worst) / before[worst] : 0;  // nothing after a whole step
+      EXPECT_TRUE(left > -1e-9 && left < 1) << left;
+      for (Index k = 0; k < n; ++k) EXPECT_NEAR(left * before[k], error(k), 1e-12) << round << " " << step;
+    }
   }
 }
 

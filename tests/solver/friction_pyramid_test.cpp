@@ -47,5 +47,22 @@ TEST(FrictionPyramid, IsARegularPolygonAroundTheConeOrInIt) {
   }
 }
 
+// H is G with the compliance on its diagonal. Zeros of G are left out, but the diagonal is there.
+TEST(FrictionPyramid, QuadraticTermIsTheMatrixAndItsCompliance) {
+  Scene s;
+  s.G = {0, 0, 0, 0, 1, -0.25, 0, -0.25, 3}, s.g = {0, 0, 0}, s.friction = {0.5}, s.compliance = {0, 0.1, 0.2};
+  dynQp qp;
+  dyn_qp_init(&qp);
+  ASSERT_EQ(DYN_OK, dyn_contact_problem_qp(s.get(), 4, 0, &qp)) << dyn_last_error();
+  ASSERT_EQ(5, qp.H_nonzeros);
+  std::vector<std::int32_t> columns(4), rows(5);
+  Vector H(5), full(9);
+  qp.H_columns = columns.data(), qp.H_rows = rows.data(), qp.H = H.data();
+  ASSERT_EQ(DYN_OK, dyn_contact_problem_qp(s.get(), 4, 0, &qp)) << dyn_last_error();
+  for (std::size_t j = 0; j < 3; ++j)
+    for (auto n = std::size_t(columns[j]); n < std::size_t(columns[j + 1]); ++n) full[std::size_t(rows[n]) + 3 * j] = H[n];
+  EXPECT_EQ((Vector{0, 0, 0, 0, 1.1, -0.25, 0, -0.25, 3.2}), full);
+}
+
 }  // namespace
 }  // namespace dyn_test
