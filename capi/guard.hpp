@@ -155,6 +155,8 @@ Index find_configuration(const Model& m, const char* name);
 const char* name_of_part(dynParts part);
 // One call on a model and its data: checks the handles and the part; in checked builds that no other thread is in.
 class Call {
+  DefaultFloatingPoint settings;
+
  public:
   Call(const dynModel* model, dynData* data, dynParts part, const char* function_) : function(function_) {
 #if !DYN_CHECKED
@@ -174,10 +176,6 @@ class Call {
   }
   Call(const Call&) = delete;
 
- private:
-  DefaultFloatingPoint settings;
-
- public:
   dynStatus status = DYN_OK;
   const char* const function;
   explicit operator bool() const { return status == DYN_OK; }
