@@ -3,22 +3,20 @@
 #ifndef CONTROL_H
 #define CONTROL_H
 
-#include "dyn.h"
+#include "watchdog.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-enum { CONTROL_JOINTS = 8, CONTROL_MAX_FAILURES = 10 };
+enum { CONTROL_JOINTS = 8 };
 
 typedef struct Control {
   const dynModel* model;
   dynData* data;
   double stiffness, damping;     /* of the error: 1/s^2, 1/s */
   double hold[CONTROL_JOINTS];   /* torque against gravity in the last good cycle */
-  dynStatus status;              /* of the last cycle */
-  int failures;                  /* cycles in a row that failed */
-  int stopped;                   /* 1: too many did; the torque is zero until control_begin, the brakes hold */
+  Watchdog watchdog;
 } Control;
 
 typedef struct Target {

@@ -72,9 +72,9 @@ void SysTick_Handler() {
   const std::uint32_t ended = systick[2];
   if (systick[0] >> 16 & 1) control_failed(&control, tau);  // the timer came round: the cycle took longer than a millisecond
   else if (began - ended > worst) worst = began - ended;
-  if (control.stopped && !stopped_at) stopped_at = n;
+  if (control.watchdog.stopped && !stopped_at) stopped_at = n;
 
-  if (!control.stopped && !plant_status) plant_status = plant_step(&plant, tau, h);  // drives; stopped: brakes
+  if (!control.watchdog.stopped && !plant_status) plant_status = plant_step(&plant, tau, h);  // drives; stopped: brakes
   if (n < motion) drift = std::fmax(drift, largest(plant.v)), held = largest(tau);
   else phase.advance();
   cycle = n + 1;
@@ -95,7 +95,7 @@ int board::program() {
   print("  stopped after "), print(std::uint64_t(stopped_at - lasting_fault + 1)), print(" failed cycles: ");
   print(dyn_last_error()), print("\n  worst cycle "), print(instructions), print(" instructions, stack ");
   print(std::uint64_t(stack_used())), print(" bytes\n");
-  const bool stopped = stopped_at == lasting_fault + CONTROL_MAX_FAILURES;
+  const bool stopped = stopped_at == lasting_fault + WATCHDOG_MAX_FAILURES;
   const bool good = !plant_status && drift < 1e-9 && held > 1 && error < 2e-3 && stopped;
   print(good ? "  passed\n" : "  failed\n");
   return good ? 0 : 1;
