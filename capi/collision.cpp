@@ -2,8 +2,8 @@
 #include "collision.hpp"
 
 #include <cmath>
-#include <cstdio>
 
+#include "base/format.hpp"
 #include "collision/ccd.hpp"
 #include "simulation/workspace.hpp"
 #include "surfaces.hpp"
@@ -34,7 +34,7 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
                 "%s: %s is a mesh, a name alone: use DYN_SHAPE_TYPE_CONVEX or DYN_SHAPE_TYPE_TRIANGLES with a dynMesh", function,
                 name);
   char what[40];
-  std::snprintf(what, sizeof what, "%s: type", name);
+  write_text(what, sizeof what, "%s: type", name);
   if (const dynStatus s = check_value(g->type, function, what)) return s;
   collision::geometry_of(g->type, g->size, g->radius, out);
   for (int k = 0; k < collision::size_count(g->type); ++k)

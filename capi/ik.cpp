@@ -1,7 +1,7 @@
 // Inverse kinematics: what a caller's tasks and options may be, and the call.
 #include <cmath>
-#include <cstdio>
 
+#include "base/format.hpp"
 #include "checks.hpp"
 #include "algorithm/ik_tasks.hpp"
 #include "reflection.hpp"
@@ -50,7 +50,7 @@ bool rotates(Call& call, Index task, const double* target) {
 bool good_task(Call& call, const dynIkTask& t, Index k) {
   const Model& m = call.m();
   char name[40];
-  std::snprintf(name, sizeof name, "type of task %d", int(k));
+  write_text(name, sizeof name, "type of task %d", int(k));
   if (const dynStatus s = check_value(t.type, "dyn_ik", name)) return refuse(call, s);
   if (t.priority != 0 && t.priority != 1)
     return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: priority %d of task %d is neither 0 nor 1", int(t.priority), int(k)));

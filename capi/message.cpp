@@ -1,11 +1,8 @@
 // The last error, and what the library says of itself.
 #include <cstdarg>
-#include <cstdio>
 
+#include "base/format.hpp"
 #include "guard.hpp"
-#if DYN_NO_HOST
-#include "format.hpp"
-#endif
 
 namespace dyn::capi {
 
@@ -27,11 +24,7 @@ dynStatus fail_with(dynStatus status, const char* format, ...) {
 #endif
   va_list args;
   va_start(args, format);
-#if DYN_NO_HOST
-  Format(last_error, sizeof last_error).write(format, args);
-#else
-  std::vsnprintf(last_error, sizeof last_error, format, args);
-#endif
+  write_text(last_error, sizeof last_error, format, args);
   va_end(args);
   for (char* c = last_error; *c; ++c)  // names of the caller's: a message is one line
     if (static_cast<unsigned char>(*c) < 0x20 || *c == 0x7f) *c = ' ';

@@ -1,9 +1,9 @@
 // Sensors of rollouts: one row for each value of dynSensorType, in its order.
 #include "sensors.hpp"
 
-#include <cstdio>
 #include <algorithm>
 
+#include "base/format.hpp"
 #include "simulation/workspace.hpp"
 #include "spatial/quaternion.hpp"
 #include "reflection.hpp"
@@ -100,7 +100,7 @@ dynStatus check_sensors(const Model& m, Sensors sensors, const char* function) {
   for (int k = 0; k < sensors.count; ++k) {
     const dynSensorType type = sensors.type[k];
     char name[40];
-    std::snprintf(name, sizeof name, "sensor[%d]", k);
+    write_text(name, sizeof name, "sensor[%d]", k);
     if (const dynStatus s = check_value(type, function, name)) return s;
     if (!rows[raw(type)].of_frame) continue;
     if (!sensors.frame) return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame is NULL, but sensor[%d] has a frame", function, k);

@@ -1412,6 +1412,7 @@ typedef struct dynConstraint {
 DYN_API void dyn_constraint_init(dynConstraint* constraint, uint32_t struct_size, dynConstraintType type);
 #define dyn_constraint_init(x, type) dyn_constraint_init(x, sizeof(dynConstraint), type)
 
+#ifndef DYN_BARE
 /* Adds a constraint to the builder. The names first and second, of frames or joints, replace the ids in
    constraint. second NULL: the universe. */
 DYN_API dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name,
@@ -1424,6 +1425,7 @@ DYN_API dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slot
    moves 1 (sphere, ellipsoid), 6 (each of the first 12 hulls and meshes) or 2; of a single body that flies 8,
    12 or 24; at most 50,000. */
 DYN_API dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts);
+#endif
 /* Returns the contact points that a step of this model can hold. */
 DYN_API int dyn_model_contact_capacity(const dynModel* model);
 /* Returns the number of constraints of the model. */
@@ -2090,6 +2092,7 @@ typedef struct dynTendon {
 } dynTendon;
 DYN_API void dyn_tendon_init(dynTendon* tendon, uint32_t struct_size, dynTendonType type);
 #define dyn_tendon_init(x, type) dyn_tendon_init(x, sizeof(dynTendon), type)
+#ifndef DYN_BARE
 /* Adds a tendon of count elements. */
 DYN_API dynStatus dyn_builder_add_tendon(dynBuilder* builder, const char* name, const dynTendon* tendon,
                                          const dynTendonElement* elements, int count);
@@ -2097,6 +2100,7 @@ DYN_API dynStatus dyn_builder_add_tendon(dynBuilder* builder, const char* name, 
    the lengths in the initial configuration. tendon2 NULL: L1 - L1_0 = c0. A constraint of steps. */
 DYN_API dynStatus dyn_builder_couple_tendons(dynBuilder* builder, const char* name, const char* tendon1,
                                              const char* tendon2, const double coefficients[5]);
+#endif
 /* Returns the number of tendons. */
 DYN_API int dyn_model_ntendons(const dynModel* model);
 /* Returns the name of a tendon, or NULL when out of range. */
@@ -2244,6 +2248,7 @@ typedef struct dynActuator {
 } dynActuator;
 DYN_API void dyn_actuator_init(dynActuator* actuator, uint32_t struct_size, dynActuatorType type);
 #define dyn_actuator_init(x, type) dyn_actuator_init(x, sizeof(dynActuator), type)
+#ifndef DYN_BARE
 /* Adds an actuator to the joint, tendon or frame of that name. */
 DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator,
                                            const char* target);
@@ -2258,6 +2263,7 @@ DYN_API dynStatus dyn_builder_limit_actuators(dynBuilder* builder, const char* j
 /* The same for a tendon. */
 DYN_API dynStatus dyn_builder_limit_tendon_actuators(dynBuilder* builder, const char* tendon, double lower,
                                                      double upper);
+#endif
 /* Returns the number of such limits. */
 DYN_API int dyn_model_nforce_limits(const dynModel* model);
 /* A limit of the sum of the actuators on a joint or a tendon. */
@@ -2417,10 +2423,12 @@ typedef struct dynSensor {
 } dynSensor;
 DYN_API void dyn_sensor_init(dynSensor* sensor, uint32_t struct_size, dynQuantity quantity);
 #define dyn_sensor_init(x, quantity) dyn_sensor_init(x, sizeof(dynSensor), quantity)
+#ifndef DYN_BARE
 /* Adds a sensor. object: the name of what it is on; NULL where the quantity has none. reference: the name of
    a frame, of the other side, or NULL. */
 DYN_API dynStatus dyn_builder_add_sensor(dynBuilder* builder, const char* name, const dynSensor* sensor,
                                          const char* object, const char* reference);
+#endif
 /* Returns the number of sensors. */
 DYN_API int dyn_model_nsensors(const dynModel* model);
 /* Returns the number of values of all sensors. */

@@ -1,8 +1,8 @@
 // What users say of a constraint: checked, and turned into what the algorithms read.
 #include <algorithm>
 #include <cstdarg>
-#include <cstdio>
 
+#include "base/format.hpp"
 #include "model/constraints.hpp"
 
 namespace dyn {
@@ -16,7 +16,7 @@ struct Refusal {
   dynStatus operator()(dynStatus status, const char* format, ...) const __attribute__((format(printf, 3, 4))) {
     va_list args;
     va_start(args, format);
-    std::vsnprintf(message, room, format, args);
+    write_text(message, room, format, args);
     va_end(args);
     return status;
   }

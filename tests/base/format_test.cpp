@@ -1,5 +1,5 @@
 // Tests of the printf of boards against the C library's.
-#include "format.hpp"
+#include "base/format.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ std::string formatted(std::size_t size, const char* format, ...) {
   char text[256];
   va_list args;
   va_start(args, format);
-  dyn::capi::Format(text, size).write(format, args);
+  dyn::Format(text, size).write(format, args);
   va_end(args);
   return text;
 }

@@ -91,6 +91,13 @@ if(DYN_ALL_IMAGES)
   endforeach()
 endif()
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m7")
+  # every function that boards have: it links without a heap and without the C library's streams
+  set(list ${PROJECT_BINARY_DIR}/functions_of_boards.inc)
+  add_custom_command(OUTPUT ${list} DEPENDS ${PROJECT_SOURCE_DIR}/include/dyn.h ${CMAKE_CURRENT_LIST_DIR}/functions
+    COMMAND ${CMAKE_CURRENT_LIST_DIR}/functions ${CMAKE_C_COMPILER} ${PROJECT_SOURCE_DIR}/include/dyn.h ${list} VERBATIM)
+  dyn_objects_of(all_dyn_h dyn_board SOURCES ${CMAKE_CURRENT_LIST_DIR}/all_dyn_h.cpp ${list})
+  target_include_directories(all_dyn_h_objects PRIVATE ${PROJECT_BINARY_DIR})
+  dyn_link(all_dyn_h dyn_board mps2)
   dyn_image(dynamics arm BOARDS ${DYN_BOARDS})
   dyn_program(contact_dyn_h SOURCES ${CMAKE_CURRENT_LIST_DIR}/contact_dyn_h.cpp PARTS SIMULATION CONSTRAINTS COLLISION CHOLESKY BOARDS ${DYN_BOARDS}
               DEFINES DYN_TABLES="contact_quadruped.hpp")

@@ -1,4 +1,4 @@
-// The part of printf that messages use, for boards: without a heap, without a locale, a kilobyte of code.
+// Text by a format. On boards by the part of printf that messages use: without a heap, without a locale, a kilobyte of code.
 // %s %d %u %x %g and %%, with z, t and ll before an integer, and a precision: letters of a text, or digits of a number
 // (9 at most).
 #pragma once
@@ -6,8 +6,11 @@
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
+#if !DYN_NO_HOST
+#include <cstdio>
+#endif
 
-namespace dyn::capi {
+namespace dyn {
 
 class Format {
  public:
@@ -102,4 +105,18 @@ class Format {
   va_list args;
 };
 
-}  // namespace dyn::capi
+inline void write_text(char* to, std::size_t size, const char* format, va_list given) {
+#if DYN_NO_HOST
+  Format(to, size).write(format, given);
+#else
+  std::vsnprintf(to, size, format, given);
+#endif
+}
+__attribute__((format(printf, 3, 4))) inline void write_text(char* to, std::size_t size, const char* format, ...) {
+  va_list given;
+  va_start(given, format);
+  write_text(to, size, format, given);
+  va_end(given);
+}
+
+}  // namespace dyn
