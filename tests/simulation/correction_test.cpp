@@ -146,7 +146,7 @@ TEST(Correction, AnArmOutOfReachSettlesInManySteps) {
 
 // A hinge that a weld asks to turn back by one radian. Without gravity a step removes 1e-3 rad of an error of angles, as it
 // removes 1e-3 of the length of a distance.
-TEST(Correction, AnAngleThatIsFarOffClosesSlowly) {
+TEST(Correction, AnAngleThatIsFarOffClosesBitByBit) {
   const double none[3] = {0, 0, 0};
   Builder b;
   ASSERT_EQ(DYN_OK, dyn_builder_set_gravity(b, none));
