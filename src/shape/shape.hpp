@@ -18,7 +18,7 @@
 //   flat(n)                   straight directions of the feature that faces n
 //   facing(n, band, feature)  the feature that faces n (feature.hpp). Of several at the support point, the one with most corners
 //                             within `band` of the support plane. Default: the support point
-//   extent()                  distance of the farthest point from the frame's origin, m
+//   extent()                  distance of the farthest point from the frame's origin, m, no less by rounding
 //   solid()                   mass, first and second moments about the origin at density 1, rounding included
 // It may replace bounds(R) and ray(origin, direction) of Solid by faster ones.
 #pragma once
