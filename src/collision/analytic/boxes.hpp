@@ -54,7 +54,7 @@ struct BoxAxes {
     double side;
     if (edges_apart(face + margin)) {
       const Edges along = edges();
-      const int k = std::countr_zero(along.at_least(along.largest() - margin));
+      const int k = std::countr_zero(along.at_least(along.largest() - margin) | 1u << 11);  // the last at most
       out.i = k & 3, out.j = k >> 2, out.distance = along.x[out.j][out.i];
       n = cross(shape::axis(out.i), X.R[out.j]) * (1 / std::sqrt(length2[out.j][out.i])), side = dot(n, X.p);
     } else {
