@@ -272,7 +272,6 @@ dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, cons
 }
 
 dynStatus dyn_algorithm_run(const dynModel* model, dynData* data, dynAlgorithm algorithm, const dynBatchArrays* arrays) {
-  const DefaultFloatingPoint settings;
   if (const dynStatus s = check_value(algorithm, "dyn_algorithm_run", "algorithm")) return s;
   if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_algorithm_run: arrays is NULL: it is required");
   if (arrays->struct_size < sizeof(dynBatchArrays))

@@ -24,7 +24,7 @@ dynStatus fail_with(dynStatus status, const char* format, ...) {
 #endif
   va_list args;
   va_start(args, format);
-  write_text(last_error, sizeof last_error, format, args);
+  vwrite_text(last_error, sizeof last_error, format, args);
   va_end(args);
   for (char* c = last_error; *c; ++c)  // names of the caller's: a message is one line
     if (static_cast<unsigned char>(*c) < 0x20 || *c == 0x7f) *c = ' ';

@@ -14,11 +14,12 @@ namespace dyn {
 class DefaultFloatingPoint {
  public:
 #if defined(__SSE2__)
-  DefaultFloatingPoint() : callers(_mm_getcsr()) {
-    if ((callers & ~raised) != standard) [[unlikely]] set(standard);
+  DefaultFloatingPoint() {
+    const unsigned now = _mm_getcsr();
+    if ((now & ~raised) != standard) [[unlikely]] set(standard), callers = now;
   }
   ~DefaultFloatingPoint() {
-    if ((callers & ~raised) != standard) [[unlikely]] set(callers);
+    if (callers) [[unlikely]] set(callers);
   }
 
  private:
@@ -28,7 +29,7 @@ class DefaultFloatingPoint {
     _mm_setcsr(settings);
     asm volatile("" ::: "memory");
   }
-  unsigned callers;
+  unsigned callers = 0;  // 0: they are the default ones
 #elif defined(__aarch64__)
   DefaultFloatingPoint() : callers(get()) {
     if (callers != 0) [[unlikely]] set(0);

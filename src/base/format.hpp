@@ -105,7 +105,7 @@ class Format {
   va_list args;
 };
 
-inline void write_text(char* to, std::size_t size, const char* format, va_list given) {
+inline void vwrite_text(char* to, std::size_t size, const char* format, va_list given) {
 #if DYN_NO_HOST
   Format(to, size).write(format, given);
 #else
@@ -115,7 +115,7 @@ inline void write_text(char* to, std::size_t size, const char* format, va_list g
 __attribute__((format(printf, 3, 4))) inline void write_text(char* to, std::size_t size, const char* format, ...) {
   va_list given;
   va_start(given, format);
-  write_text(to, size, format, given);
+  vwrite_text(to, size, format, given);
   va_end(given);
 }
 

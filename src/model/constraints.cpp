@@ -16,7 +16,7 @@ struct Refusal {
   dynStatus operator()(dynStatus status, const char* format, ...) const __attribute__((format(printf, 3, 4))) {
     va_list args;
     va_start(args, format);
-    write_text(message, room, format, args);
+    vwrite_text(message, room, format, args);
     va_end(args);
     return status;
   }

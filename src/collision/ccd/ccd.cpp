@@ -26,11 +26,11 @@ struct Object {
   const Shape* shape;
   Pose X;
   double scale;
-  int left = most_points;
+  mutable int left = most_points;
 };
 
 void support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* out) {
-  Object& o = *const_cast<Object*>(static_cast<const Object*>(object));
+  const Object& o = *static_cast<const Object*>(object);
   if (o.left-- <= 0) return store3(Vec::zero(), out->v);
   const Vec d = load3(direction->v);
   Vec p = o.X.p;
@@ -68,7 +68,7 @@ bool ccd_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   const double scale = usual_size / small;
   if (!(scale < infinity)) return false;
   // relative to A, so rounding does not grow with the distance from the world's origin
-  Object objects[2] = {{&a, {X_WA.R, Vec::zero()}, scale}, {&b, {X_WB.R, X_WB.p - X_WA.p}, scale}};
+  const Object objects[2] = {{&a, {X_WA.R, Vec::zero()}, scale}, {&b, {X_WB.R, X_WB.p - X_WA.p}, scale}};
   ccd_t ccd{};  // CCD_INIT would link a function of libccd, which is opened at run time
   ccd.support1 = ccd.support2 = support, ccd.first_dir = first_direction;
   // tolerance of squared lengths; libccd's EPA stalls on curved shapes below 1e-8
