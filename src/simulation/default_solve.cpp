@@ -41,7 +41,7 @@ void Island::solve_by_segments(double fine, Sweeps<BySegments>& sweeps, dynConta
   const auto unsolved = [&] { return report.residual > tolerance && within_budget(report); };
   if (unsolved()) Smoothing(*this).run(smoothing_steps, report);
   if (unsolved() && large() && rows <= tuning::island::dense_rows) newton(report, true);
-  if (report.residual <= tolerance) solve_finely(large_steps, fine, report);
+  if (report.residual <= tolerance) solve_finely(fine_steps, fine, report);
 }
 
 // Small islands and few sweeps leave iterations for methods that large mass ratios do not slow down.

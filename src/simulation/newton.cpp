@@ -75,7 +75,7 @@ bool Newton::factorize(double compliance) {
 
 void Newton::solve_laws(double* r, double* a, double* G_a, double removed) const {
   std::fill_n(a, x.rows, 0.0), std::fill_n(G_a, x.rows, 0.0);
-  for (int k = 0; k <= refinements; ++k) {
+  for (int k = 0, last = rough && removed == 0 ? 0 : refinements; k <= last; ++k) {
     G.clear();
     for_each([&](const Block& b, const State& s, Index constraint) {
       if (!s.acts) return;
@@ -157,6 +157,15 @@ double Newton::take(dynContactReport& report) {
   return found;
 }
 
+bool Newton::slides() const {
+  Index slip = 0, stick = 0;
+  for_each([&](const Block& b, State& s, Index) {
+    s.find(b, y + b.first, c + b.first, dy + b.first);
+    slip += s.mode == State::slip, stick += s.acts && s.mode == State::stick;
+  });
+  return slip > sliding * stick;
+}
+
 bool Newton::run(Index most, double enough, dynContactReport& report) {
   double last = HUGE_VAL;
   w.limit.expect(solver::TimeLimit::Unit::Segments, x.rows);
@@ -174,7 +183,9 @@ bool Newton::run(Index most, double enough, dynContactReport& report) {
     last = found;
     return found <= x.tolerance || (found <= enough && stalls) ? Progress::solved : Progress::going;
   };
-  method.damping = 0;
+  rough = x.tolerance < enough;
+  const bool between = enough < report.residual && report.residual < tuning::default_solve::near_guess;
+  method.damping = rough && between && slides() ? damping : 0;
   const bool solved = method.run(most, may_step, accept);
   if (solved) G.write(best);
   return solved;

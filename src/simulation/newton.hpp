@@ -56,6 +56,7 @@ class Newton {
   std::ptrdiff_t room;
   double bound = 0;          // of impulses
   double least = HUGE_VAL;  // residual of the best
+  bool rough = false;       // more than the tolerance is enough
   // by rows, normal first, scaled
   double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room,
          *G_step = before + 3 * room, *g = G_step + room;
@@ -82,10 +83,13 @@ class Newton {
   Error error() const { return std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0), method.error(0); }
   bool factorize_laws(bool symmetric);  // symmetric: all of the laws are
   // (G + K^-1) a = r by refinements: what G a misses of Y^T z, and the compliance removed, is the next right side. Changes r.
+  // If none is removed, the step is damped, and for a rough result as good without refinements.
   void solve_laws(double* r, double* a, double* G_a, double removed) const;
   void fill(Index position, double* D) const;
   void candidate(double* into) const;
   double residual(const double* impulses) const;
+  // Whether so many contacts slide that redundant ones make a step without damping too long.
+  bool slides() const;
   double take(dynContactReport& report);
 };
 

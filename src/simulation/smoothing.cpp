@@ -2,6 +2,9 @@
 
 namespace dyn::simulation {
 
+using namespace solver::tuning::smoothing;
+using solver::Progress;
+
 bool Smoothing::factorize() {
   std::fill_n(w.newton_acts, e.size, false);
   for_each([&](const Block&, const State& s, Index k) {
@@ -32,8 +35,16 @@ void Smoothing::run(Index max_steps, dynContactReport& report) {
   w.limit.expect(solver::TimeLimit::Unit::Segments, x.rows);
   std::copy_n(before, x.rows, y), candidate(y), velocities(y, c);
   const auto may_step = [&] { return x.within_budget(report) && ++report.newton_steps; };
-  const auto accept = [&] { return take(report) <= x.tolerance ? solver::Progress::solved : solver::Progress::going; };
   std::copy_n(y, x.rows, best), least = report.residual = residual(best);
+  double mark = least, first = 0;  // first: eps
+  int idle = 0;
+  const auto accept = [&] {
+    first = std::max(first, path.smooth.eps);
+    if (take(report) <= x.tolerance) return Progress::solved;
+    if (least < stall_progress * mark) mark = least, idle = 0;
+    else ++idle;
+    return x.large() && path.smooth.eps < stall_eps * first && idle >= stall_steps ? Progress::stuck : Progress::going;
+  };
   path.run(max_steps, may_step, accept);
   G.write(best);
 }

@@ -100,6 +100,7 @@ inline constexpr double contradictory_softness = 0.1;
 namespace default_solve {
 inline constexpr double near_guess = 0.02;      // residual of the guess up to which large islands try Newton's method first
 inline constexpr Index small_steps = 8, large_steps = 4;  // of Newton's method, in small islands and in large ones
+inline constexpr Index fine_steps = 2;          // after the smoothing method, which is followed where guesses are far
 inline constexpr Index few_sweeps = 10, smoothing_steps = 50;  // sweeps where other methods follow
 inline constexpr Index small_rows = 64;         // up to which the dense matrix is tried last: beyond, it takes a millisecond
 }  // namespace default_solve
@@ -115,6 +116,7 @@ namespace newton {
 inline constexpr double min_compliance = 1e-6;  // of the unit diagonal: steps are unique for redundant contacts
 inline constexpr double damping = 1e-2;         // of the unit diagonal: Levenberg-Marquardt, after a step that failed
 inline constexpr int refinements = 1;           // iterative refinements of a step, which remove the effect of min_compliance
+inline constexpr double sliding = 0.1;          // contacts that slide, over those that stick: beyond, steps from afar are damped
 inline constexpr int relaxations = 3;           // tries to find which contacts press in the smallest impulses
 inline constexpr double jammed = 100;           // of the impulses that stop all motion: larger ones are stress locked by friction
 inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones

@@ -14,7 +14,7 @@ struct Smoothed {
 
   template <class S>
   struct Value {
-    S value, slope;
+    S value, slope, root;
   };
   // (normal, along t / |t|); d normal / d n = d along / d |t|: own; d normal / d |t|: mixed; along / |t|: across
   template <class S, int rows>
@@ -27,10 +27,10 @@ struct Smoothed {
   DYN_INLINE Value<S> plus(S z) const {
     using std::sqrt;
     const S root = sqrt(z * z + S(4 * eps * eps));
-    return {(z + root) * S(0.5), (S(1.0) + z / root) * S(0.5)};
+    return {(z + root) * S(0.5), (S(1.0) + z / root) * S(0.5), root};
   }
   Value<double> bounded(double z, double lower, double upper) const {
-    Value<double> out{z, 1};
+    Value<double> out{z, 1, 0};
     if (!std::isinf(lower)) out = plus(z - lower), out.value += lower;
     if (!std::isinf(upper)) {
       const Value<double> above = plus(z - upper);
@@ -47,9 +47,9 @@ struct Smoothed {
     const S length = sqrt(square);
     const Value<S> low = plus(z[0] - length), high = plus(z[0] + length);
     for (int i = 1; i < rows; ++i) out.direction[i - 1] = choose(length > S(0.0), z[i] / length, S(double(i == 1)));
-    out.normal = (low.value + high.value) * S(0.5), out.along = (high.value - low.value) * S(0.5);
+    out.across = (S(1.0) + S(2.0) * z[0] / (low.root + high.root)) * S(0.5);  // (g(high) - g(low)) / (high - low)
+    out.normal = (low.value + high.value) * S(0.5), out.along = out.across * length;
     out.own = (high.slope + low.slope) * S(0.5), out.mixed = (high.slope - low.slope) * S(0.5);
-    out.across = choose(length > S(tuning::epsilon) * (z[0] + length), out.along / length, out.own);
     return out;
   }
 

@@ -114,6 +114,9 @@ inline constexpr int steps_each = 6;            // after these Newton steps
 inline constexpr int memory = 4;                // errors, of which a whole step stays below the largest
 inline constexpr Index max_steps = 80, max_rows = 240;  // of a dense matrix: a step factorizes all rows, without symmetry
 inline constexpr double rough_share = 0.4;      // of the iterations left, in a rough solve
+// A large island without a solution near: the residual falls by less than this in so many steps, at eps below a share of the first.
+inline constexpr double stall_progress = 0.8, stall_eps = 0.05;
+inline constexpr int stall_steps = 10;
 }  // namespace smoothing
 
 }  // namespace dyn::solver::tuning

