@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "board.hpp"
+#include "cycle_timer.hpp"
 #include "plant.h"
 
 extern "C" const unsigned char arm[];  // arm.c, by `dyn convert`
@@ -17,18 +18,15 @@ constexpr double h = 1e-3;
 constexpr int joints = CONTROL_JOINTS;
 // cycles: gravity compensation, then a motion; readings are no numbers for a while, and later for good
 constexpr int motion = 500, fault = 2000, fault_cycles = 5, lasting_fault = 2500, last = 2600;
-constexpr std::uint32_t period = DYN_TICKS / 1000;
 
 alignas(64) char control_memory[8192], plant_memory[16384];
 Control control;
 Plant plant;
 volatile int cycle = 0;
 int stopped_at = 0;
-std::uint32_t worst = 0;  // ticks of the timer that control_cycle took
+CycleTimer timer;  // of control_cycle
 double drift = 0, error = 0, held = 0;  // rad/s, rad; N m
 dynStatus plant_status = DYN_OK;
-
-volatile std::uint32_t* const systick = reinterpret_cast<volatile std::uint32_t*>(0xe000e010);  // control, reload, value
 
 // The motion: 0.4 (1 - cos(w t)) rad on each joint, a fortieth of it on the finger. cos and sin by turns of a phase.
 struct Phase {
@@ -60,18 +58,17 @@ double largest(const double* x) {
 void SysTick_Handler() {
   const int n = cycle;
   if (n >= last) return;
-  [[maybe_unused]] const std::uint32_t flag = systick[0];  // clears the flag of the turn that this cycle begins with
+  timer.enter();
   double q[joints], v[joints], tau[joints];
   for (int k = 0; k < joints; ++k) q[k] = plant.q[k], v[k] = plant.v[k];  // encoders
   const Target target = phase.target();
   if (n >= motion + 500 && n < fault)
     for (int k = 0; k < joints; ++k) error = std::fmax(error, std::fabs(target.q[k] - q[k]));
   if ((n >= fault && n < fault + fault_cycles) || n >= lasting_fault) q[3] = __builtin_nan("");
-  const std::uint32_t began = systick[2];
+  timer.begin();
   control_cycle(&control, q, v, n < motion ? nullptr : &target, tau);
-  const std::uint32_t ended = systick[2];
-  if (systick[0] >> 16 & 1) control_failed(&control, tau);  // the timer came round: the cycle took longer than a millisecond
-  else if (began - ended > worst) worst = began - ended;
+  timer.end();
+  if (timer.late) control_failed(&control, tau);
   if (control.watchdog.stopped && !stopped_at) stopped_at = n;
 
   if (!control.watchdog.stopped && !plant_status) plant_status = plant_step(&plant, tau, h);  // drives; stopped: brakes
@@ -84,16 +81,13 @@ int board::program() {
   if (control_begin(&control, arm, arm_size, control_memory, sizeof control_memory) ||
       plant_begin(&plant, control.model, plant_memory, sizeof plant_memory))
     return print(dyn_last_error()), print("\n"), 1;
-  systick[1] = period - 1;
-  systick[2] = 0;
-  systick[0] = 7;  // from the processor's clock, with interrupts
+  timer.start();
   while (cycle < last) __asm volatile("wfi");  // a product feeds its hardware watchdog here, when cycle has grown
-  const std::uint64_t instructions = std::uint64_t(worst) * 1000 / (DYN_TICKS / 1000000);
   print("  gravity compensation: "), print(std::uint64_t(held * 1e3)), print(" mN m, largest velocity ");
   print(std::uint64_t(drift * 1e18)), print("e-18 rad/s\n");
   print("  computed torque: largest error "), print(std::uint64_t(error * 1e9)), print("e-9 rad\n");
   print("  stopped after "), print(std::uint64_t(stopped_at - lasting_fault + 1)), print(" failed cycles: ");
-  print(dyn_last_error()), print("\n  worst cycle "), print(instructions), print(" instructions, stack ");
+  print(dyn_last_error()), print("\n  worst cycle "), print(timer.worst_instructions()), print(" instructions, stack ");
   print(std::uint64_t(stack_used())), print(" bytes\n");
   const bool stopped = stopped_at == lasting_fault + WATCHDOG_MAX_FAILURES;
   const bool good = !plant_status && drift < 1e-9 && held > 1 && error < 2e-3 && stopped;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "board.hpp"
+#include "cycle_timer.hpp"
 #include "ground.h"
 
 extern "C" const unsigned char quadruped[];  // quadruped.c, by `dyn convert`
@@ -18,18 +19,15 @@ constexpr double h = 1e-3;
 constexpr int motion = 300, push_begins = 800, push_ends = 900, fault = 1300, fault_cycles = 5, lasting_fault = 1500, last = 1550;
 constexpr double push[3] = {10, 30, 0}, no_push[3] = {};  // N
 constexpr double friction = 0.6;                           // that the ground gives
-constexpr std::uint32_t period = DYN_TICKS / 1000;
 
 alignas(64) char control_memory[256 * 1024], ground_memory[256 * 1024];
 Stance stance;
 Ground ground;
 volatile int cycle = 0;
 int stopped_at = 0;
-std::uint32_t worst = 0;  // ticks of the timer that stance_cycle took
+CycleTimer timer;  // of stance_cycle
 double error = 0, pushed = 0, least_weight = HUGE_VAL, most_slope = 0;  // m; N; tangential over normal force
 dynStatus ground_status = DYN_OK;
-
-volatile std::uint32_t* const systick = reinterpret_cast<volatile std::uint32_t*>(0xe000e010);  // control, reload, value
 
 // Thighs at an angle of first + size (1 - cos(w t)), calves at minus twice that: feet stay below the hips, and the trunk is
 // 2 length cos(angle) above them. cos and sin of w t by turns of a phase.
@@ -65,7 +63,7 @@ double distance(const double* a, const double* b) {
 void SysTick_Handler() {
   const int n = cycle;
   if (n >= last) return;
-  [[maybe_unused]] const std::uint32_t flag = systick[0];  // clears the flag of the turn that this cycle begins with
+  timer.enter();
   double q[STANCE_NQ], v[STANCE_NV], tau[STANCE_MOTORS];
   for (int k = 0; k < STANCE_NQ; ++k) q[k] = ground.q[k];
   for (int k = 0; k < STANCE_NV; ++k) v[k] = ground.v[k];
@@ -74,11 +72,10 @@ void SysTick_Handler() {
   if (n >= push_begins && n < fault) pushed = std::fmax(pushed, off);
   else if (n < push_begins) error = std::fmax(error, off);
   if ((n >= fault && n < fault + fault_cycles) || n >= lasting_fault) q[8] = __builtin_nan("");
-  const std::uint32_t began = systick[2];
+  timer.begin();
   stance_cycle(&stance, q, v, &target, tau);
-  const std::uint32_t ended = systick[2];
-  if (systick[0] >> 16 & 1) stance_failed(&stance, tau);  // the timer came round: the cycle took longer than a millisecond
-  else if (began - ended > worst) worst = began - ended;
+  timer.end();
+  if (timer.late) stance_failed(&stance, tau);
   if (stance.watchdog.stopped && !stopped_at) stopped_at = n;
 
   if (!stance.watchdog.stopped && !ground_status) {  // drives; stopped: brakes
@@ -99,16 +96,13 @@ int board::program() {
       stance_begin(&stance, model, begin.q, control_memory, sizeof control_memory) ||
       ground_begin(&ground, model, begin.q, ground_memory, sizeof ground_memory))
     return print(dyn_last_error()), print("\n"), 1;
-  systick[1] = period - 1;
-  systick[2] = 0;
-  systick[0] = 7;  // from the processor's clock, with interrupts
+  timer.start();
   while (cycle < last) __asm volatile("wfi");  // a product feeds its hardware watchdog here, when cycle has grown
-  const std::uint64_t instructions = std::uint64_t(worst) * 1000 / (DYN_TICKS / 1000000);
   print("  stance: largest error of the trunk "), print(std::uint64_t(error * 1e6)), print("e-6 m, pushed ");
   print(std::uint64_t(pushed * 1e6)), print("e-6 m\n  feet: at least "), print(std::uint64_t(least_weight)), print(" N each, at most ");
   print(std::uint64_t(most_slope * 1e3)), print("e-3 of it along the ground\n  stopped after ");
   print(std::uint64_t(stopped_at - lasting_fault + 1)), print(" failed cycles: "), print(dyn_last_error());
-  print("\n  worst cycle "), print(instructions), print(" instructions, stack "), print(std::uint64_t(stack_used()));
+  print("\n  worst cycle "), print(timer.worst_instructions()), print(" instructions, stack "), print(std::uint64_t(stack_used()));
   print(" bytes, data "), print(std::uint64_t(dyn_data_size(model, DYN_PART_CONSTRAINTS | DYN_PART_INVERSE))), print(" bytes\n");
   const bool stopped = stopped_at == lasting_fault + WATCHDOG_MAX_FAILURES, held = least_weight > 0 && most_slope < friction;
   const bool good = !ground_status && error < 2e-3 && pushed < 1e-2 && held && stopped;
