@@ -160,6 +160,15 @@ def to_placements(x: np.ndarray) -> Placement:
     return Placement(*pair(x))
 
 
+def of_placements(x: Any) -> Any:
+    """The rows beneath what to_placements returned, x if it is not that."""
+    rows = x[1].base if isinstance(x, tuple) and len(x) == 2 and isinstance(x[1], np.ndarray) else None
+    if rows is None or rows.ndim < 2 or rows.shape[-1] != 12:
+        return x
+    same = all(a.shape == b.shape and a.strides == b.strides and a.ctypes.data == b.ctypes.data for a, b in zip(x, pair(rows)))
+    return rows if same else x
+
+
 def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owner: Owner, hint: str = "") -> Numbers:
     """Read-only view of the library's memory that keeps its owner alive; cols None: a vector. Strides in doubles. hint: what an
     assignment says."""

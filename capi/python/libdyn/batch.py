@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from . import abi
-from .arrays import F64, Owner, address, checked, numbers, to_placements
+from .arrays import F64, Owner, address, checked, numbers, of_placements, to_placements
 from .batch_methods import Algorithms
 from .choices import mask, member
 from .enums import Effect, Integrator, Part, Reference
@@ -150,8 +150,8 @@ class Batch(Algorithms, Rollouts):
         else:
             self._arrays.joint = self.model._joint(x)
 
-    def _output(self, name: str, given: Any, shape: tuple[int, ...]) -> Numbers:
-        memory = _turned(name, given) if isinstance(given, np.ndarray) and given.ndim == len(shape) else given
+    def _output(self, name: str, given: Any, shape: tuple[int, ...], turn: bool) -> Numbers:
+        memory = _turned(name, given) if turn and isinstance(given, np.ndarray) and given.ndim == len(shape) else given
         if type(memory) is not np.ndarray or memory.dtype != F64 or memory.shape != shape or not memory.flags.carray:
             raise SizeError(f"out: {name} is not an array as this method returns it for {shape[0]} states.")
         return memory
@@ -232,13 +232,15 @@ class Batch(Algorithms, Rollouts):
                 raise ArgumentError(f"only is {only!r}, but must be one of {', '.join(algorithm.outputs)}.")
             self._out[:] = (None,) * 4
         if out is not None:
-            if not isinstance(out, tuple):
+            if plan.placements:
+                out = (of_placements(out),)
+            elif not isinstance(out, tuple):
                 out = (out,)
-            if len(out) != len(outputs) or plan.placements:
-                raise SizeError(f"out has {len(out)} arrays, but this method can fill {0 if plan.placements else len(outputs)}.")
+            if len(out) != len(outputs):
+                raise SizeError(f"out has {len(out)} arrays, but this method fills {len(outputs)}.")
         results = []
         for k, name, shape in outputs:
-            memory = np.empty(shape) if out is None else self._output(name, out[len(results)], shape)
+            memory = np.empty(shape) if out is None else self._output(name, out[len(results)], shape, not plan.placements)
             self._out[k] = memory_address(memory)
             results.append(memory)
         if status is None:

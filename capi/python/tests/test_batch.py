@@ -106,6 +106,21 @@ def test_only_and_out(batch, states):
             batch.crba(q, out=wrong)
 
 
+def test_placements_fill_those_of_an_earlier_call(batch, states):
+    q = states["q"]
+    for method in (batch.frame_placements, lambda q, out=None: batch.frame_placement("FR_foot", q, out=out)):
+        X = method(q)
+        again = method(q[::-1], out=X)
+        assert np.shares_memory(again.rotation, X.rotation) and np.shares_memory(again.translation, X.translation)
+        other = method(q)
+        np.testing.assert_array_equal(X.rotation[::-1], other.rotation)
+        np.testing.assert_array_equal(X.translation[::-1], other.translation)
+        one = dyn.Placement(np.eye(3), np.zeros(3))
+        for wrong in (X[0], method(q[:3]), one, (X.rotation[::-1], X.translation[::-1]), (X.rotation, X.rotation), [1]):
+            with pytest.raises(dyn.SizeError, match="out"):
+                method(q, out=wrong)
+
+
 def test_states_that_fail(batch, states):
     q, v, a = (states[name].copy() for name in ("q", "v", "a"))
     good = batch.rnea(q, v, a)
