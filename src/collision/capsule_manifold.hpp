@@ -11,6 +11,7 @@ namespace dyn::collision {
 inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shape::Capsule& b, const Pose& XB, double margin,
                              Manifold& out) {
   constexpr double steep = 0.05;  // sine: an axis seen end-on is a point (project)
+  constexpr double rounding = 1e-9;
   struct Axis {
     Vec center, z;      // from the origin of A
     double half, rise;  // rise: z.n
@@ -31,6 +32,18 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
   if (!(distance <= margin)) return true;
   if (!(steep * least > same)) return false;
   const Vec& n = c.normal;
+  out.normal = n;
+  // where the axes cross at such an angle that no end is over the other capsule
+  const double uv = dot(XA.R.z, XB.R.z), cross_square = (1 - rounding) * (1 - uv * uv);
+  const double room_a = a.half - std::abs(dot(XA.R.z, c.a)), room_b = b.half - std::abs(dot(XB.R.z, c.b - p));
+  const auto ends_beside = [&](double room, double radius) {
+    return room > same && room * room * cross_square > std::max(radius, eps) * std::max(radius, eps);
+  };
+  if (ends_beside(room_a, b.radius) && ends_beside(room_b, a.radius)) {
+    const std::uint64_t inside = detail::edge_part(0, 1);
+    out.points[out.count++] = {XA.p + (c.a + n * (a.radius + distance / 2)), distance, inside << 32 | inside};
+    return true;
+  }
   const auto axis = [&](const Vec& center, const Vec& z, double half) {
     const double rise = dot(n, z), square = std::max(0.0, 1 - rise * rise);
     return Axis{center, z, half, rise, square, square >= steep * steep};
@@ -38,7 +51,7 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
   const Axis axes[2] = {axis(Vec::zero(), XA.R.z, a.half), axis(p, XB.R.z, b.half)};
   // heights along n, along the axes and across them, of which those of an end are a sum
   const Vec across_b = cross(XB.R.z, n), across_a = cross(XA.R.z, n);
-  const double uv = dot(XA.R.z, XB.R.z), high = dot(n, p), twist = dot(XA.R.z, across_b);
+  const double high = dot(n, p), twist = dot(XA.R.z, across_b);
   const double along_b = dot(p, XB.R.z), beside_b = dot(p, across_b), along_a = dot(p, XA.R.z), beside_a = dot(p, across_a);
   struct Point {
     Vec at;
@@ -102,7 +115,6 @@ inline bool capsule_contacts(const shape::Capsule& a, const Pose& XA, const shap
     const std::uint32_t part_a = axes[0].part(c.a, same), part_b = axes[1].part(c.b, same);
     points[count++] = {c.a + n * (a.radius + distance / 2), distance, std::uint64_t(part_a) << 32 | part_b};
   }
-  out.normal = n;
   for (int i = 0; i < count; ++i) {
     int k = i;
     for (; k > 0 && out.points[k - 1].feature > points[i].feature; --k) out.points[k] = out.points[k - 1];
