@@ -5,7 +5,7 @@
 
 namespace dyn::collision {
 
-inline constexpr double box_rounding = 1e-12;  // of the sizes: faces that touch are not apart
+inline constexpr double bound_rounding = 1e-12;  // of the sizes: shapes that touch are not apart
 
 // Distance from a point to a shape's rounded box.
 inline double box_distance(const Geom& g, const Pose& X, const Vec& p) {
@@ -21,10 +21,10 @@ inline double box_distance(const Geom& g, const Pose& X, const Vec& p) {
 // Lower bound of the distance of a shape from a half space.
 inline double plane_distance(const Geom& plane, const Pose& P, const Geom& g, const Pose& X) {
   const Vec n = P.R.z;
-  const double height = dot(n, X.p - P.p);
-  if (!g.has_box()) return height - plane.shape.radius - g.bounding_radius;
+  const double height = dot(n, X.p - P.p), rounding = bound_rounding * (std::abs(height) + g.bounding_radius);
+  if (!g.has_box()) return height - plane.shape.radius - g.bounding_radius - rounding;
   const Vec own = transpose_times(X.R, n);
-  double low = height + dot(own, g.box_center) - box_rounding * (std::abs(height) + g.bounding_radius);
+  double low = height + dot(own, g.box_center) - rounding;
   for (int i = 0; i < 3; ++i) low -= std::abs(own[i]) * g.box_half[i];
   return low - plane.shape.radius - g.shape.radius;
 }
@@ -36,8 +36,8 @@ inline double distance_lower_bound(const Geom& a, const Pose& A, const Geom& b, 
   if (plane_a) return plane_distance(a, A, b, B);
   if (plane_b) return plane_distance(b, B, a, A);
   const double between = shape::norm(A.p - B.p), reach = a.bounding_radius + b.bounding_radius,
-               rounding = box_rounding * (between + reach);
-  double distance = between - reach;
+               rounding = bound_rounding * (between + reach);
+  double distance = between - reach - rounding;
   // walls and links fill little of their bounding spheres; of points inside, boxes say nothing
   const auto by_box = [&](double bound) {
     if (bound > 0) distance = std::max(distance, bound);

@@ -24,7 +24,7 @@ TEST_P(Bound, IsNoMoreThanTheDistance) {
       const Scene s = scene(GetParam().first, GetParam().second, Case(c), std::uint64_t(k));
       const double bound = collision::distance_lower_bound(geom(s.a), s.A, geom(s.b), s.B), found = query(s).distance,
                    size = std::max(size_of(s.a), size_of(s.b));
-      // where they touch there is no rounding to spare
+      // where they touch there is no rounding to spare, whatever the processor's
       EXPECT_LE(bound, found + (found == 0 ? 0 : 1e-10 * size)) << name_of(Case(c)) << " " << k;
     }
 }
