@@ -163,7 +163,7 @@ const Cost costs[] = {
     {admm_without_sweeps, "cubes", 98, 160, 214, 12},
     {admm_without_sweeps, "uneven", 275, 229, 409, 12},
     {newton_without_sweeps, "cubes", 123, 21, 156, 12},
-    {newton_without_sweeps, "table", 216, 195, 400, 12, 0.2},
+    {newton_without_sweeps, "table", 195, 195, 400, 12, 0.2},
     {newton_without_sweeps, "uneven", 298, 181, 483, 12},
     {rough, "light", 36, 411, 417, 9},
     {warm, "random", 11, 24, 24, 12},
