@@ -1,6 +1,7 @@
 // What rejects pairs before the narrow phase: lower bounds of distances, and boxes that hold the shapes.
 #include <gtest/gtest.h>
 
+#include "collision/analytic/boxes.hpp"
 #include "collision/bounding_sphere.hpp"
 #include "collision/every_pair.hpp"
 #include "collision/pair_search.hpp"
@@ -75,6 +76,17 @@ TEST(Bounds, PlaneDistanceIsThatOfTheLowestCorner) {
         EXPECT_GE(bound, lowest - 4e-12 * scale) << scale << ' ' << k;
       }
     }
+}
+
+// So far away that no distance is a number, an axis is still one of theirs.
+TEST(Bounds, BoxesWhoseDistanceIsNoNumberHaveAnAxis) {
+  for (const double far : {1e200, 1e308, double(INFINITY), double(NAN)}) {
+    const Pose X = {at(0, 0, 0).R, Vec::make(far, -far, far)};
+    const Vec half = Vec::make(1, 1, 1);
+    const collision::BoxAxis axis = collision::BoxAxes(half, half, X, X.R).best(1e-10);
+    EXPECT_TRUE(axis.i >= -1 && axis.i < 3 && axis.j >= -1 && axis.j < 3 && axis.i + axis.j > -2)
+        << far << " " << axis.i << " " << axis.j;
+  }
 }
 
 }  // namespace

@@ -74,9 +74,11 @@ inline std::uint64_t mutant_count(std::uint64_t usual) {
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool limits_memory = false;  // a sanitizer maps terabytes
+inline constexpr bool limits_memory = false;  // a sanitizer maps terabytes,
+inline constexpr unsigned slower = 10;        // and takes its time
 #else
 inline constexpr bool limits_memory = true;
+inline constexpr unsigned slower = 1;
 #endif
 
 // Calls f in a child process with so many bytes of memory beside those it has, and seconds of processor time. Fails unless
@@ -93,7 +95,7 @@ void in_child(std::uint64_t bytes, unsigned seconds, const F& f) {
       std::fclose(statm);
     }
     const rlim_t memory = rlim_t(pages) * rlim_t(sysconf(_SC_PAGESIZE)) + bytes;
-    const rlimit space{memory, memory}, time{seconds, seconds + 1};
+    const rlimit space{memory, memory}, time{slower * seconds, slower * seconds + 1};
     if (limits_memory) setrlimit(RLIMIT_AS, &space);
     setrlimit(RLIMIT_CPU, &time);
     f();

@@ -225,9 +225,10 @@ TEST(Planner, GivesTheSameBitsAndLeavesTheState) {
 
 // In the caller's memory, shifted by a knot.
 TEST(Planner, ShiftsItsPlan) {
+  std::unique_ptr<void, decltype(&std::free)> memory(nullptr, std::free);  // outlives the planner
   SwingUp p(10);
   const std::size_t size = dyn_planner_size(p.m, 10, DYN_PLAN_INPUT_CONTROL);
-  std::unique_ptr<void, decltype(&std::free)> memory(std::aligned_alloc(64, (size + 63) / 64 * 64), std::free);
+  memory.reset(std::aligned_alloc(64, (size + 63) / 64 * 64));
   dynPlanner* own = nullptr;
   ASSERT_EQ(DYN_OK, dyn_planner_init(p.m, 10, DYN_PLAN_INPUT_CONTROL, memory.get(), size, &own)) << dyn_last_error();
   EXPECT_EQ(DYN_ERROR_SIZE, dyn_planner_init(p.m, 10, DYN_PLAN_INPUT_CONTROL, memory.get(), size - 1, &own));

@@ -58,7 +58,7 @@ struct BoxAxes {
       out.i = k & 3, out.j = k >> 2, out.distance = along.x[out.j][out.i];
       n = cross(shape::axis(out.i), X.R[out.j]) * (1 / std::sqrt(length2[out.j][out.i])), side = dot(n, X.p);
     } else {
-      const int k = std::countr_zero(faces_at_least(face - margin));
+      const int k = std::countr_zero(faces_at_least(face - margin) | 1u << 5);  // the last at most: no distance is a number
       out.i = k < 3 ? k : -1, out.j = k < 3 ? -1 : k - 3, out.distance = k < 3 ? faces_a[k] : faces_b[k - 3];
       n = k < 3 ? shape::axis(k) : X.R[k - 3], side = k < 3 ? X.p[k] : q[k - 3];
     }
