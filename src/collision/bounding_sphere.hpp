@@ -29,22 +29,31 @@ inline double plane_distance(const Geom& plane, const Pose& P, const Geom& g, co
   return low - plane.shape.radius - g.shape.radius;
 }
 
-// Lower bound of the distance of two shapes.
-inline double distance_lower_bound(const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
+// Lower bound of the distance of two shapes, by their bounding spheres; of a half space by its plane.
+inline double sphere_lower_bound(const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
   const bool plane_a = a.shape.type == shape::Type::HalfSpace, plane_b = b.shape.type == shape::Type::HalfSpace;
   if (plane_a && plane_b) return -shape::infinity;
   if (plane_a) return plane_distance(a, A, b, B);
   if (plane_b) return plane_distance(b, B, a, A);
-  const double between = shape::norm(A.p - B.p), reach = a.bounding_radius + b.bounding_radius,
-               rounding = bound_rounding * (between + reach);
-  double distance = between - reach - rounding;
-  // walls and links fill little of their bounding spheres; of points inside, boxes say nothing
-  const auto by_box = [&](double bound) {
-    if (bound > 0) distance = std::max(distance, bound);
+  const double between = shape::norm(A.p - B.p), reach = a.bounding_radius + b.bounding_radius;
+  return between - reach - bound_rounding * (between + reach);
+}
+
+// The larger of a bound and that of the shapes' boxes, which walls and links fill better than spheres.
+inline double by_boxes(double bound, const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
+  const double reach = a.bounding_radius + b.bounding_radius;
+  if (!(reach < shape::infinity)) return bound;
+  const auto beside = [&](const Geom& box, const Pose& X, const Geom& other, const Pose& at) {
+    const double beyond = box_distance(box, X, at.p), low = beyond - other.bounding_radius - bound_rounding * (beyond + 2 * reach);
+    if (low > 0) bound = std::max(bound, low);  // of points inside, boxes say nothing
   };
-  if (a.has_box()) by_box(box_distance(a, A, B.p) - b.bounding_radius - rounding);
-  if (b.has_box()) by_box(box_distance(b, B, A.p) - a.bounding_radius - rounding);
-  return distance;
+  if (a.has_box()) beside(a, A, b, B);
+  if (b.has_box()) beside(b, B, a, A);
+  return bound;
+}
+
+inline double distance_lower_bound(const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
+  return by_boxes(sphere_lower_bound(a, A, b, B), a, A, b, B);
 }
 
 }  // namespace dyn::collision

@@ -12,11 +12,15 @@
 namespace dyn::simulation {
 
 class Clearances {
+ public:
+  // Of a pair.
   struct Known {
     Index a, b;
     float until;           // distance plus what both shapes had moved by then, or less (m)
     std::int16_t axis[3];  // the direction from A to B in A's axes; zero: none
   };
+
+ private:
   Known* known_;              // in buckets, by a hash of the pair; a new pair takes the place of the one that is nearest
   double* moved_;             // by shape: bound of the way of any of its points (m)
   collision::Pose* placed_;   // by shape
@@ -38,14 +42,8 @@ class Clearances {
     h = (h ^ h >> 15) * 0x85ebca77u, h = (h ^ h >> 13) * 0xc2b2ae3du;
     return known_ + ways * (h >> shift_);
   }
-  Known* find(Index a, Index b) const {
-    for (Known *k = bucket(a, b), *end = k + ways; k != end; ++k)
-      if (k->a == a && k->b == b) return k;
-    return nullptr;
-  }
   // Less by 3e-8 of it or more: far more than the rounding of moved_.
   static float below(double bound) { return std::nextafter(float(bound), -HUGE_VALF); }
-  double left(const Known& k) const { return double(k.until) - moved_[k.a] - moved_[k.b]; }
 
  public:
   template <class F>
@@ -61,21 +59,23 @@ class Clearances {
     moved_[geom] += std::sqrt(dot(way, way)) + (turned > 0 ? std::sqrt(0.5 * turned) * radius : 0);
     placed_[geom] = X;
   }
-  // Lower bound of the distance, negative where nothing is known.
-  double bound(Index a, Index b) const {
-    const Known* const k = find(a, b);
-    return k ? left(*k) : -shape::infinity;
+  // Null where nothing is known of a pair.
+  Known* find(Index a, Index b) const {
+    for (Known *k = bucket(a, b), *end = k + ways; k != end; ++k)
+      if (k->a == a && k->b == b) return k;
+    return nullptr;
   }
+  // Lower bound of the distance.
+  double bound(const Known& k) const { return double(k.until) - moved_[k.a] - moved_[k.b]; }
   // The gap along the remembered direction, negative if there is none. If it exceeds the margin, it is the new bound.
-  double bound_along_axis(Index a, Index b, const collision::Geom* geoms, const collision::Pose* poses, double margin) {
-    Known* const k = find(a, b);
-    if (!k) return -shape::infinity;
-    const Vec3<double> axis = Vec3<double>::make(k->axis[0], k->axis[1], k->axis[2]);
+  double bound_along_axis(Known& k, const collision::Geom* geoms, const collision::Pose* poses, double margin) const {
+    const Index a = k.a, b = k.b;
+    const Vec3<double> axis = Vec3<double>::make(k.axis[0], k.axis[1], k.axis[2]);
     const double length = shape::norm(axis);
     if (!(length > 0)) return -shape::infinity;
     const double gap =
         collision::gap_along(geoms[a].shape, poses[a], geoms[b].shape, poses[b], poses[a].R * (axis * (1 / length)));
-    if (gap > margin) k->until = below(gap + moved_[a] + moved_[b]);
+    if (gap > margin) k.until = below(gap + moved_[a] + moved_[b]);
     return gap;
   }
   // axis: the unit vector that separates the shapes, from A to B in A's axes; zero if no plane does.
@@ -84,7 +84,7 @@ class Clearances {
     if (!place) {
       Known* const first = place = bucket(a, b);
       for (Known *k = first, *end = first + ways; k != end; ++k)
-        if (left(*k) < left(*place)) place = k;
+        if (bound(*k) < bound(*place)) place = k;
     }
     const auto stored = [&](int i) { return std::int16_t(axis[i] * axis_scale); };
     *place = {a, b, below(distance + moved_[a] + moved_[b]), {stored(0), stored(1), stored(2)}};

@@ -225,11 +225,15 @@ struct Search {
     if (!(near < shape::infinity) ||
         (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body)))
       return;
-    double bound = collision::distance_lower_bound(a, A, b, B);
-    if (bound <= margin) bound = std::max(bound, w.clearances.bound(ia, ib));
+    double bound = collision::sphere_lower_bound(a, A, b, B);
+    Clearances::Known* const known = bound <= margin ? w.clearances.find(ia, ib) : nullptr;
+    if (known) bound = std::max(bound, w.clearances.bound(*known));
+    if (!known && bound <= margin) bound = collision::by_boxes(bound, a, A, b, B);
     if (bound <= margin && margin > 2 * near)  // slower shapes: it would cost more than it saves
       margin = std::min(margin, near + search::speed_margin * h * relative_speed(ia, ib));
-    if (bound <= margin) bound = std::max(bound, w.clearances.bound_along_axis(ia, ib, d.geoms, d.geom_poses, margin));
+    if (known && bound <= margin)
+      bound = std::max(bound, w.clearances.bound_along_axis(*known, d.geoms, d.geom_poses, margin));
+    if (known && bound <= margin) bound = collision::by_boxes(bound, a, A, b, B);
     Index pair = -1;
     const bool near_enough = bound <= margin && is_tested(pair);
     if (near_enough) {

@@ -31,7 +31,7 @@ TEST(RememberedPairs, FewDisplaceEachOther) {
     for (Index k = 1; k <= near; ++k) all.learn(a, (a + k) % shapes, 1, shape::Vec::zero());
   int lost = 0;
   for (Index a = 0; a < shapes; ++a)
-    for (Index k = 1; k <= near; ++k) lost += all.bound(a, (a + k) % shapes) < 0;
+    for (Index k = 1; k <= near; ++k) lost += !all.find(a, (a + k) % shapes);
   EXPECT_NEAR(35, lost, 25);
 }
 
@@ -46,7 +46,7 @@ TEST(RememberedPairs, DirectionsAreKeptTo15Bits) {
     const shape::Vec n = shape::Vec::make(r * std::cos(turn), r * std::sin(turn), z);
     const shape::Pose poses[2] = {{shape::Mat::identity(), shape::Vec::zero()}, {shape::Mat::identity(), n}};
     pair.learn(0, 1, 0.8, n);
-    shortest = std::min(shortest, pair.bound_along_axis(0, 1, balls, poses, 0));
+    shortest = std::min(shortest, pair.bound_along_axis(*pair.find(0, 1), balls, poses, 0));
   }
   EXPECT_LT(shortest, 0.8);
   EXPECT_GT(shortest, 0.8 - 2e-9);

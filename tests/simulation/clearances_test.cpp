@@ -112,7 +112,7 @@ TEST(Clearances, RememberedPairCostsAComparison) {
   for (const Rod& r : rods) {
     const long more = more_of_pair(r.type, r.size, r.thick, 0.3);
     if (more < 0) GTEST_SKIP() << "this system does not let a process trace its child";
-    EXPECT_LE(more, 400) << r.type;
+    EXPECT_LE(more, 250) << r.type;
   }
 }
 
@@ -122,7 +122,7 @@ TEST(Clearances, PairNearWithoutContactCostsTwoSupportPoints) {
   for (const Rod& r : rods) {
     const long more = more_of_pair(r.type, r.size, r.thick, 0.02);
     if (more < 0) GTEST_SKIP() << "this system does not let a process trace its child";
-    EXPECT_LE(more, 700) << r.type;
+    EXPECT_LE(more, 640) << r.type;
   }
 }
 
