@@ -33,6 +33,19 @@ Result convex_result(const Shape& shape_a, const Pose& XA, const Shape& shape_b,
   c.unique = o.says_unique && c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
   return in_world(rounded(c, a.radius, b.radius, d.small, o), XA);
 }
+// By the methods of all pairs.
+template <class A, class B>
+Cores general_pair(const Difference<A, B>& d, const Shape& a, const Shape& b, Workspace& w, const Options& o) {
+  if constexpr (takes_any_core) {
+    using Core = AnyCore<A::curved || B::curved>;
+    const Core any_a(a), any_b(b);
+    Difference<Core, Core> any(any_a, any_b, d.X);
+    any.reach = d.reach;
+    return convex_pair(any, w, o);
+  } else {
+    return convex_pair(d, w, o);
+  }
+}
 template <class A, class B>
 Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
   return convex_result<A, B>(a, XA, b, XB, o, [&](const auto& d) {
@@ -47,7 +60,7 @@ Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
       Cores c;
       if (capsule_end_pair(d, d.A_.half, c)) return c;
     }
-    return convex_pair(d, w, o);
+    return general_pair(d, a, b, w, o);
   });
 }
 

@@ -3,6 +3,7 @@
 // or a smooth side, both are equal, and no search is needed.
 #pragma once
 
+#include "collision/any_core.hpp"
 #include "collision/cores.hpp"
 #include "shape/list.hpp"
 
@@ -30,6 +31,11 @@ DYN_INLINE Vec support_near(const shape::Cylinder& s, const Vec& n, const Vec& t
   }
   const double scale = s.r / std::sqrt(sine2);
   return Vec::make(n[0] * scale, n[1] * scale, std::abs(n[2]) <= flat ? std::clamp(target[2], -s.half, s.half) : z);
+}
+
+template <bool is_curved>
+Vec support_near(const AnyCore<is_curved>& s, const Vec& n, const Vec& target) {
+  return s.template get<Vec>([&](const auto& x) { return support_near(x, n, target); });
 }
 
 struct DeepestPoint {
@@ -68,18 +74,14 @@ template <class D>
 bool deepest_point_pair(const D& d, const Vec& n, Cores& c) {
   const double enough = d.rounding();
   detail::DeepestPoint found;
-  if constexpr (D::First::short_nearest)
-    if (detail::deepest_point(d.A_, d.B_, d.X, d.Rt, n, enough, found)) {
-      c = {found.normal, found.on_solid, found.point, -found.depth - found.residual, found.residual, 0, found.unique};
-      return true;
-    }
-  if constexpr (D::Second::short_nearest) {
-    const Pose Y = {d.Rt, -(d.Rt * d.X.p)};
-    if (detail::deepest_point(d.B_, d.A_, Y, d.X.R, d.Rt * -n, enough, found)) {
-      c = {d.X.R * -found.normal, d.X.act(found.point), d.X.act(found.on_solid), -found.depth - found.residual, found.residual,
-           0, found.unique};
-      return true;
-    }
+  if (d.A_.short_nearest && detail::deepest_point(d.A_, d.B_, d.X, d.Rt, n, enough, found)) {
+    c = {found.normal, found.on_solid, found.point, -found.depth - found.residual, found.residual, 0, found.unique};
+    return true;
+  }
+  if (d.B_.short_nearest && detail::deepest_point(d.B_, d.A_, {d.Rt, -(d.Rt * d.X.p)}, d.X.R, d.Rt * -n, enough, found)) {
+    c = {d.X.R * -found.normal, d.X.act(found.point), d.X.act(found.on_solid), -found.depth - found.residual, found.residual,
+         0, found.unique};
+    return true;
   }
   return false;
 }
