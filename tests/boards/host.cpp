@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "boards/distances.hpp"
 #include "boards/figures.hpp"
 #include "boards/worst.hpp"
 #include "guard.hpp"
@@ -36,6 +37,36 @@ dynModel* on_floor(const dynModel* robot, const std::vector<double>& q, double h
   floor.placement[11] = height;
   check(dyn_builder_add_shape(b, &floor));
   check(dyn_builder_add_configuration(b, "standing", q.data(), q.size()));
+  dynModel* m = nullptr;
+  check(dyn_builder_finish(b, &m));
+  return m;
+}
+
+// A free body for each convex shape but hulls.
+dynModel* shapes() {
+  struct {
+    const char* name;
+    dynShapeType type;
+    double size[3];
+  } const all[] = {{"sphere", DYN_SHAPE_TYPE_SPHERE, {0.08, 0, 0}},         {"capsule", DYN_SHAPE_TYPE_CAPSULE, {0.04, 0.2, 0}},
+                   {"box", DYN_SHAPE_TYPE_BOX, {0.1, 0.16, 0.2}},           {"cylinder", DYN_SHAPE_TYPE_CYLINDER, {0.07, 0.2, 0}},
+                   {"cone", DYN_SHAPE_TYPE_CONE, {0.09, 0.2, 0}},           {"ellipsoid", DYN_SHAPE_TYPE_ELLIPSOID, {0.05, 0.08, 0.12}}};
+  const double com[3] = {}, inertia[9] = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01};
+  dynBuilder* b = nullptr;
+  check(dyn_builder_new("shapes", &b));
+  for (const auto& x : all) {
+    const std::string joint = std::string(x.name) + "_joint";
+    dynJointSpec free;
+    dyn_joint_spec_init(&free);
+    free.name = joint.c_str(), free.type = DYN_JOINT_TYPE_FREE_FLYER;
+    check(dyn_builder_add_joint(b, &free));
+    check(dyn_builder_add_body(b, x.name, joint.c_str(), nullptr, 1, com, inertia));
+    dynShapeSpec shape;
+    dyn_shape_spec_init(&shape);
+    shape.name = shape.body = x.name, shape.type = x.type;
+    for (int i = 0; i < 3; ++i) shape.size[i] = x.size[i];
+    check(dyn_builder_add_shape(b, &shape));
+  }
   dynModel* m = nullptr;
   check(dyn_builder_finish(b, &m));
   return m;
@@ -94,6 +125,14 @@ void write_worst(const std::string& dir, const char* name, const dynModel* m, co
   dyn_data_free(d);
 }
 
+void write_distances(const std::string& dir, const dynModel* m) {
+  dynData* d = nullptr;
+  check(dyn_data_new(m, boards::parts_of_distances, &d));
+  write(dir, "distances_shapes", m, dyn_data_size(m, boards::parts_of_distances),
+        [&](auto&& out) { check(boards::distance_figures(m, d, out, [](auto&& call) { return call(); })); });
+  dyn_data_free(d);
+}
+
 }  // namespace
 
 int main(int count, char** argument) {
@@ -115,6 +154,7 @@ int main(int count, char** argument) {
   write<Dynamics>(out, "dynamics_arm", arm, dynamics);
   write<Dynamics>(out, "dynamics_quadruped", quadruped, dynamics);
   write<Steps>(out, "contact_quadruped", quadruped_on_floor, contact);
+  write_distances(out, shapes());
   write_worst(out, "worst_arm", on_floor(arm, reaching, -0.01), reaching);
   write_worst(out, "worst_quadruped", quadruped_on_floor, landing);
   write_worst(out, "worst_humanoid", on_floor(humanoid, standing), standing);

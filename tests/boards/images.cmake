@@ -101,6 +101,8 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m7")
   dyn_image(dynamics arm BOARDS ${DYN_BOARDS})
   dyn_program(contact_dyn_h SOURCES ${CMAKE_CURRENT_LIST_DIR}/contact_dyn_h.cpp PARTS SIMULATION CONSTRAINTS COLLISION CHOLESKY BOARDS ${DYN_BOARDS}
               DEFINES DYN_TABLES="contact_quadruped.hpp")
+  dyn_program(distances_dyn_h SOURCES ${CMAKE_CURRENT_LIST_DIR}/distances_dyn_h.cpp PARTS COLLISION BOARDS mps2
+              DEFINES DYN_TABLES="distances_shapes.hpp")
   if(DYN_ALL_IMAGES)
     dyn_image(dynamics quadruped BOARDS ${DYN_BOARDS})
     dyn_image(contact quadruped BOARDS mps2 DEFINES DYN_SLOW_MEMORY)
