@@ -60,13 +60,13 @@ void Island::solve_to_default(dynContactReport& report) {
   if (report.residual > fine && !w.time_is_up() && ordered()) solve_by_segments(fine, sweeps, report), sweeps.load();
   w.limit.expect(solver::TimeLimit::Unit::Sweep, rows);
   if (report.residual > tolerance && (report.newton_steps == 0 || (!large() && within_budget(report)))) {
-    const Index left = std::max<Index>(1, allowance - report.iterations - report.newton_steps);
-    sweeps.run(large() ? left : std::min(left, few_sweeps), report);
+    const Index most = std::max<Index>(1, left(report));
+    sweeps.run(large() ? most : std::min(most, few_sweeps), report);
     if (!large()) {
       report.residual = sweeps.residual(), sweeps.write();
       if (unsolved()) {
         if (!sparse()) solve(report);
-        else if (!newton(report, true)) solve(report);
+        else if (!newton(report, true) && unsolved()) solve(report);
         sweeps.load();
       }
     }

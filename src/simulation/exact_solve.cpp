@@ -20,7 +20,8 @@ bool Island::accept_guess(dynContactReport& report) {
   if (bounces) return false;
   const Sweeps<ByDofs> sweeps(*this);
   report.residual = sweeps.settle();
-  for (int k = 0; k < guess_sweeps && report.residual > tolerance && report.residual < tuning::island::tolerance; ++k) {
+  const auto is_near = [&] { return report.residual > tolerance && report.residual < tuning::island::tolerance; };
+  for (int k = 0; k < guess_sweeps && left(report) > 0 && is_near(); ++k) {
     sweeps.sweep(), ++report.iterations;
     sweeps.write(), report.residual = sweeps.settle();
   }
@@ -28,8 +29,8 @@ bool Island::accept_guess(dynContactReport& report) {
   return report.residual <= tolerance;
 }
 
-void Island::accelerated_sweeps(dynContactReport& report) {
-  with_sweeps([&](auto&& sweeps) { sweeps.run(w.max_iterations(), report), report.residual = sweeps.finish(); });
+void Island::accelerated_sweeps(Index most, dynContactReport& report) {
+  with_sweeps([&](auto&& sweeps) { sweeps.run(most, report), report.residual = sweeps.finish(); });
 }
 
 // Wedged contacts press on each other with any force, which may grow from step to step until rounding hides the velocities. A few
@@ -70,7 +71,8 @@ void Island::sweep_while_improving(dynContactReport& report) {
   std::copy_n(lambda, rows, kept);
   const double before = report.residual;
   with_sweeps([&](auto&& sweeps) {
-    sweeps.run(solver::tuning::sweeps_a_check * w.method_iterations() / 2, report), report.residual = sweeps.finish();
+    sweeps.run(std::min(solver::tuning::sweeps_a_check * w.method_iterations() / 2, left(report)), report);
+    report.residual = sweeps.finish();
   });
   if (report.residual > before) report.residual = before, std::copy_n(kept, rows, lambda);
 }
@@ -101,7 +103,8 @@ void Island::solve_exactly(dynContactReport& report) {
     if (report.iterations == 0) report.residual = HUGE_VAL;  // the guess need not lie in its cones
     solve(report);
   }
-  if (!bounces && is_above(enough) && report.residual < tuning::island::tolerance) sweep_while_improving(report);
+  const bool nearly = report.residual < tuning::island::tolerance && left(report) > 0;
+  if (!bounces && is_above(enough) && nearly) sweep_while_improving(report);
   if (!bounces && is_above(enough)) solve_fixed_correction(report);
 }
 

@@ -91,7 +91,7 @@ struct Island {
   template <class F>
   void with_sweeps(F&& f);
   bool accept_guess(dynContactReport& report);
-  void accelerated_sweeps(dynContactReport& report);  // alone
+  void accelerated_sweeps(Index most, dynContactReport& report);  // alone
   void solve_without_guess(dynContactReport& report);
   void sweeps_and_newton(dynContactReport& report);
   void sweep_while_improving(dynContactReport& report);
@@ -106,6 +106,7 @@ struct Island {
   bool adds_energy(const dynContactReport& report) const;
   void solve_restitution(dynContactReport& report);
   bool within_budget(const dynContactReport& r) const { return r.iterations + r.newton_steps < allowance && !w.time_is_up(); }
+  Index left(const dynContactReport& r) const { return w.max_iterations() - r.iterations - r.newton_steps; }
   // Whether the solve goes on to a fine residual: if asked for, and where that costs little.
   bool is_exact() const { return w.has_tolerance() || contacts == 0 || rows <= tuning::island::exact_rows; }
   void solve_to_default(dynContactReport& report);

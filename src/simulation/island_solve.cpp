@@ -128,7 +128,7 @@ void Island::project_rhs_to_range() {
 // Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts. The first try ends
 // at a residual of `enough` after half an attempt of Newton's method: finer ones cost little or very much.
 void Island::solve(dynContactReport& best) {
-  if (!has_room_for_matrix()) return;
+  if (!has_room_for_matrix() || (best.iterations > 0 && left(best) <= 0)) return;
   w.limit.expect(solver::TimeLimit::Unit::Matrix, double(rows) * rows);
   if (w.time_is_up()) return;
   matrix();

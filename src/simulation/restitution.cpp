@@ -1,5 +1,6 @@
 // Restitution in islands too large for a dense matrix: as much of it as gains no energy.
 #include "simulation/island.hpp"
+#include "solver/budget.hpp"
 
 namespace dyn::simulation {
 
@@ -26,18 +27,21 @@ bool Island::adds_energy(const dynContactReport& report) const {
 // Restitution in islands too large for a matrix: the largest factor (bisection) with which no energy is gained.
 void Island::solve_restitution(dynContactReport& report) {
   Index iterations = 0, newton_steps = 0;
+  solver::Tries tries{w.max_iterations()};
   const auto refused = [&](double factor) {
     report.iterations = report.newton_steps = 0;
+    allowance = tries.next();
     scale_restitution(factor);
-    if (uses_sweeps_only() || !is_exact()) accelerated_sweeps(report);
+    if (uses_sweeps_only() || !is_exact()) accelerated_sweeps(allowance, report);
     else sweeps_and_newton(report);
     residual();  // sets c for the best impulses
     iterations += report.iterations, newton_steps += report.newton_steps;
+    tries.left -= report.iterations + report.newton_steps;
     return adds_energy(report);
   };
   if (refused(1) && !w.time_is_up()) {
     double low = 0, high = 1;
-    while (high - low > solver::tuning::accept::restitution_step && !w.time_is_up()) {
+    while (high - low > solver::tuning::accept::restitution_step && tries.left > 1 && !w.time_is_up()) {
       const double factor = 0.5 * (low + high);
       (refused(factor) ? high : low) = factor;
     }

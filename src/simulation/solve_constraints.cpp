@@ -147,7 +147,7 @@ void Island::impulses(dynContactReport& report) {
   } else if (bounces && !has_room_for_matrix()) {
     solve_restitution(report);
   } else if (uses_sweeps_only()) {
-    accelerated_sweeps(report);
+    accelerated_sweeps(w.max_iterations(), report);
   } else if (!bounces && !is_exact() && has_runs()) {
     solve_to_default(report);
   } else if (accept_guess(report)) {

@@ -35,6 +35,21 @@ struct Budget {
   }
 };
 
+// Shares iterations among the tries that find a factor of restitution by bisection: the first is mostly the only one, the others
+// share what it leaves.
+struct Tries {
+  Index left;  // iterations
+  Index later = 8;  // tries that may follow: seven halvings to restitution_step, and the last
+
+  // Of the next try, at least one.
+  Index next() {
+    const Index share = later == 8 ? left - std::min((left + 3) / 4, 8 * tuning::accept::least_iterations) : left / (later + 1);
+    --later;
+    return std::max<Index>(1, share);
+  }
+};
+static_assert(0x1p-7 <= tuning::accept::restitution_step && 0x1p-6 > tuning::accept::restitution_step);
+
 // Keeps y (feasible, c = G y + g) in w.y if it is the best so far. Returns true when the tolerance is met.
 inline bool keep_best(Workspace& w, Budget& b, const double* y, const double* c) {
   const Problem& p = w.problem;

@@ -80,20 +80,24 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
     project(p, w.y, w.y);
   }
   Attempt run{x, solver, w, b, out};
+  Tries tries{b.max_iterations};
+  if (p.bounces) b.max_iterations = tries.next();
   run(1);
   Index iterations = b.iterations, newton_steps = b.newton_steps;
+  tries.left -= iterations + newton_steps;
   const auto again = [&](double factor) {
-    b.iterations = b.newton_steps = 0;
+    b.iterations = b.newton_steps = 0, b.max_iterations = tries.next();
     std::fill_n(w.y, p.n, 0.0);
     project(p, w.y, w.y);
     run(factor);
     iterations += b.iterations, newton_steps += b.newton_steps;
+    tries.left -= b.iterations + b.newton_steps;
   };
   const auto late = [&] { return b.status == DYN_CONTACT_STATUS_TIME_BUDGET; };  // out of time: use what there is
   if (p.bounces && run.is_refused() && !late()) {
     b.warm = false;
     double low = 0, high = 1;
-    while (high - low > restitution_step && !late()) {
+    while (high - low > restitution_step && tries.left > 1 && !late()) {
       const double factor = 0.5 * (low + high);
       again(factor);
       (run.is_refused() ? high : low) = factor;

@@ -41,7 +41,7 @@ inline bool start(Workspace& w, Budget& b) {
     if (!close) sweep_once();
     if (refine()) return true;
     if (b.is_rough()) {
-      if (close && (sweep_once(), keep())) return true;  // it solves single contacts
+      if (close && !b.spent() && (sweep_once(), keep())) return true;  // it solves single contacts
       if (smoothing_newton(w, b)) return true;
     }
     std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);

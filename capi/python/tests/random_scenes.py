@@ -16,6 +16,7 @@ KINDS = ("heap", "tree", "loop", "servo", "springs")
 GRAVITY = 9.81
 # Of the energy that was there: a larger gain is not explained. Steps of order 1 let the energy of an oscillation swing by h w / 2.
 SHARE = 0.5
+MAX_ITERATIONS = 100  # the default of step options
 # Of the energy at the start: what sums of large energies leave.
 ROUNDING = 1e-12
 
@@ -156,6 +157,7 @@ class Result(NamedTuple):
     finite: bool
     gain: float  # J: largest energy above that of the start, with what corrections and springs of contacts gave
     scale: float  # J: energy that the scene had or was given
+    beyond: int  # iterations of a step beyond max_iterations for each island and evaluation; 0: none
 
 
 def reason(error):
@@ -181,14 +183,15 @@ def play(scene):
     first = scene.energy(start)
     colliding = [k for k, shape in enumerate(d.model.shapes) if shape.role == dyn.ShapeRole.COLLISION]
     soft = any(d.shape_material(k).stiffness > 0 for k in colliding)
-    kinetic, lowest, given, gain, finite = d.energy().kinetic, first, 0.0, 0.0, True
+    kinetic, lowest, given, gain, finite, beyond = d.energy().kinetic, first, 0.0, 0.0, True, 0
     for k in range(scene.steps):
         try:
             d.step()
         except dyn.NumericError as error:
             finite = finite and bool(np.isfinite(d.q).all() and np.isfinite(d.v).all())
-            return Result(reason(error), k, finite, gain, kinetic + first - lowest + given)
-        ledger = d.ledger
+            return Result(reason(error), k, finite, gain, kinetic + first - lowest + given, beyond)
+        ledger, report = d.ledger, d.step_report
+        beyond = max(beyond, report.iterations - MAX_ITERATIONS * report.islands * max(1, report.evaluations))
         given += max(0.0, ledger.correction) + (soft_energy(d) if k == 0 else 0.0)
         if soft:
             given += max(0.0, ledger.contact_normal)
@@ -196,4 +199,4 @@ def play(scene):
         finite = finite and bool(np.isfinite(d.q).all() and np.isfinite(d.v).all() and np.isfinite(energy))
         lowest = min(lowest, energy - d.energy().kinetic)
         gain = max(gain, energy - first - given - ROUNDING * abs(first))
-    return Result("", scene.steps, finite, gain, kinetic + first - lowest + given)
+    return Result("", scene.steps, finite, gain, kinetic + first - lowest + given, beyond)

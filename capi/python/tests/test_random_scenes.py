@@ -1,5 +1,5 @@
-"""Random scenes gain no energy that nothing explains, and end in finite numbers or a named error. bench/random_scenes.py plays
-1,000."""
+"""Random scenes gain no energy that nothing explains, keep to max_iterations, and end in finite numbers or a named error.
+bench/random_scenes.py plays 1,000."""
 
 import pytest
 import random_scenes as scenes
@@ -15,3 +15,4 @@ def test_random_scenes_gain_no_energy(seeds):
         result = scenes.play(scenes.scene(seed))
         assert result.finite, seed
         assert result.gain <= scenes.SHARE * result.scale, (seed, result)
+        assert result.beyond == 0, (seed, result)
