@@ -15,7 +15,8 @@ GO2 = str(ROBOTS / "go2.urdf")
 def find():
     if os.environ.get("DYN_CLI"):
         return os.environ["DYN_CLI"]
-    built = [p for pattern in ("build*/bin/dyn", "build*/*/bin/dyn") for p in CAPI.parent.glob(pattern)]
+    built = [p for pattern in ("build*/bin/dyn", "build*/*/bin/dyn") for p in CAPI.parent.glob(pattern)
+             if "wheel_" not in p.parent.parent.name]  # of another processor
     return str(max(built, key=lambda p: p.stat().st_mtime)) if built else shutil.which("dyn")
 
 
