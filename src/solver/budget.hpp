@@ -35,15 +35,16 @@ struct Budget {
   }
 };
 
-// Shares iterations among the tries that find a factor of restitution by bisection: the first is mostly the only one, the others
-// share what it leaves.
+// Shares iterations among the tries that find a factor of restitution by bisection. The first is mostly the only one, and takes three
+// quarters.
 struct Tries {
-  Index left;  // iterations
-  Index later = 8;  // tries that may follow: seven halvings to restitution_step, and the last
+  static constexpr Index most = 8;  // after the first: seven halvings to restitution_step, and the last
+  Index left;                       // iterations
+  Index later = most;               // tries that may follow
 
   // Of the next try, at least one.
   Index next() {
-    const Index share = later == 8 ? left - std::min((left + 3) / 4, 8 * tuning::accept::least_iterations) : left / (later + 1);
+    const Index share = later == most ? left - (left + 3) / 4 : left / (later + 1);
     --later;
     return std::max<Index>(1, share);
   }

@@ -18,7 +18,6 @@ inline constexpr double energy = 1e-10;           // relative work of impulses t
 inline constexpr double energy_by_tolerance = 10;  // and, times the tolerance, as its consequence
 inline constexpr double max_residual = 1e-2;      // above it impulses miss the velocities asked for: no restitution
 inline constexpr double restitution_step = 1e-2;  // bisection of the restitution scale ends at this width
-inline constexpr Index least_iterations = 3;     // of a try of the bisection, where the first takes all it may
 inline constexpr double near_round_off = 10;      // of the rounding of G y: errors below are computed in extended precision
 inline constexpr double lost_speed = 1e-4;        // share of the speeds below which the rounding of an impulse must stay
 inline constexpr double immovable = 1e-24;        // of the largest diagonal: rows below move by rounding only (squared 1e-12)
