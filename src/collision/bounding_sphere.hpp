@@ -52,6 +52,7 @@ inline double by_boxes(double bound, const Geom& a, const Pose& A, const Geom& b
   return bound;
 }
 
+// Lower bound of the distance of two shapes, by all of these.
 inline double distance_lower_bound(const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
   return by_boxes(sphere_lower_bound(a, A, b, B), a, A, b, B);
 }

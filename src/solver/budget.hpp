@@ -35,8 +35,8 @@ struct Budget {
   }
 };
 
-// Shares iterations among the tries that find a factor of restitution by bisection. The first is mostly the only one, and takes three
-// quarters.
+// Shares iterations among the tries that find a factor of restitution by bisection. The first is mostly the only one, and takes
+// three quarters. A bisection ends where one iteration is left: the last try takes it.
 struct Tries {
   static constexpr Index most = 8;  // after the first: seven halvings to restitution_step, and the last
   Index left;                       // iterations

@@ -11,7 +11,7 @@ namespace boards {
 constexpr dynParts parts_of_distances = DYN_PART_COLLISION;
 constexpr int distance_poses = 20;
 
-// Of a model of free bodies, the first of which is in place. clock(call) runs call and returns its status.
+// Of a model of free bodies. clock(call) runs call and returns its status.
 template <class Out, class Clock>
 dynStatus distance_figures(const dynModel* m, dynData* d, Out&& out, Clock&& clock) {
   constexpr int most = 64;
